@@ -1,0 +1,176 @@
+// A folder includes only strictly lower floors, or its own; and what one floor alone may see stays there.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, int> level = {
+    {"sparse", 0},   {"spatial", 1}, {"model", 2},  {"algorithm", 3},  {"contact", 4}, {"kkt", 5},
+    {"dynamics", 6}, {"io", 7},      {"action", 7}, {"simulation", 7}, {"cli", 8},
+};
+
+struct Guarded {
+  std::string what;
+  std::regex header;
+  std::regex allowed;  // the files that may include it
+};
+
+const std::vector<Guarded> guarded = {
+    {"SuiteSparse belongs to the sources of sparse",
+     std::regex("suitesparse/.*|(ldl|c?camd|c?colamd|amd|btf|cs|klu|umfpack|spqr|cholmod\\w*)\\.h"
+                "|SuiteSparse\\w*\\.h(pp)?|Eigen/(Cholmod|UmfPack|SPQR|KLU)Support"),
+     std::regex("sparse/src/.*")},
+    {"urdfdom and tinyxml2 belong to the sources of io",
+     std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/io/.*")},
+    {"JSON belongs to cli", std::regex("nlohmann/.*"), std::regex("src/cli/.*")},
+    {"boost belongs to spatial/scalar.hpp and quad.hpp", std::regex("boost/.*"),
+     std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
+};
+
+// The floor of a file, by its path from the top of the repository: "kkt" for src/kkt/assemble.cpp.
+std::optional<std::string> floor_of(const std::string& file) {
+  static const std::regex place(
+      "(?:sparse/include/manycontact|include/manycontact|src)/(\\w+)/.*|(sparse)/src/.*");
+  std::smatch match;
+  if (!std::regex_match(file, match, place)) return std::nullopt;
+  const std::string name = match[1].matched ? match[1] : match[2];
+  if (!level.contains(name)) return std::nullopt;
+  return name;
+}
+
+// The file of ours that `header` means when `file` includes it, from the top of the repository.
+std::optional<std::string> own_target(const std::string& file, const std::string& header, bool quoted) {
+  if (header.starts_with("manycontact/")) return "include/" + header;
+  if (!quoted) return std::nullopt;
+  return (fs::path(file).parent_path() / header).lexically_normal().generic_string();
+}
+
+// What is wrong with `file` including `header`; empty when nothing is.
+std::string complaint(const std::string& file, const std::string& header, bool quoted) {
+  for (const Guarded& guard : guarded)
+    if (std::regex_match(header, guard.header))
+      return std::regex_match(file, guard.allowed) ? "" : "includes " + header + ": " + guard.what;
+
+  const auto target = own_target(file, header, quoted);
+  if (!target) return "";
+  const auto from = floor_of(file);
+  const auto to = floor_of(*target);
+  if (!to) return "includes " + header + ", which stands on no floor";
+  if (*from == *to || level.at(*to) < level.at(*from)) return "";
+  const std::string direction = level.at(*to) == level.at(*from) ? "sideways" : "up";
+  return "includes " + header + ": from " + *from + " " + direction + " to " + *to;
+}
+
+// Every complaint about one file, as "file:line: what".
+std::vector<std::string> check_file(const std::string& file, std::istream& text) {
+  if (!floor_of(file)) return {file + ":1: stands on no floor"};
+  static const std::regex include(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
+  std::vector<std::string> complaints;
+  std::string line;
+  for (int number = 1; std::getline(text, line); ++number) {
+    std::smatch match;
+    if (!std::regex_match(line, match, include)) continue;
+    const std::string what = complaint(file, match[2], match[1] == "\"");
+    if (!what.empty()) complaints.push_back(file + ":" + std::to_string(number) + ": " + what);
+  }
+  return complaints;
+}
+
+std::vector<fs::path> code_files(const fs::path& top) {
+  std::vector<fs::path> files;
+  for (const char* folder : {"include", "src", "sparse"}) {
+    if (!fs::exists(top / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (entry.is_regular_file() && (extension == ".hpp" || extension == ".h" || extension == ".cpp"))
+        files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::string> check_text(const std::string& file, const std::string& text) {
+  std::istringstream stream(text);
+  return check_file(file, stream);
+}
+
+TEST(Layering, EveryIncludeGoesDown) {
+  const fs::path top = MANYCONTACT_SOURCE_DIR;
+  const auto files = code_files(top);
+  ASSERT_FALSE(files.empty()) << "nothing to check under " << top;
+  for (const fs::path& path : files) {
+    std::ifstream stream(path);
+    ASSERT_TRUE(stream) << path;
+    for (const std::string& what : check_file(path.lexically_relative(top).generic_string(), stream))
+      ADD_FAILURE() << what;
+  }
+}
+
+TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
+  EXPECT_EQ(check_text("src/kkt/assemble.cpp",
+                       "#include \"manycontact/kkt/assemble.hpp\"\n"
+                       "\n"
+                       "  #  include <manycontact/dynamics/solve.hpp>  // up\n"
+                       "#include \"manycontact/sparse/pattern.hpp\"\n"
+                       "#include <cholmod.h>\n"),
+            (std::vector<std::string>{
+                "src/kkt/assemble.cpp:3: includes manycontact/dynamics/solve.hpp: from kkt up to dynamics",
+                "src/kkt/assemble.cpp:5: includes cholmod.h: SuiteSparse belongs to the sources of sparse"}));
+}
+
+struct Include {
+  std::string file;
+  std::string header;  // with its quotes or brackets
+};
+
+TEST(Layering, CheckerLetsGoodIncludesPass) {
+  const std::vector<Include> good = {
+      {"src/cli/main.cpp", "\"manycontact/io/scene_file.hpp\""},
+      {"src/cli/main.cpp", "\"commands.hpp\""},
+      {"src/cli/main.cpp", "<nlohmann/json.hpp>"},
+      {"include/manycontact/model/scene.hpp", "\"manycontact/model/model.hpp\""},
+      {"include/manycontact/model/scene.hpp", "<vector>"},
+      {"include/manycontact/spatial/scalar.hpp", "<boost/multiprecision/float128.hpp>"},
+      {"sparse/src/ldl.cpp", "\"manycontact/sparse/ldl.hpp\""},
+      {"sparse/src/ldl.cpp", "<ldl.h>"},
+      {"src/io/urdf.cpp", "<urdf_parser/urdf_parser.h>"},
+      {"src/io/urdf.cpp", "<tinyxml2.h>"},
+  };
+  for (const auto& [file, header] : good)
+    EXPECT_TRUE(check_text(file, "#include " + header).empty()) << file << " includes " << header;
+}
+
+TEST(Layering, CheckerRefusesBadIncludes) {
+  const std::vector<Include> bad = {
+      {"include/manycontact/model/scene.hpp", "\"manycontact/contact/reference.hpp\""},  // up
+      {"src/model/scene.cpp", "\"../kkt/assemble.hpp\""},
+      {"sparse/src/ldl.cpp", "\"manycontact/spatial/scalar.hpp\""},
+      {"src/action/action.cpp", "\"manycontact/simulation/integrate.hpp\""},  // sideways
+      {"src/model/scene.cpp", "\"manycontact/nowhere/scene.hpp\""},           // nowhere
+      {"src/nowhere/scene.cpp", "<vector>"},
+      {"src/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // what belongs to one floor
+      {"src/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
+      {"sparse/include/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
+      {"src/cli/main.cpp", "<urdf_model/model.h>"},
+      {"include/manycontact/io/scene_file.hpp", "<tinyxml2.h>"},
+      {"src/io/scene_file.cpp", "<nlohmann/json.hpp>"},
+      {"src/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},
+  };
+  for (const auto& [file, header] : bad)
+    EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;
+}
+
+}  // namespace
