@@ -1,0 +1,65 @@
+#pragma once
+// One robot (or object): a kinematic tree. Constant once finalized; shared by all copies of the robot in a scene.
+// Joints are numbered so that a parent comes before its children.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "manycontact/model/joint.hpp"
+
+namespace manycontact {
+
+/// A named frame (a link, or a link merged behind fixed joints), fixed on a joint's body.
+struct Frame {
+  std::string name;
+  int joint = -1;         // -1: fixed to the robot's base
+  SE3<double> placement;  // in the joint's frame (in the base frame when joint = -1)
+};
+
+/// What reading the file merged, locked, or did not model; for `inspect` and the summary.
+struct ModelNotes {
+  std::vector<std::string> merged;      // fixed joints
+  std::vector<std::string> locked;      // frozen joints
+  std::vector<std::string> mimic;       // joints with <mimic>, kept independent
+  std::vector<std::string> dynamics;    // joints whose <dynamics> damping or friction is not modelled
+};
+
+struct Model {
+  std::string name;
+  bool floating_base = false;  // joint 0 is the floating base
+  std::vector<Joint> joints;
+  std::vector<Frame> frames;
+  Eigen::VectorXd armature;    // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
+  ModelNotes notes;
+
+  // Derived by finalize.
+  int nq = 0, nv = 0;
+  std::vector<int> dof_parent;   // nv: the next dof towards the base, -1 at the base
+  std::vector<int> dof_joint;    // nv
+  std::vector<int> dof_depth;    // nv: number of ancestors
+  std::vector<int> subtree_end;  // per joint: one past the last joint of its subtree when numbered depth first
+  std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp)
+
+  int njoints() const { return static_cast<int>(joints.size()); }
+  int nu() const { return floating_base ? nv - 6 : nv; }         // actuated coordinates: all but a floating base
+  int first_actuated() const { return floating_base ? 6 : 0; }   // they are v[first_actuated() ... nv)
+  /// Index of the frame called `name`, -1 if there is none.
+  int find_frame(const std::string& frame_name) const;
+  /// Index of the joint called `name`, -1 if there is none.
+  int find_joint(const std::string& joint_name) const;
+  /// Total mass, kg.
+  double mass() const;
+};
+
+/// Fills idx_q, idx_v and all derived fields from joints, frames and armature (an empty armature becomes zero).
+/// Throws std::invalid_argument when joints are not numbered depth first, parents before children.
+void finalize(Model& model);
+
+/// The neutral configuration: zeros, unit quaternions.
+Eigen::VectorXd neutral(const Model& model);
+
+/// "knee", or "root[0]" for coordinate k of a joint with several.
+std::string dof_name(const Model& model, int dof);
+
+}  // namespace manycontact

@@ -1,0 +1,76 @@
+#pragma once
+// A scene: robots (instances of models) and the contacts among them and with the world. Plain data, no mathematics.
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "manycontact/model/model.hpp"
+
+namespace manycontact {
+
+struct Robot {
+  std::string name;
+  std::shared_ptr<const Model> model;
+  SE3<double> base;                       // fixed base: its placement in the world (unused by a floating base)
+  int idx_q = 0, idx_v = 0, idx_u = 0;    // first coordinate in the scene's q, v, u
+};
+
+enum class ContactType { k1D, k2D, k3D, k6D };
+enum class ReferenceFrame { kLocal, kWorld, kLocalWorldAligned };
+
+constexpr int contact_rows(ContactType t) {
+  return t == ContactType::k1D ? 1 : t == ContactType::k2D ? 2 : t == ContactType::k3D ? 3 : 6;
+}
+
+/// A body a contact is attached to: a placement on a joint's body of a robot, or in the world.
+struct Attachment {
+  int robot = -1;         // -1: the world
+  int joint = -1;         // of that robot's model; -1: its fixed base
+  SE3<double> placement;  // of the contact frame on that body
+};
+
+/// A bilateral contact: frame A on a robot, B' on another body or in the world. Equations in contact/rows.hpp.
+struct Contact {
+  std::string name;
+  ContactType type = ContactType::k6D;
+  ReferenceFrame reference_frame = ReferenceFrame::kLocal;
+  Attachment A, B;
+  Vec3<double> axis = Vec3<double>::UnitZ();  // 1D: the component kept, in the reference frame; unit
+  double alpha = 0, beta = 0;                 // stabilisation gains [1/s^2], [1/s]
+  bool active = true;                         // at the start; data may switch it later
+
+  int rows() const { return contact_rows(type); }
+};
+
+struct Scene {
+  std::string name;
+  Vec3<double> gravity{0, 0, -9.81};
+  double damping = 0;  // delta, Crocoddyl's JMinvJt_damping
+  std::vector<Robot> robots;
+  std::vector<Contact> contacts;
+
+  // Kept by add_robot and add_contact.
+  int nq = 0, nv = 0, nu = 0;
+  std::unordered_map<std::string, int> robot_index, contact_index;  // by name
+
+  int nrobots() const { return static_cast<int>(robots.size()); }
+};
+
+/// Appends a robot and sets its indices; returns its number. Throws std::invalid_argument on a duplicate name.
+int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model,
+              const SE3<double>& base = {});
+
+/// The attachment of a robot's frame, with an offset on it. Throws std::invalid_argument for an unknown name.
+Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame,
+                  const SE3<double>& offset = {});
+
+/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis not zero; the axis is
+/// normalised); returns its number. Throws std::invalid_argument.
+int add_contact(Scene& scene, Contact contact);
+
+/// "r0/knee" for each of the nv velocity coordinates.
+std::vector<std::string> velocity_names(const Scene& scene);
+
+}  // namespace manycontact

@@ -1,0 +1,167 @@
+#pragma once
+// Exponential and logarithm of SO(3), SE(3), SE(2), accurate near 0 and near pi, and the right Jacobians of log6.
+// log is defined for angles up to pi; at pi exactly the axis' sign is arbitrary.
+// Source: Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), ch. 10; the coefficients of
+// Jlog6 are those of z/2 coth(z/2) interpolated on the spectrum {0, +-i theta} (double) of ad.
+
+#include <cmath>
+
+#include "manycontact/spatial/se3.hpp"
+
+namespace manycontact {
+
+namespace detail {
+
+/// sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 from t^2, by series where the closed forms cancel.
+template <class S>
+struct ExpCoefficients {
+  S a, b, c;
+  explicit ExpCoefficients(const S& t2) {
+    using std::cos;
+    using std::sin;
+    using std::sqrt;
+    if (t2 < S(0.25)) {
+      // sum (-1)^k t^2k / (2k+1+m)!; 20 terms reach quadruple precision for t < 1/2
+      a = b = c = S(0);
+      for (int k = 20; k >= 0; --k) {
+        a = S(1) - a * t2 / S((2 * k + 2) * (2 * k + 3));
+        b = S(1) - b * t2 / S((2 * k + 3) * (2 * k + 4));
+        c = S(1) - c * t2 / S((2 * k + 4) * (2 * k + 5));
+      }
+      b /= S(2);
+      c /= S(6);
+    } else {
+      const S t = sqrt(t2);
+      a = sin(t) / t;
+      b = (S(1) - cos(t)) / t2;
+      c = (S(1) - a) / t2;
+    }
+  }
+};
+
+/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2): log's linear part is (I - [w]/2 + alpha [w]^2) p.
+template <class S>
+S log_coefficient(const S& t2) {
+  using std::sqrt;
+  using std::tan;
+  if (t2 < S(1e-6)) return S(1) / S(12) + t2 * (S(1) / S(720) + t2 * (S(1) / S(30240) + t2 / S(1209600)));
+  const S half = sqrt(t2) / S(2);
+  return (S(1) - half / tan(half)) / t2;
+}
+
+}  // namespace detail
+
+template <class S>
+Mat3<S> exp3(const Vec3<S>& w) {
+  const detail::ExpCoefficients<S> k(w.squaredNorm());
+  const Mat3<S> W = skew<S>(w);
+  return Mat3<S>::Identity() + k.a * W + k.b * (W * W);
+}
+
+/// log of a unit quaternion (x, y, z, w) with w >= 0: 2 atan2(|xyz|, w) xyz/|xyz|.
+template <class S>
+Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
+  using std::atan2;
+  using std::sqrt;
+  const Vec3<S> u = q.template head<3>();
+  const S n2 = u.squaredNorm();
+  if (n2 < S(1e-16)) {
+    // 2 asin(n)/n = 2 (1 + n^2/6 + 3 n^4/40 + ...)
+    return S(2) * (S(1) + n2 * (S(1) / S(6) + n2 * S(3) / S(40))) * u;
+  }
+  const S n = sqrt(n2);
+  return (S(2) * atan2(n, q[3]) / n) * u;
+}
+
+template <class S>
+Vec3<S> log3(const Mat3<S>& R) {
+  return log_quaternion<S>(quaternion_of_rotation<S>(R));
+}
+
+/// exp of the motion m = [v; w] on SE(3).
+template <class S>
+SE3<S> exp6(const Vec6<S>& m) {
+  const Vec3<S> v = m.template head<3>(), w = m.template tail<3>();
+  const detail::ExpCoefficients<S> k(w.squaredNorm());
+  const Mat3<S> W = skew<S>(w);
+  return {Mat3<S>(Mat3<S>::Identity() + k.a * W + k.b * (W * W)),
+          Vec3<S>(v + k.b * w.cross(v) + k.c * w.cross(w.cross(v)))};
+}
+
+/// The motion m with exp6(m) = M, |angular part| <= pi.
+template <class S>
+Vec6<S> log6(const SE3<S>& M) {
+  const Vec3<S> w = log3<S>(M.R);
+  const S alpha = detail::log_coefficient<S>(w.squaredNorm());
+  Vec6<S> m;
+  const Vec3<S> wp = w.cross(M.p);
+  m.template head<3>() = M.p - wp / S(2) + alpha * w.cross(wp);
+  m.template tail<3>() = w;
+  return m;
+}
+
+/// Jlog6: log6(M exp6(d)) = log6(M) + Jlog6 d + O(d^2). `xi` = log6(M).
+/// I + ad/2 + alpha ad^2 + beta ad^4 with ad = ad_xi.
+template <class S>
+Mat6<S> Jlog6(const Vec6<S>& xi) {
+  using std::sin;
+  using std::sqrt;
+  using std::tan;
+  const S t2 = xi.template tail<3>().squaredNorm();
+  S alpha, beta;
+  if (t2 < S(0.25)) {
+    // beta = -sum_n (n-1) c_n t^(2n-4), c_n = |B_2n|/(2n)!
+    const double c[] = {1. / 720,          2. / 30240,  3. / 1209600,      4. / 47900160,
+                        5. * 691 / 1307674368000., 6. / 74724249600., 7. * 3617 / 10670622842880000.};
+    beta = S(0);
+    for (int k = 6; k >= 0; --k) beta = beta * t2 + S(c[k]);
+    beta = -beta;
+    alpha = detail::log_coefficient<S>(t2) + beta * t2;
+  } else {
+    const S t = sqrt(t2), h = t / S(2);
+    const S k = h / tan(h);                                            // (t/2) cot(t/2)
+    const S dk = S(0.5) / tan(h) - t / (S(4) * sin(h) * sin(h));       // dk/dt
+    beta = ((S(1) - k) / t2 + dk / (S(2) * t)) / t2;
+    alpha = (S(1) - k) / t2 + beta * t2;
+  }
+  const Mat6<S> ad = cross_matrix<S>(xi);
+  const Mat6<S> ad2 = ad * ad;
+  return Mat6<S>::Identity() + ad / S(2) + alpha * ad2 + beta * (ad2 * ad2);
+}
+
+/// Jexp6 (right Jacobian): exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)); the inverse of Jlog6.
+template <class S>
+Mat6<S> Jexp6(const Vec6<S>& m) {
+  // (1 - e^-ad)/ad, Horner on the series after halving: J(2m) = 1/2 (I + Ad(exp(-m))) J(m)
+  using std::ceil;
+  int halvings = 0;
+  S scale(1);
+  while (scale * m.cwiseAbs().maxCoeff() > S(0.5) && halvings < 60) scale /= S(2), ++halvings;
+  Vec6<S> x = scale * m;
+  const Mat6<S> ad = cross_matrix<S>(x);
+  Mat6<S> J = Mat6<S>::Identity();
+  for (int k = 30; k >= 2; --k) J = Mat6<S>::Identity() - (ad * J) / S(k);
+  for (int k = 0; k < halvings; ++k) {
+    J = S(0.5) * (J + exp6<S>(-x).action() * J);
+    x *= S(2);
+  }
+  return J;
+}
+
+/// SE(2) exponential of (vx, vy, w): translation in the start frame and rotation angle w.
+template <class S>
+Vec3<S> exp_se2(const Vec3<S>& m) {
+  const detail::ExpCoefficients<S> k(m[2] * m[2]);
+  const S s = k.a, c = k.b * m[2];  // sin(w)/w, (1 - cos w)/w
+  return Vec3<S>(s * m[0] - c * m[1], c * m[0] + s * m[1], m[2]);
+}
+
+/// The inverse of exp_se2, |angle| < 2 pi.
+template <class S>
+Vec3<S> log_se2(const Vec3<S>& d) {
+  const S w = d[2], half = w / S(2);
+  const S k = S(1) - detail::log_coefficient<S>(w * w) * w * w;  // (w/2) cot(w/2)
+  return Vec3<S>(k * d[0] + half * d[1], -half * d[0] + k * d[1], w);
+}
+
+}  // namespace manycontact

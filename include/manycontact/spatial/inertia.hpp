@@ -1,0 +1,62 @@
+#pragma once
+// Spatial inertia as ten numbers about the frame's own origin: mass m, first moment h = m c, rotational inertia I at the
+// origin. In this form inertias given in one frame add, which is what CRBA and merging of fixed links need.
+
+#include "manycontact/spatial/se3.hpp"
+
+namespace manycontact {
+
+template <class S>
+struct Inertia {
+  S m = S(0);
+  Vec3<S> h = Vec3<S>::Zero();   // kg m
+  Mat3<S> I = Mat3<S>::Zero();   // kg m^2, about the origin, symmetric
+
+  /// From mass, centre of mass and rotational inertia about the centre of mass.
+  static Inertia from_com(const S& mass, const Vec3<S>& c, const Mat3<S>& Ic) {
+    return {mass, mass * c, Ic + mass * (c.squaredNorm() * Mat3<S>::Identity() - c * c.transpose())};
+  }
+  Inertia& operator+=(const Inertia& o) {
+    m += o.m;
+    h += o.h;
+    I += o.I;
+    return *this;
+  }
+  /// Y a, the force (or momentum) of the motion a.
+  template <class D>
+  Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
+    const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
+    Vec6<S> f;
+    f.template head<3>() = m * v - h.cross(w);
+    f.template tail<3>().noalias() = I * w;
+    f.template tail<3>() += h.cross(v);
+    return f;
+  }
+  Mat6<S> matrix() const {
+    Mat6<S> Y;
+    const Mat3<S> H = skew<S>(h);
+    Y << m * Mat3<S>::Identity(), -H, H, I;
+    return Y;
+  }
+  /// The same inertia in frame a, given in frame b, with aMb. No centre of mass is formed, so m = 0 is harmless.
+  Inertia transformed(const SE3<S>& aMb) const {
+    const Vec3<S> Rh = aMb.R * h;
+    const Vec3<S>& p = aMb.p;
+    Inertia out;
+    out.m = m;
+    out.h = Rh + m * p;
+    // I_a = R I R^T - ([p][Rh] + [Rh][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
+    const S d = S(2) * p.dot(Rh) + m * p.squaredNorm();
+    out.I.noalias() = aMb.R * I * aMb.R.transpose();
+    const Vec3<S> t = Rh + m * p;
+    out.I -= p * Rh.transpose() + t * p.transpose();
+    out.I.diagonal().array() += d;
+    return out;
+  }
+  template <class T>
+  Inertia<T> cast() const {
+    return {T(m), h.template cast<T>(), I.template cast<T>()};
+  }
+};
+
+}  // namespace manycontact

@@ -1,0 +1,103 @@
+#pragma once
+// Placements. aMb = (R, p) maps coordinates in frame b to coordinates in frame a: x_a = R x_b + p.
+
+#include "manycontact/spatial/motion.hpp"
+
+namespace manycontact {
+
+template <class S>
+struct SE3 {
+  Mat3<S> R = Mat3<S>::Identity();
+  Vec3<S> p = Vec3<S>::Zero();
+
+  /// aMc = aMb bMc
+  SE3 operator*(const SE3& o) const { return {R * o.R, p + R * o.p}; }
+  /// bMa
+  SE3 inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
+
+  /// Motion in a from motion in b: X m.
+  template <class D>
+  Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
+    Vec6<S> out;
+    out.template tail<3>().noalias() = R * m.template tail<3>();
+    out.template head<3>().noalias() = R * m.template head<3>();
+    out.template head<3>() += p.cross(out.template tail<3>());
+    return out;
+  }
+  /// Motion in b from motion in a: X^-1 m.
+  template <class D>
+  Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
+    Vec6<S> out;
+    const Vec3<S> w = m.template tail<3>();
+    const Vec3<S> v = m.template head<3>() - p.cross(w);
+    out.template head<3>().noalias() = R.transpose() * v;
+    out.template tail<3>().noalias() = R.transpose() * w;
+    return out;
+  }
+  /// Force in a from force in b: X^-T f.
+  template <class D>
+  Vec6<S> act_force(const Eigen::MatrixBase<D>& f) const {
+    Vec6<S> out;
+    out.template head<3>().noalias() = R * f.template head<3>();
+    out.template tail<3>().noalias() = R * f.template tail<3>();
+    out.template tail<3>() += p.cross(out.template head<3>());
+    return out;
+  }
+  /// X, the 6x6 matrix of act.
+  Mat6<S> action() const {
+    Mat6<S> X;
+    X << R, skew<S>(p) * R, Mat3<S>::Zero(), R;
+    return X;
+  }
+  template <class T>
+  SE3<T> cast() const {
+    return {R.template cast<T>(), p.template cast<T>()};
+  }
+};
+
+/// Rotation by `angle` about the unit vector `axis` (Rodrigues).
+template <class S>
+Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
+  using std::cos;
+  using std::sin;
+  const S c = cos(angle), s = sin(angle);
+  return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
+}
+
+/// Rotation matrix of the quaternion x, y, z, w; exactly orthonormal even when |quat| is only near 1.
+template <class S>
+Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
+  const S s = S(2) / (x * x + y * y + z * z + w * w);
+  Mat3<S> R;
+  R << S(1) - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),  //
+      s * (x * y + w * z), S(1) - s * (x * x + z * z), s * (y * z - w * x),   //
+      s * (x * z - w * y), s * (y * z + w * x), S(1) - s * (x * x + y * y);
+  return R;
+}
+
+/// Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix. Shepperd's choice of the largest component, so that it
+/// loses no digits at any angle.
+template <class S>
+Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
+  using std::sqrt;
+  Eigen::Matrix<S, 4, 1> q;
+  const S trace = R(0, 0) + R(1, 1) + R(2, 2);
+  int k = 3;
+  S best = trace;
+  for (int i = 0; i < 3; ++i)
+    if (R(i, i) > best) best = R(i, i), k = i;
+  if (k == 3) {
+    q << R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1), S(1) + trace;
+  } else {
+    const int i = k, j = (i + 1) % 3, l = (i + 2) % 3;
+    q[i] = S(1) + R(i, i) - R(j, j) - R(l, l);
+    q[j] = R(i, j) + R(j, i);
+    q[l] = R(i, l) + R(l, i);
+    q[3] = R(l, j) - R(j, l);
+  }
+  const S norm = sqrt(q.squaredNorm());
+  q /= (q[3] < S(0)) ? S(-norm) : norm;
+  return q;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,102 @@
+#include "manycontact/model/model.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+namespace manycontact {
+
+int Model::find_frame(const std::string& frame_name) const {
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i].name == frame_name) return static_cast<int>(i);
+  return -1;
+}
+
+int Model::find_joint(const std::string& joint_name) const {
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (joints[i].name == joint_name) return static_cast<int>(i);
+  return -1;
+}
+
+double Model::mass() const {
+  double m = 0;
+  for (const Joint& j : joints) m += j.inertia.m;
+  return m;
+}
+
+namespace {
+
+int axis_kind(const Vec3<double>& axis) {
+  for (int k = 0; k < 3; ++k)
+    if (axis == Vec3<double>::Unit(k)) return k;
+  return 3;
+}
+
+// Depth first: joint i-1's chain towards the base contains i's parent.
+void number_subtrees(Model& model) {
+  const int n = model.njoints();
+  model.subtree_end.assign(n, 0);
+  for (int i = n - 1; i >= 0; --i) {
+    const int parent = model.joints[i].parent;
+    if (parent >= i) throw std::invalid_argument("finalize: a joint's parent must come before it");
+    model.subtree_end[i] = std::max(model.subtree_end[i], i + 1);
+    if (parent >= 0) model.subtree_end[parent] = std::max(model.subtree_end[parent], model.subtree_end[i]);
+  }
+  for (int i = 1; i < n; ++i) {
+    const int parent = model.joints[i].parent;
+    int k = i - 1;
+    while (k >= 0 && k != parent) k = model.joints[k].parent;
+    if (k != parent) throw std::invalid_argument("finalize: joints must be numbered depth first");
+  }
+}
+
+}  // namespace
+
+void finalize(Model& model) {
+  number_subtrees(model);
+  model.nq = model.nv = 0;
+  model.dof_parent.clear();
+  model.dof_joint.clear();
+  model.dof_depth.clear();
+  for (int i = 0; i < model.njoints(); ++i) {
+    Joint& joint = model.joints[i];
+    joint.idx_q = model.nq;
+    joint.idx_v = model.nv;
+    joint.axis_kind = axis_kind(joint.axis);
+    joint.placement_rotates = joint.placement.R != Mat3<double>::Identity();
+    model.nq += joint.nq();
+    model.nv += joint.nv();
+    for (int k = 0; k < joint.nv(); ++k) {
+      int parent = joint.idx_v + k - 1;
+      if (k == 0) {
+        const int pj = joint.parent;
+        parent = pj < 0 ? -1 : model.joints[pj].idx_v + model.joints[pj].nv() - 1;
+      }
+      model.dof_parent.push_back(parent);
+      model.dof_joint.push_back(i);
+      model.dof_depth.push_back(parent < 0 ? 0 : model.dof_depth[parent] + 1);
+    }
+  }
+  model.M_begin.assign(1, 0);
+  for (int i = 0; i < model.nv; ++i) {
+    if (model.M_begin[i] > std::numeric_limits<int>::max() - model.dof_depth[i] - 1)
+      throw std::invalid_argument("finalize: the tree is so deep that M has 2^31 entries or more");
+    model.M_begin.push_back(model.M_begin[i] + model.dof_depth[i] + 1);
+  }
+  if (model.armature.size() == 0) model.armature = Eigen::VectorXd::Zero(model.nv);
+  if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
+}
+
+Eigen::VectorXd neutral(const Model& model) {
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(model.nq);
+  for (const Joint& j : model.joints)
+    if (j.type == JointType::kFloating) q[j.idx_q + 6] = 1;
+  return q;
+}
+
+std::string dof_name(const Model& model, int dof) {
+  const Joint& joint = model.joints[model.dof_joint[dof]];
+  if (joint.nv() == 1) return joint.name;
+  return joint.name + "[" + std::to_string(dof - joint.idx_v) + "]";
+}
+
+}  // namespace manycontact
