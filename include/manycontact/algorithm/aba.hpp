@@ -1,0 +1,29 @@
+#pragma once
+// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, written in the tree frame, where articulated
+// inertias pass to the parent by addition.
+
+#include <span>
+
+#include "manycontact/algorithm/kinematics.hpp"
+
+namespace manycontact {
+
+template <class S>
+struct AbaData {
+  explicit AbaData(const Model& model);
+  std::vector<Mat6<S>> IA;  // njoints: articulated inertia
+  std::vector<Vec6<S>> pA;  // njoints: articulated bias force
+  Mat6X<S> U;               // 6 x nv: IA S
+  VecX<S> u;                // nv: tau - S^T pA, then D^-1 u
+  std::vector<Mat6<S>> Dinv;  // njoints: (S^T IA S + armature)^-1 in the leading nv x nv block
+  std::vector<Vec6<S>> a;     // njoints: accelerations, a_base = -g
+};
+
+/// qdd = M^-1 (tau - h + sum J^T fext). q: nq; v, tau, qdd: nv; fext: njoints forces in the child frames, or empty.
+/// `kin` is overwritten. Returns false where an articulated inertia D is not positive (singular M); qdd is then NaN.
+template <class S>
+[[nodiscard]] bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
+                       const ConstVecRef<S>& tau, const Vec3<double>& gravity, std::span<const Vec6<S>> fext,
+                       Kinematics<S>& kin, AbaData<S>& data, VecRef<S> qdd);
+
+}  // namespace manycontact

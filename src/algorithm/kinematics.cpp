@@ -1,0 +1,144 @@
+#include "manycontact/algorithm/kinematics.hpp"
+
+namespace manycontact {
+
+template <class S>
+Kinematics<S>::Kinematics(const Model& model)
+    : origin(Vec3<S>::Zero()),
+      oMi(model.njoints()),
+      J(Mat6X<S>::Zero(6, model.nv)),
+      Y(model.njoints()),
+      v(model.njoints(), Vec6<S>::Zero()),
+      a(model.njoints(), Vec6<S>::Zero()) {}
+
+namespace {
+
+// R <- R Rot(e_k, angle): mixes two columns.
+template <class S>
+inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
+  const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+  const Vec3<S> ci = R.col(i), cj = R.col(j);
+  R.col(i) = c * ci + s * cj;
+  R.col(j) = c * cj - s * ci;
+}
+
+// Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
+template <class S>
+inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, Mat6X<S>& J) {
+  using std::cos;
+  using std::sin;
+  const int iq = joint.idx_q, iv = joint.idx_v;
+  switch (joint.type) {
+    case JointType::kRevolute: {
+      Vec3<S> axis;
+      if (joint.axis_kind < 3) {
+        const S c = cos(q[iq]), s = sin(q[iq]);
+        rotate_columns<S>(M.R, joint.axis_kind, c, s);
+        axis = M.R.col(joint.axis_kind);
+      } else {
+        const Vec3<S> u = joint.axis.cast<S>();
+        M.R = Mat3<S>(M.R * rotation_about<S>(u, q[iq]));
+        axis = M.R * u;
+      }
+      J.col(iv).template head<3>() = M.p.cross(axis);
+      J.col(iv).template tail<3>() = axis;
+      break;
+    }
+    case JointType::kPrismatic: {
+      const Vec3<S> axis = M.R * joint.axis.cast<S>();
+      M.p += q[iq] * axis;
+      J.col(iv).template head<3>() = axis;
+      J.col(iv).template tail<3>().setZero();
+      break;
+    }
+    case JointType::kFloating: {
+      M.p += M.R * q.template segment<3>(iq);
+      M.R = Mat3<S>(M.R * rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
+      J.template middleCols<6>(iv) = M.action();
+      break;
+    }
+    case JointType::kPlanar: {
+      M.p += M.R.col(0) * q[iq] + M.R.col(1) * q[iq + 1];
+      rotate_columns<S>(M.R, 2, S(cos(q[iq + 2])), S(sin(q[iq + 2])));
+      const Vec3<S> normal = M.R.col(2);
+      J.template block<3, 1>(0, iv) = M.R.col(0);
+      J.template block<3, 1>(0, iv + 1) = M.R.col(1);
+      J.template block<3, 2>(3, iv).setZero();
+      J.template block<3, 1>(0, iv + 2) = M.p.cross(normal);
+      J.template block<3, 1>(3, iv + 2) = normal;
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+template <class S>
+void forward_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
+  SE3<S> oMbase;
+  if (model.floating_base) {
+    kin.origin = q.template head<3>();
+  } else {
+    kin.origin = base.p.cast<S>();
+    oMbase.R = base.R.cast<S>();
+  }
+  const int n = model.njoints();
+  for (int i = 0; i < n; ++i) {
+    const Joint& joint = model.joints[i];
+    SE3<S>& M = kin.oMi[i];
+    if (i == 0 && model.floating_base) {
+      M.R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);  // the tree frame's origin is here: p = 0
+      M.p.setZero();
+      kin.J.template leftCols<6>() = M.action();
+    } else {
+      const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
+      M.p.noalias() = P.R * joint.placement.p.cast<S>();
+      M.p += P.p;
+      if (joint.placement_rotates)
+        M.R.noalias() = P.R * joint.placement.R.cast<S>();
+      else
+        M.R = P.R;
+      move_joint<S>(joint, q, M, kin.J);
+    }
+    kin.Y[i] = joint.inertia.template cast<S>().transformed(M);
+  }
+}
+
+template <class S>
+void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S* qdd, const Vec3<double>& gravity,
+                           Kinematics<S>& kin) {
+  Vec6<S> minus_g = Vec6<S>::Zero();
+  minus_g.template head<3>() = -gravity.cast<S>();
+  const Vec6<S> zero = Vec6<S>::Zero();
+  const int n = model.njoints();
+  for (int i = 0; i < n; ++i) {
+    const Joint& joint = model.joints[i];
+    const int iv = joint.idx_v;
+    const Vec6<S>& vp = joint.parent < 0 ? zero : kin.v[joint.parent];
+    const Vec6<S>& ap = joint.parent < 0 ? minus_g : kin.a[joint.parent];
+    Vec6<S> vJ;  // S_i v
+    Vec6<S> aJ = ap;
+    if (joint.nv() == 1) {
+      vJ = kin.J.col(iv) * v[iv];
+      if (qdd) aJ += kin.J.col(iv) * qdd[iv];
+    } else {
+      vJ.setZero();
+      for (int k = iv; k < iv + joint.nv(); ++k) {
+        vJ += kin.J.col(k) * v[k];
+        if (qdd) aJ += kin.J.col(k) * qdd[k];
+      }
+    }
+    kin.v[i] = vp + vJ;
+    kin.a[i] = aJ + cross_motion(vp, vJ);  // v_i x S v = v_p x S v, since S v x S v = 0
+  }
+}
+
+template struct Kinematics<InstantiatedScalar>;
+template void forward_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
+                                                     const ConstVecRef<InstantiatedScalar>&,
+                                                     Kinematics<InstantiatedScalar>&);
+template void forward_accelerations<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
+                                                        const InstantiatedScalar*, const Vec3<double>&,
+                                                        Kinematics<InstantiatedScalar>&);
+
+}  // namespace manycontact
