@@ -1,0 +1,11 @@
+#pragma once
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// Moves B' of `contact` onto A at configuration q (the scene's nq), so that the placement error is zero: its origin
+/// when `position`, its axes when `orientation`. q: nq of the scene.
+void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
+                       Contact& contact);
+
+}  // namespace manycontact

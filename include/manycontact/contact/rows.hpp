@@ -1,0 +1,46 @@
+#pragma once
+// The rows of one contact. With A, B' the contact's frames, G = B'MA and X the action of AMB', all in A's axes:
+//
+//   nu    = v_A - X v_B'                        J_l = J_A - X J_B'   (6 x its columns)
+//   nudot = a_A - X a_B' - v_A x nu
+//   6D:         x = nudot + alpha log6(G) + beta nu
+//   1D, 2D, 3D: x = nudot_lin + nu_ang x nu_lin + alpha R_A^T (p_A - p_B') + beta nu_lin
+//
+// a0 = W x and J = W J_l with W selecting the rows: of A's axes (local), or of the world's (W turns them by oR_A).
+// Columns of joints above the common ancestor of A and B' are zero exactly and left out.
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// The velocity coordinates a contact acts on, numbered within their robots, ascending: those only above A (sign +),
+/// those only above B' (sign -).
+struct ContactSupport {
+  std::vector<int> a, b;
+  int cols() const { return static_cast<int>(a.size() + b.size()); }
+};
+ContactSupport contact_support(const Scene& scene, const Contact& contact);
+
+/// Numbers of one contact. Allocated once; everything 6-dimensional is in A's frame.
+template <class S>
+struct ContactData {
+  ContactData(const Contact& contact, const ContactSupport& support);
+
+  // by contact_rows
+  SE3<S> aMA, bMA;                       // A in the tree frame of its own robot, and of B's (of the world)
+  SE3<S> G;                              // B'MA
+  Vec6<S> vA, vB, aA, aB;                // velocities, accelerations (without qdd, minus gravity) of A and X B'
+  Vec6<S> nu, nudot, x;                  // as above; for points x's angular part is zero
+  Mat6X<S> Jl;                           // 6 x cols: J_l, first the columns of support.a, then of support.b
+  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;  // rows x 6
+  MatX<S> J;                             // rows x cols
+  Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
+};
+
+/// Fills `data`. kinA, kinB: of the robots of A and B after forward_accelerations; kinB is nullptr when B is the world.
+template <class S>
+void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
+                  const Kinematics<S>* kinB, ContactData<S>& data);
+
+}  // namespace manycontact

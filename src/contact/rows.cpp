@@ -1,0 +1,113 @@
+#include "manycontact/contact/rows.hpp"
+
+#include "manycontact/spatial/explog.hpp"
+
+namespace manycontact {
+
+template <class S>
+ContactData<S>::ContactData(const Contact& contact, const ContactSupport& support)
+    : vA(Vec6<S>::Zero()),
+      vB(Vec6<S>::Zero()),
+      aA(Vec6<S>::Zero()),
+      aB(Vec6<S>::Zero()),
+      nu(Vec6<S>::Zero()),
+      nudot(Vec6<S>::Zero()),
+      x(Vec6<S>::Zero()),
+      Jl(Mat6X<S>::Zero(6, support.cols())),
+      W(Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6>::Zero(contact.rows(), 6)),
+      J(MatX<S>::Zero(contact.rows(), support.cols())),
+      a0(VecX<S>::Zero(contact.rows())) {}
+
+namespace {
+
+// Placement of an attachment's frame in its robot's tree frame, and the world position of that frame's origin.
+template <class S>
+SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
+  if (at.joint >= 0) return kin.oMi[at.joint] * at.placement.cast<S>();
+  const SE3<double>& base = scene.robots[at.robot].base;
+  return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
+}
+
+template <class S>
+void place_and_move(const Scene& scene, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
+                    ContactData<S>& d) {
+  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of what stands still, minus gravity
+  rest.template head<3>() = -scene.gravity.cast<S>();
+  d.aMA = place<S>(scene, c.A, kinA);
+  d.bMA = d.aMA;
+  SE3<S> bMB;
+  if (kinB) {
+    if (kinB != &kinA) d.bMA.p += kinA.origin - kinB->origin;
+    bMB = place<S>(scene, c.B, *kinB);
+  } else {
+    d.bMA.p += kinA.origin;
+    bMB = c.B.placement.cast<S>();
+  }
+  d.G = bMB.inverse() * d.bMA;
+  const bool a_moves = c.A.joint >= 0, b_moves = kinB && c.B.joint >= 0;
+  d.vA = a_moves ? d.aMA.act_inverse(kinA.v[c.A.joint]) : Vec6<S>(Vec6<S>::Zero());
+  d.aA = d.aMA.act_inverse(a_moves ? kinA.a[c.A.joint] : rest);
+  d.vB = b_moves ? d.bMA.act_inverse(kinB->v[c.B.joint]) : Vec6<S>(Vec6<S>::Zero());
+  d.aB = d.bMA.act_inverse(b_moves ? kinB->a[c.B.joint] : rest);
+}
+
+// W: the rows kept, in A's axes; in the world's axes they are turned by R = oR_A.
+template <class S>
+void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
+  Mat3<S> axes = Mat3<S>::Identity();
+  if (c.reference_frame != ReferenceFrame::kLocal) axes = R;
+  switch (c.type) {
+    case ContactType::k1D:
+      d.W.template block<1, 3>(0, 0) = c.axis.cast<S>().transpose() * axes;
+      break;
+    case ContactType::k2D:
+      d.W.template block<1, 3>(0, 0) = axes.row(0);
+      d.W.template block<1, 3>(1, 0) = axes.row(2);
+      break;
+    case ContactType::k3D:
+      d.W.template block<3, 3>(0, 0) = axes;
+      break;
+    case ContactType::k6D:
+      d.W.template block<3, 3>(0, 0) = axes;
+      d.W.template block<3, 3>(3, 3) = axes;
+      break;
+  }
+}
+
+}  // namespace
+
+template <class S>
+void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
+                  const Kinematics<S>* kinB, ContactData<S>& d) {
+  place_and_move<S>(scene, c, kinA, kinB, d);
+  const S alpha(c.alpha), beta(c.beta);
+  d.nu = d.vA - d.vB;
+  d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
+  if (c.type == ContactType::k6D) {
+    d.x = d.nudot + beta * d.nu;
+    if (c.alpha != 0) d.x += alpha * log6<S>(d.G);
+  } else {
+    const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
+    d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
+    if (c.alpha != 0) d.x.template head<3>() += alpha * (d.G.R.transpose() * d.G.p);
+  }
+  int k = 0;
+  for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
+  for (int i : support.b) d.Jl.col(k++) = -d.bMA.act_inverse(kinB->J.col(i));
+  if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
+    d.W.setIdentity();
+    d.J = d.Jl;
+    d.a0 = d.x;
+    return;
+  }
+  select_rows<S>(c, d.aMA.R, d);
+  d.J.noalias() = d.W * d.Jl;
+  d.a0.noalias() = d.W * d.x;
+}
+
+template struct ContactData<InstantiatedScalar>;
+template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
+                                               const Kinematics<InstantiatedScalar>&,
+                                               const Kinematics<InstantiatedScalar>*, ContactData<InstantiatedScalar>&);
+
+}  // namespace manycontact
