@@ -1,0 +1,10 @@
+#pragma once
+#include <functional>
+
+namespace manycontact::sparse {
+
+/// Estimate of |A^-1|_1 of a symmetric matrix from solves with it (a lower bound, nearly always within a factor 3).
+/// solve: x <- A^-1 x, x of length n. Source: Higham, Algorithm 674 (1988), after Hager (1984).
+double inverse_norm_1(int n, const std::function<void(double*)>& solve);
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,44 @@
+#pragma once
+// A = L D L^T of a symmetric matrix in the order given, by SuiteSparse's LDL. No pivoting: whether the pivots were sound
+// is for the caller to judge from D (its signs are A's inertia) and from smallest_pivot_ratio.
+// Source: Davis, Algorithm 849: a concise sparse Cholesky factorization package (2005).
+
+#include <vector>
+
+#include "manycontact/sparse/upper_csc.hpp"
+
+namespace manycontact::sparse {
+
+/// What the pattern alone determines. Constant; shared by all matrices of the pattern.
+struct LdlSymbolic {
+  int n = 0;
+  std::vector<int> parent;  // elimination tree
+  std::vector<int> Lp, Li;  // L without its unit diagonal, by columns, rows ascending
+  double flops = 0;         // of the numeric phase: sum of squared column counts
+
+  int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
+};
+
+/// Scratch memory of factorization, for matrices up to the largest it was made for.
+struct LdlWorkspace {
+  std::vector<double> Y;
+  std::vector<int> pattern, flag, Lnz, Li;
+  void reserve(const LdlSymbolic& symbolic);
+};
+
+LdlSymbolic ldl_analyze(const UpperCsc& A);
+
+/// Lx: nonzeros(), D: n. Returns n, or the column whose pivot is exactly zero (then L, D are not usable).
+/// Allocates nothing once the workspace is large enough.
+[[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
+                             double* Lx, double* D);
+
+/// x <- A^-1 x.
+void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
+
+/// min over k of |D_k| / (|A_kk| + sum_j L_kj^2 |D_j|): how much of a pivot is left after cancellation. Near eps, the
+/// pivot is noise. scale: n, scratch.
+double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx,
+                            const double* D, double* scale);
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,31 @@
+#pragma once
+// Symmetric sparse matrices, stored as their upper triangle by columns.
+
+#include <vector>
+
+namespace manycontact::sparse {
+
+/// Pattern of the upper triangle, diagonal included: column j has rows i[p[j]] ... i[p[j+1]-1], ascending, each <= j.
+struct UpperCsc {
+  int n = 0;
+  std::vector<int> p{0};
+  std::vector<int> i;
+
+  int nonzeros() const { return static_cast<int>(i.size()); }
+  /// Position of entry (row, col) with row <= col, -1 if it is not in the pattern. Binary search, for set-up only.
+  int slot(int row, int col) const;
+};
+
+/// Builds the pattern from entries (row, col), in any order and triangle, with repetitions; the diagonal is added.
+UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries);
+
+/// The pattern of P A P^T: entry (i, j) moves to (iperm[i], iperm[j]).
+UpperCsc permute(const UpperCsc& A, const std::vector<int>& iperm);
+
+/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|. All of length n.
+void residual(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale);
+
+/// |A|_1, the largest column sum of the whole symmetric matrix. work: n.
+double norm_1(const UpperCsc& A, const double* Ax, double* work);
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,45 @@
+#include "manycontact/sparse/condition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace manycontact::sparse {
+
+namespace {
+double sum_abs(const std::vector<double>& x) {
+  double s = 0;
+  for (double v : x) s += std::abs(v);
+  return s;
+}
+}  // namespace
+
+double inverse_norm_1(int n, const std::function<void(double*)>& solve) {
+  if (n == 0) return 0;
+  std::vector<double> x(n, 1.0 / n), z(n);
+  double estimate = 0;
+  int last = -1;
+  for (int step = 0; step < 5; ++step) {
+    solve(x.data());
+    const double s = sum_abs(x);
+    if (!std::isfinite(s)) return std::numeric_limits<double>::infinity();
+    if (step > 0 && s <= estimate) break;
+    estimate = s;
+    for (int k = 0; k < n; ++k) z[k] = x[k] >= 0 ? 1 : -1;
+    solve(z.data());  // A is symmetric
+    const auto largest =
+        std::max_element(z.begin(), z.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const int j = static_cast<int>(largest - z.begin());
+    if (j == last) break;
+    last = j;
+    std::fill(x.begin(), x.end(), 0.0);
+    x[j] = 1;
+  }
+  // the alternating vector guards against unlucky starts
+  for (int k = 0; k < n; ++k) x[k] = (k % 2 ? -1 : 1) * (1 + (n > 1 ? static_cast<double>(k) / (n - 1) : 0));
+  solve(x.data());
+  return std::max(estimate, 2 * sum_abs(x) / (3 * n));
+}
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,84 @@
+#include "manycontact/sparse/ldl.hpp"
+
+extern "C" {  // LDL 2.2 has no C++ guard of its own
+#include <ldl.h>
+}
+
+#include <algorithm>
+#include <cmath>
+
+namespace manycontact::sparse {
+
+namespace {
+// SuiteSparse's C interfaces take their constant arguments as pointers to non-const.
+template <class T>
+T* c(const std::vector<T>& v) {
+  return const_cast<T*>(v.data());
+}
+}  // namespace
+
+void LdlWorkspace::reserve(const LdlSymbolic& s) {
+  const std::size_t n = s.n, nnz = s.nonzeros();
+  if (Y.size() < n) Y.resize(n), pattern.resize(n), flag.resize(n), Lnz.resize(n);
+  if (Li.size() < nnz) Li.resize(nnz);
+}
+
+LdlSymbolic ldl_analyze(const UpperCsc& A) {
+  LdlSymbolic s;
+  s.n = A.n;
+  s.parent.resize(A.n);
+  s.Lp.resize(A.n + 1);
+  std::vector<int> count(A.n), flag(A.n);
+  ldl_symbolic(A.n, c(A.p), c(A.i), s.Lp.data(), s.parent.data(), count.data(), flag.data(), nullptr, nullptr);
+  for (int k : count) s.flops += static_cast<double>(k) * (k + 2);
+  // Row k of L is the union of the paths from the entries of column k of A towards k in the elimination tree.
+  s.Li.resize(s.Lp[A.n]);
+  std::vector<int> next(s.Lp.begin(), s.Lp.end() - 1);
+  std::fill(flag.begin(), flag.end(), -1);
+  for (int k = 0; k < A.n; ++k) {
+    flag[k] = k;
+    for (int q = A.p[k]; q < A.p[k + 1]; ++q)
+      for (int i = A.i[q]; flag[i] != k; i = s.parent[i]) {
+        s.Li[next[i]++] = k;
+        flag[i] = k;
+      }
+  }
+  return s;
+}
+
+int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWorkspace& w, double* Lx, double* D) {
+  w.reserve(s);
+  return ldl_numeric(A.n, c(A.p), c(A.i), const_cast<double*>(Ax), c(s.Lp), c(s.parent), w.Lnz.data(), w.Li.data(), Lx,
+                     D, w.Y.data(), w.pattern.data(), w.flag.data(), nullptr, nullptr);
+}
+
+void ldl_solve(const LdlSymbolic& s, const double* Lx, const double* D, double* x) {
+  const int* Lp = s.Lp.data();
+  const int* Li = s.Li.data();
+  for (int j = 0; j < s.n; ++j) {  // x = L \ x
+    const double xj = x[j];
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) x[Li[k]] -= Lx[k] * xj;
+  }
+  for (int j = s.n - 1; j >= 0; --j) {  // x = L^T \ (D \ x)
+    double xj = x[j] / D[j];
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) xj -= Lx[k] * x[Li[k]];
+    x[j] = xj;
+  }
+}
+
+double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* Lx,
+                            const double* D, double* scale) {
+  for (int k = 0; k < s.n; ++k) scale[k] = std::abs(Ax[A.p[k + 1] - 1]);
+  for (int j = 0; j < s.n; ++j) {
+    const double d = std::abs(D[j]);
+    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) scale[s.Li[k]] += Lx[k] * Lx[k] * d;
+  }
+  double ratio = 1;
+  for (int k = 0; k < s.n; ++k) {
+    const double d = std::abs(D[k]);
+    if (!(d >= ratio * scale[k])) ratio = d > 0 && std::isfinite(scale[k]) ? d / scale[k] : 0;
+  }
+  return ratio;
+}
+
+}  // namespace manycontact::sparse
