@@ -1,0 +1,53 @@
+#pragma once
+// The dense oracle: the KKT system of one island, rank-revealing, in any scalar. It answers where J has dependent rows
+// (delta = 0) and where M alone is singular but the contacts hold what it lets go:
+//
+//   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
+//   f is the least-norm solution of J^T f = M a - b1.
+//
+// Null-space method: J^T = Q [T; 0] Z^T (complete orthogonal decomposition), a = J^+ b2 + N y,
+// (N^T M N) y = N^T (b1 - M J^+ b2). With delta > 0 the answer is unique: LU of K.
+// Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2.
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include "manycontact/spatial/scalar.hpp"
+
+namespace manycontact {
+
+/// A row of J counts as dependent when its part orthogonal to the others is below this, relative to the largest.
+inline constexpr double kRankTolerance = 1e-11;
+
+template <class S>
+struct DenseKkt {
+  MatX<S> M, J;  // nv x nv, nc x nv
+  S delta = S(0);
+
+  // by factor
+  int rank = 0;          // of J
+  bool regular = false;  // N^T M N positive definite (delta = 0), or K not singular (delta > 0)
+  Eigen::CompleteOrthogonalDecomposition<MatX<S>> cod;  // of J^T
+  MatX<S> N;                                            // nv x (nv - rank): orthonormal basis of J's null space
+  Eigen::LLT<MatX<S>> reduced;                          // of N^T M N
+  Eigen::PartialPivLU<MatX<S>> lu;                      // of K, delta > 0
+
+  int nv() const { return static_cast<int>(M.rows()); }
+  int nc() const { return static_cast<int>(J.rows()); }
+};
+
+/// Factorizes M, J, delta, which the caller has set.
+template <class S>
+void factor(DenseKkt<S>& kkt);
+
+/// Solves M a - J^T f = b1, J a + delta f = b2, as defined above; one column of b1 (nv x k), b2 (nc x k) per system.
+/// Refines once on the true residual. Where `regular` is false, a and f are NaN.
+template <class S>
+void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>& a, MatX<S>& f);
+
+/// K itself, [M J^T; J -delta I].
+template <class S>
+MatX<S> kkt_matrix(const DenseKkt<S>& kkt);
+
+}  // namespace manycontact

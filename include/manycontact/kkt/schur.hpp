@@ -1,0 +1,46 @@
+#pragma once
+// The Schur complement S = J M^-1 J^T + delta I of one island, sparse, by the tree-sparse factor M = L^T D L of each
+// robot. Source: Featherstone (2008), 6.5 (LTDL).
+
+#include <span>
+#include <vector>
+
+#include "manycontact/kkt/pattern.hpp"
+
+namespace manycontact {
+
+/// M = L^T D L in place, in the packed storage of algorithm/crba.hpp: row i becomes D_i, L_ij for the ancestors j.
+/// False when a pivot is not positive, or lost in cancellation. scratch: nv.
+[[nodiscard]] bool factor_inertia(const Model& model, double* M, double* scratch);
+/// x <- L^-T x: from the leaves to the root.
+void solve_inertia_transposed(const Model& model, const double* L, double* x);
+/// x <- L^-1 x: from the root to the leaves.
+void solve_inertia_unit(const Model& model, const double* L, double* x);
+
+/// Constant: which contacts meet on which robot, and where their products go in S.
+struct SchurPattern {
+  struct OnRobot {
+    std::vector<int> contacts;     // of the island, those that act on the robot
+    std::vector<int> first_row;    // their rows among the robot's
+    int rows = 0;
+  };
+  std::vector<OnRobot> robots;
+  sparse::UpperCsc S;              // nc x nc
+  std::vector<int> slot;           // per robot: of the upper triangle of its product, by columns
+};
+SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);
+
+/// Numbers. L: per robot, packed; Z: per robot, L^-T J^T (nv x rows); Sx: S's values.
+struct SchurData {
+  std::vector<std::vector<double>> L;
+  std::vector<Eigen::MatrixXd> Z;
+  std::vector<double> Sx, scratch;
+  Eigen::VectorXd w, y;  // scratch of solves: nv, nc
+};
+
+/// Fills L, Z, Sx. M, J: as in kkt/system.hpp. False when an inertia is not positive definite.
+[[nodiscard]] bool form_schur(const Scene& scene, const Island& island, const IslandSupport& support,
+                              const SchurPattern& pattern, std::span<const std::span<const double>> M,
+                              std::span<const std::span<const double>> J, double delta, SchurData& data);
+
+}  // namespace manycontact

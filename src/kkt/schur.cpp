@@ -1,0 +1,119 @@
+#include "manycontact/kkt/schur.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace manycontact {
+
+bool factor_inertia(const Model& model, double* M, double* diagonal) {
+  for (int k = 0; k < model.nv; ++k) diagonal[k] = M[model.M_begin[k]];
+  for (int k = model.nv - 1; k >= 0; --k) {
+    double* row = M + model.M_begin[k];
+    const double D = row[0];
+    if (!(D > 16 * std::numeric_limits<double>::epsilon() * diagonal[k])) return false;
+    int a = 1;
+    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i], ++a) {
+      const double l = row[a] / D;
+      double* target = M + model.M_begin[i];  // M_ij -= L_ki M_kj for the ancestors j of i, i included
+      const int count = model.dof_depth[i] + 1;
+      for (int j = 0; j < count; ++j) target[j] -= l * row[a + j];
+      row[a] = l;
+    }
+  }
+  return true;
+}
+
+void solve_inertia_transposed(const Model& model, const double* L, double* x) {
+  for (int k = model.nv - 1; k >= 0; --k) {
+    const double* row = L + model.M_begin[k] + 1;
+    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i]) x[i] -= *row++ * x[k];
+  }
+}
+
+void solve_inertia_unit(const Model& model, const double* L, double* x) {
+  for (int k = 0; k < model.nv; ++k) {
+    const double* row = L + model.M_begin[k] + 1;
+    double s = 0;
+    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i]) s += *row++ * x[i];
+    x[k] -= s;
+  }
+}
+
+SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support) {
+  SchurPattern p;
+  p.robots.resize(island.robots.size());
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    const auto act = [&](int robot) {
+      SchurPattern::OnRobot& on = p.robots[local_robot(island, robot)];
+      on.contacts.push_back(static_cast<int>(c));
+      on.first_row.push_back(on.rows);
+      on.rows += contact.rows();
+    };
+    const bool on_b = contact.B.robot >= 0 && !support.contacts[c].b.empty();
+    if (!support.contacts[c].a.empty() || (on_b && contact.A.robot == contact.B.robot)) act(contact.A.robot);
+    if (on_b && contact.B.robot != contact.A.robot) act(contact.B.robot);
+  }
+  // rows of S that a robot's rows are
+  std::vector<std::vector<int>> rows(p.robots.size());
+  std::vector<std::pair<int, int>> entries;
+  for (std::size_t r = 0; r < p.robots.size(); ++r) {
+    for (int c : p.robots[r].contacts)
+      for (int k = 0; k < scene.contacts[island.contacts[c]].rows(); ++k) rows[r].push_back(island.row_offset[c] + k);
+    for (std::size_t j = 0; j < rows[r].size(); ++j)
+      for (std::size_t i = 0; i <= j; ++i) entries.emplace_back(rows[r][i], rows[r][j]);
+  }
+  p.S = sparse::make_pattern(island.nc, std::move(entries));
+  for (const auto& on : rows)
+    for (std::size_t j = 0; j < on.size(); ++j)
+      for (std::size_t i = 0; i <= j; ++i) p.slot.push_back(p.S.slot(std::min(on[i], on[j]), std::max(on[i], on[j])));
+  return p;
+}
+
+namespace {
+
+// Z <- J^T on one robot: the contacts' columns on it, transposed into place.
+void gather_rows(const Scene& scene, const Island& island, const IslandSupport& support, int r,
+                 const SchurPattern::OnRobot& on, std::span<const std::span<const double>> J, Eigen::MatrixXd& Z) {
+  Z.setZero();
+  const int first = island.dof_offset[r], end = first + static_cast<int>(Z.rows());
+  for (std::size_t k = 0; k < on.contacts.size(); ++k) {
+    const int c = on.contacts[k], rows = scene.contacts[island.contacts[c]].rows();
+    const std::vector<int>& columns = support.columns[c];
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      if (columns[j] < first || columns[j] >= end) continue;
+      for (int row = 0; row < rows; ++row) Z(columns[j] - first, on.first_row[k] + row) = J[c][j * rows + row];
+    }
+  }
+}
+
+}  // namespace
+
+bool form_schur(const Scene& scene, const Island& island, const IslandSupport& support, const SchurPattern& pattern,
+                std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double delta,
+                SchurData& data) {
+  const std::size_t n = island.robots.size();
+  data.L.resize(n);
+  data.scratch.resize(island.nv);
+  data.Z.resize(n);
+  data.Sx.assign(pattern.S.nonzeros(), 0.0);
+  const int* slot = pattern.slot.data();
+  for (std::size_t r = 0; r < n; ++r) {
+    const Model& model = *scene.robots[island.robots[r]].model;
+    data.L[r].assign(M[r].begin(), M[r].end());
+    if (!factor_inertia(model, data.L[r].data(), data.scratch.data())) return false;
+    const SchurPattern::OnRobot& on = pattern.robots[r];
+    Eigen::MatrixXd& Z = data.Z[r];
+    Z.resize(model.nv, on.rows);
+    gather_rows(scene, island, support, static_cast<int>(r), on, J, Z);
+    for (int c = 0; c < on.rows; ++c) solve_inertia_transposed(model, data.L[r].data(), Z.col(c).data());
+    for (int i = 0; i < model.nv; ++i) Z.row(i) /= std::sqrt(data.L[r][model.M_begin[i]]);
+    for (int j = 0; j < on.rows; ++j)  // S += Z^T Z with Z = D^-1/2 L^-T J^T
+      for (int i = 0; i <= j; ++i) data.Sx[*slot++] += Z.col(i).dot(Z.col(j));
+  }
+  for (int k = 0; k < island.nc; ++k) data.Sx[pattern.S.p[k + 1] - 1] += delta;
+  return true;
+}
+
+}  // namespace manycontact
