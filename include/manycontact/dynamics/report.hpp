@@ -1,0 +1,62 @@
+#pragma once
+// What a solve says about its answer, in every build type.
+
+#include <string>
+#include <vector>
+
+#include "manycontact/dynamics/options.hpp"
+
+namespace manycontact {
+
+/// From good to bad; a scene is as bad as its worst island.
+enum class Status {
+  kOk,
+  kRedundant,     // contacts depend on each other and agree: accelerations exact, forces of least norm
+  kInconsistent,  // contacts contradict each other: least squares
+  kRegularised,   // the answer to a neighbouring problem
+  kFailed,        // no answer: accelerations and forces are NaN
+};
+std::string to_string(Status status);
+
+/// Why an island was not answered by the method asked for, or not answered at all.
+enum class Reason {
+  kNone,
+  kZeroPivot,        // a pivot was exactly zero or not finite
+  kWrongInertia,     // K's inertia was not (nv, nc, 0)
+  kSmallPivot,       // a pivot was lost in cancellation: dependent rows, or nearly
+  kLargeResidual,    // refinement did not reach a small residual
+  kNotFinite,        // q, v or u is not finite, or K or the right-hand side overflowed
+  kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
+  kSingularInertia,  // M is singular and the contacts do not hold what it lets go
+};
+std::string to_string(Reason reason);
+
+struct IslandReport {
+  Status status = Status::kOk;
+  Method method = Method::kSparseLdl;  // the one that answered
+  Order order = Order::kLeafToRoot;    // its order, where it has one
+  Reason reason = Reason::kNone;       // of the last change of order or method, or of the failure
+  bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
+  int nv = 0, nc = 0;
+  int rank = 0;                        // of J; nc unless the rows were found dependent
+  int factor_nonzeros = 0;             // of L (and the tree's factor), diagonals included
+  int refinement_steps = 0;
+  double residual_dynamics = 0;        // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
+  double residual_contact = 0;         // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|)
+  double condition = 0;                // 1-norm condition of K, by estimate_condition; 0: not asked for
+};
+
+struct Report {
+  Status status = Status::kOk;
+  Method method = Method::kAuto;  // the one asked for
+  std::vector<IslandReport> islands;
+
+  // sums and maxima over islands
+  int nv = 0, nc = 0, rank = 0, factor_nonzeros = 0, refinement_steps = 0;
+  double residual_dynamics = 0, residual_contact = 0, condition = 0;
+};
+
+/// Sums up report.islands into the other fields but `method`.
+void summarise(Report& report);
+
+}  // namespace manycontact

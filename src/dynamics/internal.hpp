@@ -1,0 +1,56 @@
+#pragma once
+// Steps of solve(), one file each.
+
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact::internal {
+
+/// Kinematics, bias, inertia and contact rows of an island's robots; b = [S^T u - h; -a0] in elimination order.
+void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u, SceneData& data,
+              IslandData& island);
+
+/// Each tries one factorization of the assembled system and solves it with refinement. kNone: the answer is sound.
+Reason solve_ldl(SceneData& data, IslandData& island, IslandReport& report);
+Reason solve_cholmod(IslandData& island, IslandReport& report);
+Reason solve_supernodal(const Scene& scene, IslandData& island, IslandReport& report);
+/// The oracle; sets status, rank and reason by itself.
+void solve_dense(const Scene& scene, IslandData& island, IslandReport& report);
+/// All islands at once, after evaluate; sets all of the report.
+void solve_dense_schur(const Scene& scene, SceneData& data);
+
+/// Solves in place with the factor at hand, in elimination order.
+void solve_with_factor(const Scene& scene, IslandData& island, double* x);
+
+/// Between an island's vector in elimination order, x = [a; y], and the scene's: a in the order of v, y in that of f.
+template <class A, class Y>
+void scatter(const Scene& scene, const SceneData& data, const IslandData& d, const double* x, A& a, Y& y) {
+  const int* iperm = d.system.pattern->iperm.data();
+  for (std::size_t r = 0; r < d.island.robots.size(); ++r) {
+    const Robot& robot = scene.robots[d.island.robots[r]];
+    for (int i = 0; i < robot.model->nv; ++i) a[robot.idx_v + i] = x[iperm[d.island.dof_offset[r] + i]];
+  }
+  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
+    const int rows = scene.contacts[d.island.contacts[c]].rows(), to = data.f_offset[d.island.contacts[c]];
+    for (int i = 0; i < rows; ++i) y[to + i] = x[iperm[d.island.nv + d.island.row_offset[c] + i]];
+  }
+}
+template <class A, class Y>
+void gather(const Scene& scene, const SceneData& data, const IslandData& d, const A& a, const Y& y, double* x) {
+  const int* iperm = d.system.pattern->iperm.data();
+  for (std::size_t r = 0; r < d.island.robots.size(); ++r) {
+    const Robot& robot = scene.robots[d.island.robots[r]];
+    for (int i = 0; i < robot.model->nv; ++i) x[iperm[d.island.dof_offset[r] + i]] = a[robot.idx_v + i];
+  }
+  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
+    const int rows = scene.contacts[d.island.contacts[c]].rows(), from = data.f_offset[d.island.contacts[c]];
+    for (int i = 0; i < rows; ++i) x[iperm[d.island.nv + d.island.row_offset[c] + i]] = y[from + i];
+  }
+}
+
+/// Whether refinement ended well enough to be believed.
+inline bool converged(const Refinement& r) { return r.backward_error <= 1e-12; }
+
+/// Sets the residuals of the report from system.r and system.scale.
+void report_residuals(const KktSystem& system, IslandReport& report);
+
+}  // namespace manycontact::internal

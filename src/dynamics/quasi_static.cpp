@@ -1,0 +1,60 @@
+#include "manycontact/dynamics/quasi_static.hpp"
+
+#include <Eigen/QR>
+
+#include "internal.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Adds the u part of one island's solution to u.
+void hold_island(const Scene& scene, const SceneData& data, const IslandData& d, Eigen::VectorXd& u) {
+  const Island& island = d.island;
+  int nu = 0;
+  for (int r : island.robots) nu += scene.robots[r].model->nu();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(island.nv, nu + island.nc);  // [S^T J^T]
+  Eigen::VectorXd h(island.nv);
+  int column = 0;
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Model& model = *scene.robots[island.robots[k]].model;
+    h.segment(island.dof_offset[k], model.nv) = data.robots[island.robots[k]].h;
+    for (int i = model.first_actuated(); i < model.nv; ++i) A(island.dof_offset[k] + i, column++) = 1;
+  }
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Eigen::MatrixXd& J = data.contacts[island.contacts[c]].J;
+    for (int j = 0; j < J.cols(); ++j)
+      A.row(d.support.columns[c][j]).segment(nu + island.row_offset[c], J.rows()) = J.col(j).transpose();
+  }
+  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(h);
+  column = 0;
+  for (int r : island.robots) {
+    const int n = scene.robots[r].model->nu();
+    u.segment(scene.robots[r].idx_u, n) = x.segment(column, n);
+    column += n;
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
+  if (q.size() != scene.nq)
+    throw std::invalid_argument("quasi_static: q has " + std::to_string(q.size()) + " numbers, the scene expects " +
+                                std::to_string(scene.nq));
+  prepare(scene, data);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv), none = Eigen::VectorXd::Zero(scene.nu);
+  Eigen::VectorXd u = none;
+  for (IslandData& d : data.islands) {
+    d.factor = Factor::kNone;
+    internal::evaluate(scene, q, rest, none, data, d);
+    if (d.island.nv > 0) hold_island(scene, data, d, u);
+  }
+  return u;
+}
+
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  SceneData data(scene);
+  return quasi_static(scene, q, data);
+}
+
+}  // namespace manycontact
