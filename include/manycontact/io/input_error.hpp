@@ -1,0 +1,18 @@
+#pragma once
+// Bad input: which file, which line, what is wrong there and what was expected.
+
+#include <stdexcept>
+#include <string>
+
+namespace manycontact {
+
+/// what() is exactly "FILE:LINE: message", on one line whatever the input held.
+struct InputError : std::runtime_error {
+  InputError(std::string file_, int line_, const std::string& message_);
+
+  std::string file;
+  int line;  // 1 where unknown
+  std::string message;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,41 @@
+#pragma once
+// A scene from its XML file (README, "Scene file"): robots with their copies and their state, contacts.
+
+#include <string>
+#include <vector>
+
+#include "manycontact/io/input_error.hpp"
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// One <robot> element: a robot, or its copies. They are neighbours in the scene and share one model.
+struct RobotGroup {
+  std::string name;     // as in the file; copies are called name0, name1, ...
+  std::string urdf;     // path of the file it came from
+  bool copied = false;  // had a `copies` attribute
+  int first = 0, count = 1;
+  int line = 1;
+};
+
+/// One <contact> element: a contact, or its copies, neighbours in the scene.
+struct ContactGroup {
+  std::string name;  // as in the file; copies are called name0, name1, ... by the copy of frame A's robot
+  bool copied = false;
+  int first = 0, count = 1;  // count may be 0: no copy has the target asked for
+  int line = 1;
+};
+
+struct SceneFile {
+  std::string path;
+  Scene scene;
+  Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
+  std::vector<RobotGroup> robot_groups;
+  std::vector<ContactGroup> contact_groups;
+  std::vector<int> robot_group;  // per robot: index into robot_groups
+};
+
+/// Throws InputError. References left out are resolved from q, u="gravity" by quasi_static.
+SceneFile load_scene(const std::string& path);
+
+}  // namespace manycontact

@@ -1,0 +1,267 @@
+#include <charconv>
+#include <unordered_map>
+
+#include "manycontact/contact/reference.hpp"
+#include "scene_parts.hpp"
+
+namespace manycontact::io {
+namespace {
+
+/// "robot/link" as written, looked up. A copied robot's name stands for all its copies.
+struct End {
+  int first = -1;        // robot, or first copy
+  int count = 1;         // copies
+  bool copied = false;   // all copies are meant
+  bool shifted = false;  // with +k or -k
+  long long shift = 0;   // k
+  std::string frame_name;
+  Frame frame;
+};
+
+/// A <contact> element as written; `contact` holds what all its copies share.
+struct ContactElement {
+  Contact contact;
+  SE3<double> A_offset, B_offset;  // B_offset: in the world without `to`
+  End A, B;
+  bool to_robot = false, wrap = false;
+  bool position_given = false, orientation_given = false;
+};
+
+class ContactReader {
+ public:
+  explicit ContactReader(SceneFile& out) : out_(out) {
+    for (std::size_t g = 0; g < out.robot_groups.size(); ++g)
+      if (out.robot_groups[g].copied) groups_.emplace(out.robot_groups[g].name, static_cast<int>(g));
+  }
+
+  void add(const Element& e) {
+    const ContactElement c = read(e);
+    ContactGroup group{c.contact.name, c.A.copied, static_cast<int>(out_.scene.contacts.size()), 0, e.line()};
+    const auto [at, is_new] = names_.emplace(group.name, group.line);
+    if (!is_new)
+      e.where("name").fail("a contact named " + quote(group.name) + " exists already on line " +
+                           std::to_string(at->second) + ", expected names used once");
+    for (int i = 0; i < c.A.count; ++i) {
+      long long target = c.B.first;  // robot
+      if (c.to_robot && c.B.copied) {
+        long long k = i + c.B.shift;
+        if (c.wrap) k = (k % c.B.count + c.B.count) % c.B.count;
+        if (k < 0 || k >= c.B.count) continue;
+        target += k;
+      }
+      add_one(e, c, i, static_cast<int>(target));
+    }
+    group.count = static_cast<int>(out_.scene.contacts.size()) - group.first;
+    out_.contact_groups.push_back(group);
+  }
+
+ private:
+  // ---- reading an element
+
+  ContactElement read(const Element& e) {
+    e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to",
+                        "to_offset", "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active",
+                        "wrap"});
+    e.allow_children({});
+    ContactElement c;
+    c.contact.name = e.required("name");
+    if (c.contact.name.empty()) e.where("name").fail("name of <contact> is empty, expected a name");
+    c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "6d"}, -1));
+    c.contact.reference_frame = static_cast<ReferenceFrame>(
+        e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
+    c.contact.active = e.choice("active", {"false", "true"}, 1) == 1;
+    if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
+    read_axis(e, c.contact);
+    c.A = read_end(e, "frame");
+    if (c.A.shifted)
+      e.where("frame").fail("frame of <contact> is " + quote(e.required("frame")) +
+                            ", expected it without +k or -k, which belongs in 'to'");
+    (void)read_offset(e, "offset", c.A_offset.p);
+    (void)read_quaternion(e, "offset_quat_xyzw", c.A_offset.R);
+    read_target(e, c);
+    return c;
+  }
+
+  static void read_axis(const Element& e, Contact& contact) {
+    const auto axis = e.numbers<3>("axis");
+    if (!axis) return;
+    if (contact.type != ContactType::k1D)
+      e.where("axis").fail("a " + e.required("type") +
+                           " contact has an axis, expected one with type 1d only");
+    contact.axis = Vec3<double>(axis->data());
+    const double norm = contact.axis.stableNorm();
+    if (norm < 1e-9) e.where("axis").fail("axis of <contact> is zero, expected a direction");
+    contact.axis /= norm;
+  }
+
+  static bool read_offset(const Element& e, const char* attribute, Vec3<double>& p) {
+    const auto xyz = e.numbers<3>(attribute);
+    if (xyz) p = Vec3<double>(xyz->data());
+    return xyz.has_value();
+  }
+
+  static bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
+    const auto xyzw = e.numbers<4>(attribute);
+    if (!xyzw) return false;
+    Eigen::Vector4d quat(xyzw->data());
+    normalise_quaternion(e.where(attribute), e.label(attribute), quat);
+    R = rotation_of_quaternion(quat[0], quat[1], quat[2], quat[3]);
+    return true;
+  }
+
+  // B': on another body, or in the world.
+  void read_target(const Element& e, ContactElement& c) {
+    c.to_robot = e.has("to");
+    for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
+      if (!c.to_robot && e.has(a))
+        e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+    for (const char* a : {"xyz", "quat_xyzw"})
+      if (c.to_robot && e.has(a))
+        e.where(a).fail(e.label(a) +
+                        " places a contact in the world, expected it without 'to', or to_offset");
+    c.position_given = read_offset(e, c.to_robot ? "to_offset" : "xyz", c.B_offset.p);
+    c.orientation_given = read_quaternion(e, c.to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
+    c.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
+    if (!c.to_robot) return;
+
+    c.B = read_end(e, "to");
+    const Where here = e.where("to");
+    const std::string to = "to of <contact> is " + quote(e.required("to"));
+    if (e.has("wrap") && !c.B.shifted)
+      e.where("wrap").fail("wrap of <contact> needs a next copy, expected 'to' like robot+1/link");
+    if (c.B.copied && !c.A.copied)
+      here.fail(to + ", all copies of a robot, expected one of them, for 'frame' is on one robot");
+    if (c.B.copied && c.B.count != c.A.count)
+      here.fail(to + ", of " + std::to_string(c.B.count) + " copies, expected " + std::to_string(c.A.count) +
+                " as in 'frame'");
+  }
+
+  // ---- looking up "robot/link", "copies/link", "copies+k/link"
+
+  End read_end(const Element& e, const char* attribute) {
+    const std::string text = e.required(attribute);
+    const Where here = e.where(attribute);
+    const std::size_t slash = text.find('/');
+    if (slash == std::string::npos)
+      here.fail(e.label(attribute) + " is " + quote(text) + ", expected robot/link");
+    const std::string robot = text.substr(0, slash);
+    End end;
+    end.frame_name = text.substr(slash + 1);
+    if (!find_robot(robot, end) && !find_shifted(here, robot, end))
+      fail_unknown_robot(here, e.label(attribute), robot);
+    const Model& model = *out_.scene.robots[end.first].model;
+    const auto& frames = frames_of(model);
+    const auto found = frames.find(end.frame_name);
+    if (found == frames.end()) {
+      std::vector<std::string> known;
+      for (const Frame& f : model.frames) known.push_back(f.name);
+      here.fail(e.label(attribute) + ": robot " + quote(robot) + " has no frame " + quote(end.frame_name) +
+                ", " + suggestion(end.frame_name, known));
+    }
+    end.frame = model.frames[found->second];
+    return end;
+  }
+
+  bool find_robot(const std::string& name, End& end) const {
+    const auto& robots = out_.scene.robot_index;
+    if (const auto robot = robots.find(name); robot != robots.end()) {
+      end.first = robot->second;
+      return true;
+    }
+    const auto group = groups_.find(name);
+    if (group == groups_.end()) return false;
+    end.first = out_.robot_groups[group->second].first;
+    end.count = out_.robot_groups[group->second].count;
+    end.copied = true;
+    return true;
+  }
+
+  bool find_shifted(const Where& here, const std::string& text, End& end) const {
+    const std::size_t sign = text.find_last_of("+-");
+    if (sign == std::string::npos || sign + 1 == text.size()) return false;
+    const char* last = text.data() + text.size();
+    long long k = 0;
+    const auto [stop, error] = std::from_chars(text.data() + sign + 1, last, k);
+    if (stop != last || error != std::errc() || text[sign + 1] == '-') return false;
+    const std::string name = text.substr(0, sign);
+    if (!find_robot(name, end)) return false;
+    if (!end.copied) here.fail("robot " + quote(name) + " is not copied, expected no +k or -k after it");
+    if (k > 1000000) here.fail(quote(text) + " is beyond all copies, expected +k or -k with k up to 1000000");
+    end.shifted = true;
+    end.shift = text[sign] == '-' ? -k : k;
+    return true;
+  }
+
+  [[noreturn]] void fail_unknown_robot(const Where& here, const std::string& what,
+                                       const std::string& name) const {
+    std::vector<std::string> known;
+    for (const RobotGroup& g : out_.robot_groups) known.push_back(g.name);
+    here.fail(what + ": there is no robot " + quote(name) + ", " + suggestion(name, known));
+  }
+
+  const std::unordered_map<std::string, int>& frames_of(const Model& model) {
+    auto& frames = frames_[&model];
+    if (frames.empty())
+      for (std::size_t i = 0; i < model.frames.size(); ++i)
+        frames.emplace(model.frames[i].name, static_cast<int>(i));
+    return frames;
+  }
+
+  // ---- adding copy i
+
+  Attachment attachment(const End& end, int robot, const SE3<double>& offset) const {
+    return {robot, end.frame.joint, end.frame.placement * offset};
+  }
+
+  void add_one(const Element& e, const ContactElement& c, int i, int target) {
+    Contact contact = c.contact;
+    if (c.A.copied) contact.name += std::to_string(i);
+    contact.A = attachment(c.A, c.A.first + i, c.A_offset);
+    contact.B.placement = c.B_offset;
+    if (c.to_robot) contact.B = attachment(c.B, target, c.B_offset);
+    check_bodies(e, c, contact);
+    if (contact.B.robot >= 0 && contact.B.joint < 0) {  // an immovable link is the world
+      const SE3<double>& base = out_.scene.robots[contact.B.robot].base;
+      contact.B = {-1, -1, base * contact.B.placement};
+    }
+    if (out_.scene.contact_index.count(contact.name))
+      e.where("name").fail("a contact named " + quote(contact.name) +
+                           " exists already, expected names used once");
+    if (!c.position_given || !c.orientation_given)
+      resolve_reference(out_.scene, out_.q, !c.position_given, !c.orientation_given, contact);
+    try {
+      add_contact(out_.scene, std::move(contact));
+    } catch (const std::invalid_argument& error) {
+      e.fail(error.what());
+    }
+  }
+
+  void check_bodies(const Element& e, const ContactElement& c, const Contact& contact) const {
+    const Attachment &A = contact.A, &B = contact.B;
+    const std::string robot = quote(out_.scene.robots[A.robot].name);
+    const std::string name = "contact " + quote(contact.name);
+    if (B.robot == A.robot && c.A.frame_name == c.B.frame_name)
+      e.fail(name + " ties frame " + quote(c.A.frame_name) + " of robot " + robot +
+             " to itself, expected two frames");
+    if (B.robot == A.robot && A.joint == B.joint)
+      e.fail(name + " ties frames " + quote(c.A.frame_name) + " and " + quote(c.B.frame_name) + " of robot " +
+             robot + ", which are on one body, expected two bodies");
+    if (A.joint < 0 && B.joint < 0)
+      e.fail(name + " holds frame " + quote(c.A.frame_name) + " of robot " + robot +
+             ", which cannot move, to the world, expected a frame that moves");
+  }
+
+  SceneFile& out_;
+  std::unordered_map<std::string, int> groups_;  // copied robots: index into robot_groups
+  std::unordered_map<std::string, int> names_;   // of <contact> elements, with their lines
+  std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
+};
+
+}  // namespace
+
+void add_contacts(const Element& scene, SceneFile& out) {
+  ContactReader reader(out);
+  for (auto e = scene.child("contact"); e; e = e->next("contact")) reader.add(*e);
+}
+
+}  // namespace manycontact::io

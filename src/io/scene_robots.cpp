@@ -1,0 +1,245 @@
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+
+#include "scene_parts.hpp"
+
+namespace manycontact::io {
+namespace {
+
+constexpr int kMostCopies = 1000000;
+
+// The <joint> or <lock> children by the joint they name, each joint once.
+std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
+  std::map<std::string, Element> out;
+  for (auto e = robot.child(child); e; e = e->next(child)) {
+    e->allow_children({});
+    const std::string name = e->required(key);
+    if (!out.emplace(name, *e).second)
+      e->where(key).fail("joint " + quote(name) + " has a second <" + child + ">, expected one");
+  }
+  return out;
+}
+
+void check_armature(const Where& where, const std::string& what, double armature) {
+  if (armature < 0) where.fail(what + " is " + show(armature) + ", expected 0 or more");
+}
+
+void read_name(const Element& e, RobotGroup& group) {
+  group.line = e.line();
+  group.name = e.required("name");
+  if (group.name.empty()) e.where("name").fail("name of <robot> is empty, expected a name");
+  if (group.name.find('/') != std::string::npos)
+    e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected one without '/'");
+  group.copied = e.has("copies");
+  if (group.copied) {
+    const std::string text = e.required("copies");
+    group.count = parse_count(text);
+    if (group.count < 1 || group.count > kMostCopies)
+      e.where("copies").fail("copies of <robot> is " + quote(text) +
+                             ", expected a whole number from 1 to 1000000");
+  }
+  for (const char* a : {"arrange", "spacing"})
+    if (e.has(a) && !group.copied)
+      e.where(a).fail(e.label(a) + " needs copies, expected a 'copies' attribute beside it");
+}
+
+void read_options(const Element& e, RobotElement& robot) {
+  UrdfOptions& options = robot.options;
+  options.floating_base = e.choice("base", {"floating", "fixed"}, 1) == 0;
+  options.refuse_mimic = e.choice("mimic", {"ignore", "refuse"}, 0) == 1;
+  options.armature = e.number("armature", 0);
+  check_armature(e.where("armature"), e.label("armature"), options.armature);
+  robot.joints = by_joint(e, "joint", "name");
+  for (const auto& [name, joint] : robot.joints) {
+    joint.allow_attributes({"name", "q", "v", "u", "armature"});
+    if (!joint.has("armature")) continue;
+    const std::string what = "armature of joint " + quote(name);
+    const auto values = parse_numbers(joint.where("armature"), what, joint.required("armature"));
+    for (const double a : values) check_armature(joint.where("armature"), what, a);
+    options.joint_armature[name] = values;
+  }
+  robot.locks = by_joint(e, "lock", "joint");
+  for (const auto& [name, lock] : robot.locks) {
+    lock.allow_attributes({"joint", "at"});
+    options.locked[name] = lock.required_number("at");
+  }
+}
+
+}  // namespace
+
+RobotElement read_robot(const Element& e, const std::string& scene_folder) {
+  e.allow_attributes(
+      {"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "u", "copies", "arrange", "spacing"});
+  e.allow_children({"joint", "lock", "q", "v", "u"});
+  RobotElement robot(e);
+  read_name(e, robot.group);
+  const std::filesystem::path urdf = e.required("urdf");
+  if (urdf.empty()) e.where("urdf").fail("urdf of <robot> is empty, expected a path");
+  robot.group.urdf = (std::filesystem::path(scene_folder) / urdf).string();
+  read_options(e, robot);
+  for (const char* vector : {"q", "v", "u"})
+    if (const auto first = e.child(vector)) {
+      first->allow_attributes({});
+      if (const auto second = first->next(vector))
+        second->fail("robot " + quote(robot.group.name) + " has a second <" + vector + ">, expected one");
+    }
+  if (e.has("u")) {
+    (void)e.choice("u", {"gravity"}, -1);
+    robot.gravity_torques = true;
+    const Where here = e.where("u");
+    if (e.child("u")) here.fail("u=\"gravity\" and <u> both give the torques, expected one of them");
+    for (const auto& [name, joint] : robot.joints)
+      if (joint.has("u"))
+        here.fail("u=\"gravity\" and u of joint " + quote(name) +
+                  " both give the torques, expected one of them");
+  }
+  return robot;
+}
+
+std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
+  const UrdfOptions& o = robot.options;
+  std::error_code failed;
+  const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
+  std::string key = failed ? robot.group.urdf : canonical.string();
+  key +=
+      std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") + show(o.armature);
+  for (const auto& [name, values] : o.joint_armature) {
+    key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
+    for (const double a : values) key += " " + show(a);
+  }
+  for (const auto& [name, at] : o.locked)
+    key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
+  std::shared_ptr<const Model>& model = models_[key];
+  if (model) return model;
+
+  const Element& e = robot.element;
+  const std::string problem = file_problem(robot.group.urdf);
+  if (!problem.empty())
+    e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem +
+                         ", expected a URDF file");
+  try {
+    model = std::make_shared<const Model>(load_urdf(robot.group.urdf, o));
+  } catch (const UrdfOptionError& error) {
+    const auto& blamed = error.lock ? robot.locks : robot.joints;
+    const auto joint = blamed.find(error.joint);
+    (joint == blamed.end() ? e : joint->second).fail(error.what());
+  }
+  return model;
+}
+
+void Arrangement::place(int i, Vec3<double>& translation, double& yaw) const {
+  yaw = 0;
+  if (kind == 0) {
+    translation = Vec3<double>(i * spacing, 0, 0);
+  } else if (kind == 1) {
+    // neighbours `spacing` apart: chord = 2 r sin(pi / n)
+    const double radius = count > 1 ? spacing / (2 * std::sin(std::numbers::pi / count)) : 0;
+    yaw = 2 * std::numbers::pi * i / count;
+    translation = Vec3<double>(radius * std::cos(yaw), radius * std::sin(yaw), 0);
+  } else {
+    int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+    translation = Vec3<double>((i % columns) * spacing, (i / columns) * spacing, 0);
+  }
+}
+
+namespace {
+
+Arrangement read_arrangement(const Element& e, int count) {
+  Arrangement out;
+  out.kind = e.choice("arrange", {"line", "circle", "grid"}, 0);
+  out.spacing = e.number("spacing", 1);
+  out.count = count;
+  if (out.spacing < 0)
+    e.where("spacing").fail(e.label("spacing") + " is " + show(out.spacing) + ", expected 0 or more");
+  return out;
+}
+
+// q of a floating base, moved by a translation and a yaw.
+void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) {
+  if (yaw != 0) {
+    const double s = std::sin(yaw / 2), c = std::cos(yaw / 2);
+    q.head<3>() = rotation_about<double>(Vec3<double>::UnitZ(), yaw) * q.head<3>();
+    const Eigen::Vector4d p = q.segment<4>(3);  // (0, 0, s, c) p
+    q.segment<4>(3) << c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3], c * p[3] - s * p[2];
+  }
+  q.head<3>() += translation;
+}
+
+// The scene's q, v, u while it grows.
+struct Growing {
+  std::vector<double> q, v, u;
+  static void append(std::vector<double>& to, const Eigen::VectorXd& x) {
+    to.insert(to.end(), x.data(), x.data() + x.size());
+  }
+  static Eigen::VectorXd done(const std::vector<double>& x) {
+    return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+  }
+};
+
+void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& model, SceneFile& out,
+                Growing& all) {
+  const Element& e = robot.element;
+  const RobotGroup& group = robot.group;
+  const double room = std::numeric_limits<int>::max() - static_cast<double>(out.scene.nq);
+  if (static_cast<double>(group.count) * model->nq > room)
+    e.fail("robot " + quote(group.name) + " brings the scene above 2^31 - 1 coordinates, expected fewer");
+  const Arrangement arrangement = read_arrangement(e, group.count);
+  const RobotState state = read_state(robot, *model);
+  const SE3<double> base = read_base(e);
+  for (int i = 0; i < group.count; ++i) {
+    Vec3<double> translation;
+    double yaw;
+    arrangement.place(i, translation, yaw);
+    Eigen::VectorXd q = state.q;
+    SE3<double> at;
+    if (model->floating_base) {
+      move_base(q, translation, yaw);
+    } else {
+      const SE3<double> arranged{rotation_about<double>(Vec3<double>::UnitZ(), yaw), translation};
+      at = arranged * base;
+    }
+    const std::string name = group.copied ? group.name + std::to_string(i) : group.name;
+    if (out.scene.robot_index.count(name))
+      e.where("name").fail("a robot named " + quote(name) + " exists already, expected names used once");
+    add_robot(out.scene, name, model, at);
+    Growing::append(all.q, q);
+    Growing::append(all.v, state.v);
+    Growing::append(all.u, state.u);
+    out.robot_group.push_back(static_cast<int>(out.robot_groups.size()));
+  }
+}
+
+}  // namespace
+
+void add_robots(const Element& scene, SceneFile& out, std::vector<int>& gravity_groups) {
+  const std::string folder = std::filesystem::path(out.path).parent_path().string();
+  ModelCache models;
+  Growing all;
+  std::unordered_map<std::string, int> names;  // as written, with their lines
+  for (auto e = scene.child("robot"); e; e = e->next("robot")) {
+    RobotElement robot = read_robot(*e, folder);
+    const auto [at, is_new] = names.emplace(robot.group.name, robot.group.line);
+    if (!is_new)
+      e->where("name").fail("a robot named " + quote(robot.group.name) + " exists already on line " +
+                            std::to_string(at->second) + ", expected names used once");
+    robot.group.first = out.scene.nrobots();
+    add_copies(robot, models.get(robot), out, all);
+    if (robot.gravity_torques) gravity_groups.push_back(static_cast<int>(out.robot_groups.size()));
+    out.robot_groups.push_back(robot.group);
+  }
+  for (const RobotGroup& group : out.robot_groups)
+    if (group.copied && out.scene.robot_index.count(group.name)) {
+      Where here = scene.where();
+      here.line = group.line;
+      here.fail("the copied robot " + quote(group.name) +
+                " has the name of another robot, expected names used once");
+    }
+  out.q = Growing::done(all.q);
+  out.v = Growing::done(all.v);
+  out.u = Growing::done(all.u);
+}
+
+}  // namespace manycontact::io

@@ -1,0 +1,159 @@
+#include "text.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+namespace manycontact::io {
+
+namespace {
+constexpr std::size_t kLargestFile = std::size_t(1) << 28;
+constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+}  // namespace
+
+std::string file_problem(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return "is a directory";
+  errno = 0;
+  if (std::ifstream(path, std::ios::binary)) return {};
+  return std::string("cannot be opened") + (errno ? std::string(": ") + std::strerror(errno) : "");
+}
+
+std::string read_file(const std::string& path, std::string& problem) {
+  problem = file_problem(path);
+  if (!problem.empty()) return {};
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  std::vector<char> block(1 << 16);
+  while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(in.gcount()));
+    if (text.size() > kLargestFile) {
+      problem = "is larger than 256 MB";
+      return {};
+    }
+  }
+  if (in.bad()) {
+    problem = "cannot be read";
+    return {};
+  }
+  return text;
+}
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t kMost = 80;
+  if (text.size() <= kMost) return "'" + std::string(text) + "'";
+  return "'" + std::string(text.substr(0, kMost)) + "...'";
+}
+
+std::string show(double x) {
+  char digits[40];
+  const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;
+  return std::string(digits, end);
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> out;
+  std::size_t i = 0;
+  while (true) {
+    while (i < text.size() && is_space(text[i])) ++i;
+    if (i == text.size()) return out;
+    const std::size_t begin = i;
+    while (i < text.size() && !is_space(text[i])) ++i;
+    out.push_back(text.substr(begin, i - begin));
+  }
+}
+
+namespace {
+
+double parse_word(const Where& where, const std::string& what, std::string_view word) {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double x = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+  const bool whole = end == digits.data() + digits.size() && !digits.empty();
+  if (!whole || error == std::errc::invalid_argument)
+    where.fail(what + ": " + quote(word) + " is not a number, expected one like 0.5 or 1e-3");
+  if (error == std::errc::result_out_of_range) {
+    if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0;
+    where.fail(what + ": " + quote(word) + " is too large, expected a number below 1.8e308");
+  }
+  if (!std::isfinite(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
+  return x;
+}
+
+}  // namespace
+
+double parse_number(const Where& where, const std::string& what, std::string_view text) {
+  const auto parts = words(text);
+  if (parts.empty()) where.fail(what + " is empty, expected a number");
+  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number");
+  return parse_word(where, what, parts[0]);
+}
+
+std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text) {
+  std::vector<double> out;
+  for (const std::string_view word : words(text)) out.push_back(parse_word(where, what, word));
+  return out;
+}
+
+std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
+                                  std::size_t count) {
+  std::vector<double> out = parse_numbers(where, what, text);
+  if (out.size() != count)
+    where.fail(what + " has " + std::to_string(out.size()) + " number" + (out.size() == 1 ? "" : "s") +
+               ", expected " + std::to_string(count));
+  return out;
+}
+
+int parse_count(std::string_view text) {
+  const auto parts = words(text);
+  if (parts.size() != 1 || parts[0][0] == '-') return -1;
+  int n = 0;
+  const auto [end, error] = std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), n);
+  return error == std::errc() && end == parts[0].data() + parts[0].size() ? n : -1;
+}
+
+namespace {
+
+// Levenshtein's distance, one row at a time.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
+  if (known.empty()) return "there are none";
+  if (known.size() <= 8) {
+    std::string list = known.size() == 1 ? "expected " : "expected one of ";
+    for (std::size_t i = 0; i < known.size(); ++i) list += (i ? ", " : "") + quote(known[i]);
+    return list;
+  }
+  const std::string* best = nullptr;
+  std::size_t least = 0;
+  for (const std::string& k : known) {
+    if (k.size() > 200 || name.size() > 200) continue;
+    const std::size_t d = distance(name, k);
+    if (!best || d < least) best = &k, least = d;
+  }
+  return best ? "did you mean " + quote(*best) + "?"
+              : "expected one of " + std::to_string(known.size()) + " names";
+}
+
+}  // namespace manycontact::io

@@ -1,0 +1,47 @@
+#pragma once
+// Reading files and numbers, independent of the locale; wording that error messages share.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "manycontact/io/input_error.hpp"
+
+namespace manycontact::io {
+
+/// A place in a file, to blame. `file` outlives it.
+struct Where {
+  const std::string* file;
+  int line;
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(*file, line, message); }
+};
+
+/// The whole file; on failure fills `problem` with the reason and returns an empty string.
+std::string read_file(const std::string& path, std::string& problem);
+
+/// Why `path` cannot be opened for reading; empty when it can.
+std::string file_problem(const std::string& path);
+
+/// 'text', shortened when long.
+std::string quote(std::string_view text);
+
+/// The shortest decimal that reads back as x.
+std::string show(double x);
+
+/// Splits at white space.
+std::vector<std::string_view> words(std::string_view text);
+
+/// One finite number. `what` names it in messages.
+double parse_number(const Where& where, const std::string& what, std::string_view text);
+/// Any count of finite numbers, separated by white space.
+std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text);
+/// Exactly `count` of them.
+std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
+                                  std::size_t count);
+/// A whole number without sign, exponent or point; -1 when `text` is not one or exceeds 2^31 - 1.
+int parse_count(std::string_view text);
+
+/// "expected one of a, b, c" for a few names, else "did you mean x", for a message about an unknown `name`.
+std::string suggestion(const std::string& name, const std::vector<std::string>& known);
+
+}  // namespace manycontact::io

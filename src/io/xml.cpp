@@ -1,0 +1,139 @@
+#include "xml.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+namespace manycontact::io {
+
+Where Element::where(const char* attribute) const {
+  const tinyxml2::XMLAttribute* a = element_->FindAttribute(attribute);
+  return {file_, a ? a->GetLineNum() : line()};
+}
+
+std::string Element::label(const char* attribute) const {
+  return std::string(attribute) + " of <" + name() + ">";
+}
+
+namespace {
+
+bool among(const char* name, std::initializer_list<const char*> known) {
+  return std::any_of(known.begin(), known.end(), [&](const char* k) { return std::strcmp(k, name) == 0; });
+}
+
+std::string expected(const char* name, std::initializer_list<const char*> known) {
+  if (known.size() == 0) return "expected none";
+  return suggestion(name, {known.begin(), known.end()});
+}
+
+}  // namespace
+
+void Element::allow_attributes(std::initializer_list<const char*> known) const {
+  for (const auto* a = element_->FirstAttribute(); a; a = a->Next())
+    if (!among(a->Name(), known))
+      Where{file_, a->GetLineNum()}.fail("<" + name() + "> has an unknown attribute " + quote(a->Name()) +
+                                         ", " + expected(a->Name(), known));
+}
+
+void Element::allow_children(std::initializer_list<const char*> known) const {
+  for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
+    const Where here{file_, node->GetLineNum()};
+    if (const auto* e = node->ToElement()) {
+      if (!among(e->Name(), known))
+        here.fail("<" + name() + "> holds an unknown element <" + e->Name() + ">, " +
+                  expected(e->Name(), known));
+    } else if (node->ToText() && !words(node->Value()).empty()) {
+      here.fail("<" + name() + "> holds the text " + quote(node->Value()) + ", expected elements only");
+    }
+  }
+}
+
+std::string Element::required(const char* attribute) const {
+  const char* text = element_->Attribute(attribute);
+  if (!text) fail("<" + name() + "> has no attribute '" + attribute + "', expected one");
+  return text;
+}
+
+std::string Element::optional(const char* attribute, const std::string& otherwise) const {
+  const char* text = element_->Attribute(attribute);
+  return text ? text : otherwise;
+}
+
+int Element::choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const {
+  if (!has(attribute) && otherwise >= 0) return otherwise;
+  const std::string text = required(attribute);
+  int i = 0;
+  for (const char* c : choices) {
+    if (text == c) return i;
+    ++i;
+  }
+  where(attribute).fail(label(attribute) + " is " + quote(text) + ", " + expected(text.c_str(), choices));
+}
+
+double Element::number(const char* attribute, double otherwise) const {
+  return has(attribute) ? required_number(attribute) : otherwise;
+}
+
+double Element::required_number(const char* attribute) const {
+  const std::string text = required(attribute);
+  return parse_number(where(attribute), label(attribute), text);
+}
+
+std::string Element::text() const {
+  std::string all;
+  for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToElement())
+      Where{file_, node->GetLineNum()}.fail("<" + name() + "> holds an element <" + node->Value() +
+                                            ">, expected numbers");
+    if (node->ToText()) all += std::string(all.empty() ? "" : " ") + node->Value();
+  }
+  return all;
+}
+
+std::optional<Element> Element::child(const char* name) const {
+  const auto* e = element_->FirstChildElement(name);
+  return e ? std::optional<Element>(Element(*file_, *e)) : std::nullopt;
+}
+
+std::optional<Element> Element::next(const char* name) const {
+  const auto* e = element_->NextSiblingElement(name);
+  return e ? std::optional<Element>(Element(*file_, *e)) : std::nullopt;
+}
+
+namespace {
+
+// XML_ERROR_MISMATCHED_ELEMENT -> "mismatched element"
+std::string plain_words(std::string error) {
+  if (error == "XML_ERROR_PARSING_ATTRIBUTE") return "an attribute that is malformed or given twice";
+  if (error.rfind("XML_", 0) == 0) error.erase(0, 4);
+  if (error.rfind("ERROR_", 0) == 0) error.erase(0, 6);
+  for (char& c : error) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return error;
+}
+
+}  // namespace
+
+XmlFile::XmlFile(std::string path, const std::string& text, const char* root_name) : path_(std::move(path)) {
+  const std::string wanted = std::string("expected XML with one root element <") + root_name + ">";
+  const std::size_t zero = text.find('\0');
+  if (zero != std::string::npos) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
+    throw InputError(path_, static_cast<int>(line), "holds a zero byte, expected UTF-8 text");
+  }
+  if (words(text).empty()) throw InputError(path_, 1, "is empty, " + wanted);
+  document_.Parse(text.data(), text.size());
+  if (document_.Error())
+    throw InputError(path_, document_.ErrorLineNum(),
+                     "is not XML: " + plain_words(document_.ErrorName()) + ", " + wanted);
+  const tinyxml2::XMLElement* root = document_.RootElement();
+  if (!root) throw InputError(path_, 1, "has no element, " + wanted);
+  if (std::strcmp(root->Name(), root_name) != 0)
+    throw InputError(path_, root->GetLineNum(),
+                     "has the root element <" + std::string(root->Name()) + ">, " + wanted);
+  for (const auto* node = document_.FirstChild(); node; node = node->NextSibling())
+    if (node->ToElement() && node != root)
+      throw InputError(path_, node->GetLineNum(),
+                       "goes on outside <" + std::string(root_name) + ">, " + wanted);
+}
+
+}  // namespace manycontact::io

@@ -1,0 +1,82 @@
+#pragma once
+// XML files and elements with their line numbers. The only header that names tinyxml2's types.
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <optional>
+#include <string>
+
+#include "text.hpp"
+
+namespace manycontact::io {
+
+/// One XML element of one file. A view: the XmlFile outlives it.
+class Element {
+ public:
+  Element(const std::string& file, const tinyxml2::XMLElement& element) : file_(&file), element_(&element) {}
+
+  std::string name() const { return element_->Name(); }
+  int line() const { return element_->GetLineNum(); }
+  Where where() const { return {file_, line()}; }
+  /// The line of an attribute (an element may span several); the element's without it.
+  Where where(const char* attribute) const;
+  [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
+
+  /// Refuses attributes that are not among these. (tinyxml2 refuses one given twice.)
+  void allow_attributes(std::initializer_list<const char*> known) const;
+  /// Refuses text, and children that are not among these.
+  void allow_children(std::initializer_list<const char*> known) const;
+
+  bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
+  /// An attribute's text; refuses when it is missing.
+  std::string required(const char* attribute) const;
+  std::string optional(const char* attribute, const std::string& otherwise) const;
+  /// The index of an attribute's text among `choices`; `otherwise` when it is missing (-1: then refuses).
+  int choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const;
+  double number(const char* attribute, double otherwise) const;
+  double required_number(const char* attribute) const;
+  /// Exactly n numbers; nothing when the attribute is missing.
+  template <std::size_t n>
+  std::optional<std::array<double, n>> numbers(const char* attribute) const {
+    if (!has(attribute)) return {};
+    const auto list = parse_numbers(where(attribute), label(attribute), required(attribute), n);
+    std::array<double, n> out{};
+    std::copy(list.begin(), list.end(), out.begin());
+    return out;
+  }
+  /// The text inside, comments left out; refuses elements inside.
+  std::string text() const;
+
+  std::optional<Element> child(const char* name) const;
+  std::optional<Element> next(const char* name) const;  // the next sibling called `name`; nullptr: any
+  std::optional<Element> child() const { return child(nullptr); }
+
+  /// "attribute of <name>", for messages.
+  std::string label(const char* attribute) const;
+
+ private:
+  const std::string* file_;
+  const tinyxml2::XMLElement* element_;
+};
+
+/// A parsed file with one root element.
+class XmlFile {
+ public:
+  /// Throws InputError on a syntax error or another root.
+  XmlFile(std::string path, const std::string& text, const char* root_name);
+  XmlFile(const XmlFile&) = delete;
+  XmlFile& operator=(const XmlFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  Element root() const { return {path_, *document_.RootElement()}; }
+  tinyxml2::XMLDocument& document() { return document_; }
+
+ private:
+  std::string path_;
+  tinyxml2::XMLDocument document_;
+};
+
+}  // namespace manycontact::io
