@@ -1,0 +1,63 @@
+// Runs the benchmarks, then prints the ratios that claims are judged by: times of one run on one machine, divided.
+
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <map>
+#include <string>
+
+namespace {
+
+// Prints as usual and keeps each benchmark's time: its median over repetitions where there are several.
+class KeepTimes : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      const bool median = run.aggregate_name == "median";
+      if (run.run_type == Run::RT_Aggregate && !median) continue;
+      std::string name = run.run_name.str();
+      if (!median && times.count(name) && run.repetitions > 1) continue;
+      times[name] = run.GetAdjustedCPUTime() / benchmark::GetTimeUnitMultiplier(run.time_unit);
+    }
+  }
+  std::map<std::string, double> times;  // seconds
+};
+
+struct Claim {
+  const char *what, *numerator, *denominator;
+  double divide_by;  // robots
+  const char* wanted;
+};
+
+constexpr Claim kClaims[] = {
+    {"talos: RNEA / ldl_numeric", "parts/talos/rnea", "parts/talos/ldl_numeric", 1, "<= 1.3"},
+    {"talos: ABA / ldl_numeric", "parts/talos/aba", "parts/talos/ldl_numeric", 1, "<= 3"},
+    {"talos: sparse-ldl solve / ldl_numeric", "parts/talos/solve", "parts/talos/ldl_numeric", 1, "<= 5"},
+    {"16 separate: dense-schur / sparse-ldl", "solve/separate/16/dense-schur", "solve/separate/16/sparse-ldl", 1,
+     ">= 10"},
+    {"16 separate: dense-schur / Eigen's factors and solves", "solve/separate/16/dense-schur", "eigen/separate/16", 1,
+     "<= 1.3"},
+    {"sparse-ldl per robot, 256 / 1 separate", "solve/separate/256/sparse-ldl", "solve/separate/1/sparse-ldl", 256,
+     "<= 1.3"},
+};
+
+void print_claims(const std::map<std::string, double>& times) {
+  std::printf("\n%-56s %10s   %s\n", "ratio", "measured", "wanted");
+  for (const Claim& c : kClaims) {
+    const auto a = times.find(c.numerator), b = times.find(c.denominator);
+    if (a == times.end() || b == times.end()) continue;
+    std::printf("%-56s %10.2f   %s\n", c.what, a->second / b->second / c.divide_by, c.wanted);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  KeepTimes reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+  print_claims(reporter.times);
+}
