@@ -33,15 +33,19 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
   for (int k : count) s.flops += static_cast<double>(k) * (k + 2);
   // Row k of L is the union of the paths from the entries of column k of A towards k in the elimination tree.
   s.Li.resize(s.Lp[A.n]);
+  s.Rp.assign(1, 0);
   std::vector<int> next(s.Lp.begin(), s.Lp.end() - 1);
   std::fill(flag.begin(), flag.end(), -1);
   for (int k = 0; k < A.n; ++k) {
     flag[k] = k;
     for (int q = A.p[k]; q < A.p[k + 1]; ++q)
       for (int i = A.i[q]; flag[i] != k; i = s.parent[i]) {
+        s.Rj.push_back(i);
+        s.Rk.push_back(next[i]);
         s.Li[next[i]++] = k;
         flag[i] = k;
       }
+    s.Rp.push_back(static_cast<int>(s.Rj.size()));
   }
   return s;
 }

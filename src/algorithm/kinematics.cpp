@@ -9,7 +9,8 @@ Kinematics<S>::Kinematics(const Model& model)
       J(Mat6X<S>::Zero(6, model.nv)),
       Y(model.njoints()),
       v(model.njoints(), Vec6<S>::Zero()),
-      a(model.njoints(), Vec6<S>::Zero()) {}
+      a(model.njoints(), Vec6<S>::Zero()),
+      a_base(Vec6<S>::Zero()) {}
 
 namespace {
 
@@ -107,15 +108,14 @@ void forward_kinematics(const Model& model, const SE3<double>& base, const Const
 template <class S>
 void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S* qdd, const Vec3<double>& gravity,
                            Kinematics<S>& kin) {
-  Vec6<S> minus_g = Vec6<S>::Zero();
-  minus_g.template head<3>() = -gravity.cast<S>();
+  kin.a_base.template head<3>() = -gravity.cast<S>();
   const Vec6<S> zero = Vec6<S>::Zero();
   const int n = model.njoints();
   for (int i = 0; i < n; ++i) {
     const Joint& joint = model.joints[i];
     const int iv = joint.idx_v;
     const Vec6<S>& vp = joint.parent < 0 ? zero : kin.v[joint.parent];
-    const Vec6<S>& ap = joint.parent < 0 ? minus_g : kin.a[joint.parent];
+    const Vec6<S>& ap = joint.parent < 0 ? kin.a_base : kin.a[joint.parent];
     Vec6<S> vJ;  // S_i v
     Vec6<S> aJ = ap;
     if (joint.nv() == 1) {

@@ -4,10 +4,7 @@
 
 namespace manycontact {
 
-namespace {
-
-// The coordinates that move joint `joint` of `model`, ascending.
-std::vector<int> chain(const Model& model, int joint) {
+std::vector<int> dof_chain(const Model& model, int joint) {
   std::vector<int> dofs;
   if (joint < 0) return dofs;
   for (int i = model.joints[joint].idx_v + model.joints[joint].nv() - 1; i >= 0; i = model.dof_parent[i])
@@ -16,13 +13,11 @@ std::vector<int> chain(const Model& model, int joint) {
   return dofs;
 }
 
-}  // namespace
-
 ContactSupport contact_support(const Scene& scene, const Contact& contact) {
   ContactSupport s;
-  s.a = chain(*scene.robots[contact.A.robot].model, contact.A.joint);
+  s.a = dof_chain(*scene.robots[contact.A.robot].model, contact.A.joint);
   if (contact.B.robot < 0) return s;
-  s.b = chain(*scene.robots[contact.B.robot].model, contact.B.joint);
+  s.b = dof_chain(*scene.robots[contact.B.robot].model, contact.B.joint);
   if (contact.A.robot != contact.B.robot) return s;
   std::size_t common = 0;
   while (common < s.a.size() && common < s.b.size() && s.a[common] == s.b[common]) ++common;

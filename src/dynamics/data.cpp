@@ -9,7 +9,7 @@ namespace manycontact {
 RobotData::RobotData(const Model& model)
     : kin(model), Yc(model.njoints()), f(model.njoints()), M(model.M_begin[model.nv]), h(model.nv) {}
 
-SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts), a(Eigen::VectorXd::Zero(scene.nv)) {
+SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts), v(Eigen::VectorXd::Zero(scene.nv)), a(v) {
   robots.reserve(scene.robots.size());
   for (const Robot& robot : scene.robots) robots.emplace_back(*robot.model);
   contacts.reserve(scene.contacts.size());
@@ -77,6 +77,7 @@ void prepare(const Scene& scene, SceneData& data) {
                                 std::to_string(scene.contacts.size()) + " contacts");
   if (data.islands_active == data.active && (!data.islands.empty() || scene.robots.empty())) return;
   data.islands.clear();
+  if (data.derivatives) data.derivatives->islands.clear();
   for (Island& island : find_islands(scene, data.active))
     data.islands.push_back(make_island(scene, data, std::move(island)));
   data.islands_active = data.active;

@@ -21,6 +21,17 @@ void solve_dense_schur(const Scene& scene, SceneData& data);
 /// Solves in place with the factor at hand, in elimination order.
 void solve_with_factor(const Scene& scene, IslandData& island, double* x);
 
+/// Terms of an island's derivatives, at the last solve: RNEA's and the contacts'.
+void derivative_terms(const Scene& scene, SceneData& data, const IslandData& island);
+/// -dr into the panel out.X, which has its size. After derivative_terms.
+void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand.
+void solve_panel(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
+/// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent (Factor::kDense).
+void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// dense-schur: explicit inverse of the whole scene's K, times all right-hand sides, as Crocoddyl does.
+void differentiate_dense_schur(const Scene& scene, SceneData& data);
+
 /// Between an island's vector in elimination order, x = [a; y], and the scene's: a in the order of v, y in that of f.
 template <class A, class Y>
 void scatter(const Scene& scene, const SceneData& data, const IslandData& d, const double* x, A& a, Y& y) {

@@ -101,6 +101,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
   check_size("v", v.size(), scene.nv);
   check_size("u", u.size(), scene.nu);
   prepare(scene, data);
+  data.v = v;
   data.report.method = data.options.method;
   const bool whole = data.options.method == Method::kDenseSchur;
   bool usable = true;

@@ -24,10 +24,12 @@ Reason judge(const KktPattern& p, const double* D, double pivot_ratio) {
 }
 
 template <class Solve>
-Reason solve_refined(KktSystem& s, IslandReport& report, Solve&& apply) {
+Reason solve_refined(IslandData& d, IslandReport& report, Solve&& apply) {
+  KktSystem& s = d.system;
   s.x = s.b;
   apply(s.x.data());
   const Refinement refinement = refine(s, kRefinementSteps, apply);
+  d.first_error = refinement.first;
   report.refinement_steps = refinement.steps;
   report_residuals(s, report);
   return converged(refinement) ? Reason::kNone : Reason::kLargeResidual;
@@ -49,7 +51,7 @@ Reason solve_ldl(SceneData& data, IslandData& d, IslandReport& report) {
       sparse::smallest_pivot_ratio(p.K, p.ldl, s.Kx.data(), d.Lx.data(), d.D.data(), s.scale.data());
   if (const Reason reason = judge(p, d.D.data(), ratio); reason != Reason::kNone) return reason;
   d.factor = Factor::kLdl;
-  return solve_refined(s, report, [&](double* x) { sparse::ldl_solve(p.ldl, d.Lx.data(), d.D.data(), x); });
+  return solve_refined(d, report, [&](double* x) { sparse::ldl_solve(p.ldl, d.Lx.data(), d.D.data(), x); });
 }
 
 Reason solve_cholmod(IslandData& d, IslandReport& report) {
@@ -68,7 +70,7 @@ Reason solve_cholmod(IslandData& d, IslandReport& report) {
   const double ratio = d.cholmod->smallest_pivot_ratio(s.Kx.data(), s.scale.data());
   if (const Reason reason = judge(p, d.D.data(), ratio); reason != Reason::kNone) return reason;
   d.factor = Factor::kCholmod;
-  return solve_refined(s, report, [&](double* x) { d.cholmod->solve(x, 1); });
+  return solve_refined(d, report, [&](double* x) { d.cholmod->solve(x, 1); });
 }
 
 Reason solve_supernodal(const Scene& scene, IslandData& d, IslandReport& report) {
@@ -86,7 +88,7 @@ Reason solve_supernodal(const Scene& scene, IslandData& d, IslandReport& report)
     if (d.cholmod->rcond() < kSmallestPivotRatio) return Reason::kSmallPivot;
   }
   d.factor = Factor::kSupernodal;
-  return solve_refined(s, report, [&](double* x) { solve_with_factor(scene, d, x); });
+  return solve_refined(d, report, [&](double* x) { solve_with_factor(scene, d, x); });
 }
 
 }  // namespace manycontact::internal

@@ -198,9 +198,14 @@ class Builder {
   }
 
   void add_link(const urdf::Link& link, const Place& place) {
-    model_.frames.push_back({link.name, place.joint, place.placement});
-    if (place.joint >= 0 && link.inertial)
-      model_.joints[place.joint].inertia += inertia_of(*link.inertial).transformed(place.placement);
+    Frame frame;
+    frame.name = link.name;
+    frame.joint = place.joint;
+    frame.placement = place.placement;
+    frame.merged = place.joint >= 0 && body_link_[place.joint] != link.name;
+    if (link.inertial) frame.inertia = inertia_of(*link.inertial);
+    if (place.joint >= 0) model_.joints[place.joint].inertia += frame.inertia.transformed(place.placement);
+    model_.frames.push_back(std::move(frame));
   }
 
   void note(const urdf::Joint& joint) {

@@ -22,7 +22,8 @@ struct Kinematics {
 
   // by forward_accelerations, from v and qdd
   std::vector<Vec6<S>> v;        // njoints: spatial velocity
-  std::vector<Vec6<S>> a;        // njoints: spatial acceleration minus gravity (the base accelerates with -g)
+  std::vector<Vec6<S>> a;        // njoints: spatial acceleration minus gravity
+  Vec6<S> a_base;                // what the base accelerates with: -g
 };
 
 /// Placements, motion subspaces and inertias. q: nq. base: the fixed base's placement in the world (a floating base

@@ -14,6 +14,9 @@
 
 namespace manycontact {
 
+/// The velocity coordinates that move a joint's body, ascending; none for joint -1.
+std::vector<int> dof_chain(const Model& model, int joint);
+
 /// The velocity coordinates a contact acts on, numbered within their robots, ascending: those only above A (sign +),
 /// those only above B' (sign -).
 struct ContactSupport {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/dynamics/derivative_data.hpp"
 #include "manycontact/dynamics/report.hpp"
 #include "manycontact/kkt/dense.hpp"
 #include "manycontact/kkt/schur.hpp"
@@ -37,6 +38,7 @@ struct IslandData {
   std::shared_ptr<const KktPattern> chosen, safe;  // the order chosen, and leaf-to-root
 
   Factor factor = Factor::kNone;               // by solve
+  double first_error = 0;                      // backward error before refinement
   std::vector<double> Lx, D;                   // kLdl
   std::optional<sparse::Cholmod> cholmod;      // kCholmod: of K; kSupernodal: of S
   const KktPattern* cholmod_pattern = nullptr;
@@ -49,6 +51,7 @@ struct IslandData {
 struct DenseSchurData {
   Eigen::MatrixXd M, J, Z, S;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I
   Eigen::LLT<Eigen::MatrixXd> llt_M, llt_S;
+  Eigen::MatrixXd Kinv;        // by differentiate
   Eigen::VectorXd y, f;
 };
 
@@ -59,6 +62,7 @@ struct SceneData {
   std::vector<char> active;  // one per contact; the caller may switch them before a solve
 
   // by solve
+  Eigen::VectorXd v;         // nv: the velocity solved at
   Eigen::VectorXd a;         // nv: accelerations
   Eigen::VectorXd f;         // rows of the active contacts, in the scene's order: forces on A in the contact's axes
   std::vector<int> f_offset; // per contact: its first row in f, -1 when not active
@@ -71,6 +75,7 @@ struct SceneData {
   std::vector<char> islands_active;               // that set
   std::vector<int> robot_island;                  // per robot
   DenseSchurData dense_schur;
+  std::unique_ptr<DerivativeData> derivatives;    // by differentiate
   sparse::LdlWorkspace ldl_work;
   // Patterns seen before, by shape and order: a contact set that returns is not analysed again.
   std::map<std::pair<std::vector<long>, Order>, std::shared_ptr<const KktPattern>> patterns;

@@ -29,7 +29,7 @@ double backward_error(KktSystem& system);
 
 struct Refinement {
   int steps = 0;
-  double backward_error = 0;
+  double backward_error = 0, first = 0;  // last, and before the first step
 };
 
 /// Iterative refinement on the true residual: x += K^-1 r until the backward error is a few eps or stops falling.
@@ -37,7 +37,8 @@ struct Refinement {
 template <class Solve>
 Refinement refine(KktSystem& s, int max_steps, Solve&& solve) {
   constexpr double kSmall = 1e-15;
-  Refinement out{0, backward_error(s)};
+  Refinement out;
+  out.first = out.backward_error = backward_error(s);
   while (out.steps < max_steps && out.backward_error > kSmall) {
     solve(s.r.data());
     for (std::size_t k = 0; k < s.x.size(); ++k) s.x[k] += s.r[k];

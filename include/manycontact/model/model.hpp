@@ -15,6 +15,8 @@ struct Frame {
   std::string name;
   int joint = -1;         // -1: fixed to the robot's base
   SE3<double> placement;  // in the joint's frame (in the base frame when joint = -1)
+  bool merged = false;    // the link hangs on its joint's body behind fixed or locked joints
+  Inertia<double> inertia;  // of this link alone, in this frame; the joint's inertia has it already
 };
 
 /// What reading the file merged, locked, or did not model; for `inspect` and the summary.

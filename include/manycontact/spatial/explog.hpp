@@ -39,15 +39,34 @@ struct ExpCoefficients {
   }
 };
 
-/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2): log's linear part is (I - [w]/2 + alpha [w]^2) p.
+/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and its derivative with respect to t^2, from t^2.
+/// log's linear part is (I - [w]/2 + alpha [w]^2) p.
 template <class S>
-S log_coefficient(const S& t2) {
-  using std::sqrt;
-  using std::tan;
-  if (t2 < S(1e-6)) return S(1) / S(12) + t2 * (S(1) / S(720) + t2 * (S(1) / S(30240) + t2 / S(1209600)));
-  const S half = sqrt(t2) / S(2);
-  return (S(1) - half / tan(half)) / t2;
-}
+struct LogCoefficients {
+  S alpha, dalpha;
+  explicit LogCoefficients(const S& t2) {
+    using std::sin;
+    using std::sqrt;
+    using std::tan;
+    if (t2 < S(0.25)) {
+      // alpha = n/d with n = sum (-1)^k (2k+2) t^2k / (2k+4)!, d = 2 (1 - cos t)/t^2 = sum (-1)^k 2 t^2k / (2k+2)!
+      S n(0), dn(0), d(0), dd(0);
+      for (int k = 15; k >= 0; --k) {
+        const S rn = S(-(2 * k + 4)) / S((2 * k + 2) * (2 * k + 5) * (2 * k + 6));  // ratio of a term to the next
+        const S rd = S(-1) / S((2 * k + 3) * (2 * k + 4));
+        dn = rn * (n + t2 * dn), n = S(1) + rn * t2 * n;
+        dd = rd * (d + t2 * dd), d = S(1) + rd * t2 * d;
+      }
+      alpha = n / (S(12) * d);
+      dalpha = (dn / S(12) - alpha * dd) / d;
+    } else {
+      const S t = sqrt(t2), h = t / S(2);
+      const S dk = S(0.5) / tan(h) - t / (S(4) * sin(h) * sin(h));  // dk/dt
+      alpha = (S(1) - h / tan(h)) / t2;
+      dalpha = -(alpha + dk / (S(2) * t)) / t2;
+    }
+  }
+};
 
 }  // namespace detail
 
@@ -92,7 +111,7 @@ SE3<S> exp6(const Vec6<S>& m) {
 template <class S>
 Vec6<S> log6(const SE3<S>& M) {
   const Vec3<S> w = log3<S>(M.R);
-  const S alpha = detail::log_coefficient<S>(w.squaredNorm());
+  const S alpha = detail::LogCoefficients<S>(w.squaredNorm()).alpha;
   Vec6<S> m;
   const Vec3<S> wp = w.cross(M.p);
   m.template head<3>() = M.p - wp / S(2) + alpha * w.cross(wp);
@@ -101,32 +120,14 @@ Vec6<S> log6(const SE3<S>& M) {
 }
 
 /// Jlog6: log6(M exp6(d)) = log6(M) + Jlog6 d + O(d^2). `xi` = log6(M).
-/// I + ad/2 + alpha ad^2 + beta ad^4 with ad = ad_xi.
+/// I + ad/2 + (alpha - t^2 alpha') ad^2 - alpha' ad^4 with ad = ad_xi, alpha' = d alpha / d(t^2).
 template <class S>
 Mat6<S> Jlog6(const Vec6<S>& xi) {
-  using std::sin;
-  using std::sqrt;
-  using std::tan;
   const S t2 = xi.template tail<3>().squaredNorm();
-  S alpha, beta;
-  if (t2 < S(0.25)) {
-    // beta = -sum_n (n-1) c_n t^(2n-4), c_n = |B_2n|/(2n)!
-    const double c[] = {1. / 720,          2. / 30240,  3. / 1209600,      4. / 47900160,
-                        5. * 691 / 1307674368000., 6. / 74724249600., 7. * 3617 / 10670622842880000.};
-    beta = S(0);
-    for (int k = 6; k >= 0; --k) beta = beta * t2 + S(c[k]);
-    beta = -beta;
-    alpha = detail::log_coefficient<S>(t2) + beta * t2;
-  } else {
-    const S t = sqrt(t2), h = t / S(2);
-    const S k = h / tan(h);                                            // (t/2) cot(t/2)
-    const S dk = S(0.5) / tan(h) - t / (S(4) * sin(h) * sin(h));       // dk/dt
-    beta = ((S(1) - k) / t2 + dk / (S(2) * t)) / t2;
-    alpha = (S(1) - k) / t2 + beta * t2;
-  }
+  const detail::LogCoefficients<S> k(t2);
   const Mat6<S> ad = cross_matrix<S>(xi);
   const Mat6<S> ad2 = ad * ad;
-  return Mat6<S>::Identity() + ad / S(2) + alpha * ad2 + beta * (ad2 * ad2);
+  return Mat6<S>::Identity() + ad / S(2) + (k.alpha - t2 * k.dalpha) * ad2 - k.dalpha * (ad2 * ad2);
 }
 
 /// Jexp6 (right Jacobian): exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)); the inverse of Jlog6.
@@ -160,7 +161,7 @@ Vec3<S> exp_se2(const Vec3<S>& m) {
 template <class S>
 Vec3<S> log_se2(const Vec3<S>& d) {
   const S w = d[2], half = w / S(2);
-  const S k = S(1) - detail::log_coefficient<S>(w * w) * w * w;  // (w/2) cot(w/2)
+  const S k = S(1) - detail::LogCoefficients<S>(w * w).alpha * w * w;  // (w/2) cot(w/2)
   return Vec3<S>(k * d[0] + half * d[1], -half * d[0] + k * d[1], w);
 }
 

@@ -14,6 +14,7 @@ struct LdlSymbolic {
   int n = 0;
   std::vector<int> parent;  // elimination tree
   std::vector<int> Lp, Li;  // L without its unit diagonal, by columns, rows ascending
+  std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...], their values at Lx[Rk[...]]
   double flops = 0;         // of the numeric phase: sum of squared column counts
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
@@ -35,6 +36,12 @@ LdlSymbolic ldl_analyze(const UpperCsc& A);
 
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
+
+/// X <- A^-1 X for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of A's order is row
+/// row[k] of X. nonzero: n flags in A's order, set where a row of X is not zero (in these columns); overwritten. Zero
+/// rows cost nothing in the forward sweep.
+void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
+                     int first, int cols, char* nonzero);
 
 /// min over k of |D_k| / (|A_kk| + sum_j L_kj^2 |D_j|): how much of a pivot is left after cancellation. Near eps, the
 /// pivot is noise. scale: n, scratch.

@@ -25,6 +25,9 @@ UpperCsc permute(const UpperCsc& A, const std::vector<int>& iperm);
 /// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|. All of length n.
 void residual(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale);
 
+/// B <- B - A X for row-major panels of `cols` columns with row stride ld; row k of A is row row[k] of X and B.
+void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
+
 /// |A|_1, the largest column sum of the whole symmetric matrix. work: n.
 double norm_1(const UpperCsc& A, const double* Ax, double* work);
 

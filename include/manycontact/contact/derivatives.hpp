@@ -1,0 +1,38 @@
+#pragma once
+// Derivatives of one contact's rows and of its share in the dynamics, in A's axes. With s_i the column of J_l (sign
+// included), P1, P2, P3 the likewise placed and signed Psid_i, Psidd_i, Psid_i + Sd_i (algorithm/rnea_derivatives.hpp):
+//
+//   d nu/dq_i    = P1 + s_i x v_B                                                    d nu/dv_i    = s_i
+//   d nudot/dq_i = P2 - (v_A + v_B) x P1 + s_i x a_B - v_A x (s_i x v_B)             d nudot/dv_i = P3 - (v_A + v_B) x s_i
+//   d log6(G)/dq_i = Jlog6(G) s_i                      d (R_A^T (p_A - p_B'))/dq_i = s_i,lin - s_i,ang x e
+//
+// for the joints between A and B'; for joints above both, all are zero. A world-aligned frame turns with W: for every
+// joint above A, with th_i the angular part of A's motion, dW/dq_i y = W (th_i x y) on both parts of y.
+// Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; relative motion as in contact/rows.hpp.
+
+#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/contact/rows.hpp"
+
+namespace manycontact {
+
+/// Numbers of one contact. Allocated once.
+struct ContactDerivatives {
+  ContactDerivatives(const Scene& scene, const Contact& contact, const ContactSupport& support);
+
+  std::vector<int> chain_a, chain_b;  // all coordinates above A and above B', ascending
+  Mat6X<double> dx_dq, dx_dv;         // 6 x cols: of x (without the turning of W)
+  Eigen::Matrix3Xd turn;              // 3 x chain_a (world-aligned frames): th_i
+  Mat6X<double> S_b;                  // 6 x chain_b (between bodies): columns of B' in A's axes
+  Vec6<double> F;                     // W^T f: force on A at its origin, in A's axes
+  Vec6<double> x;                     // x at the accelerations of kin
+  bool turns = false;                 // the frame is world-aligned
+};
+
+/// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd, Sv
+/// of the same robots; f: the contact's force in its own frame. `data` gets the same accelerations.
+void contact_derivatives(const Scene& scene, const Contact& contact, const ContactSupport& support,
+                         const Kinematics<double>& kinA, const Kinematics<double>* kinB, const RneaDerivatives& termsA,
+                         const RneaDerivatives* termsB, const Eigen::Ref<const Eigen::VectorXd>& f,
+                         ContactData<double>& data, ContactDerivatives& d);
+
+}  // namespace manycontact

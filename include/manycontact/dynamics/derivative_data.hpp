@@ -1,0 +1,49 @@
+#pragma once
+// Derivatives of accelerations and contact forces, as blocks per island.
+
+#include <Eigen/SparseCore>
+
+#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+/// What to compute. Columns that are not asked for cost nothing.
+struct DerivativeRequest {
+  bool q = true, v = true, u = true;
+  bool forces = true;  // dforces_*; da_* always
+  bool operator==(const DerivativeRequest&) const = default;
+};
+
+/// One island's blocks, views into one row-major panel X with rows [a; f] and columns [q | v | u], all in the island's
+/// order: robots ascending, contacts ascending. q on the tangent space.
+struct IslandDerivatives {
+  using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Panel X;  // row stride a multiple of 8; columns past the last are zero
+  int nv = 0, nc = 0, nu = 0;
+  int q_first = 0, v_first = 0, u_first = 0, cols = 0;
+  DerivativeRequest request;
+  std::vector<int> u_offset;  // per robot of the island: its first torque
+
+  auto da_dq() const { return X.block(0, q_first, nv, request.q ? nv : 0); }
+  auto da_dv() const { return X.block(0, v_first, nv, request.v ? nv : 0); }
+  auto da_du() const { return X.block(0, u_first, nv, request.u ? nu : 0); }
+  auto dforces_dq() const { return X.block(nv, q_first, nc, request.q ? nv : 0); }
+  auto dforces_dv() const { return X.block(nv, v_first, nc, request.v ? nv : 0); }
+  auto dforces_du() const { return X.block(nv, u_first, nc, request.u ? nu : 0); }
+};
+
+/// Everything `differentiate` computes and keeps.
+struct DerivativeData {
+  DerivativeData(const Scene& scene, const std::vector<ContactSupport>& supports);
+
+  std::vector<RneaDerivatives> robots;
+  std::vector<std::vector<Vec6<double>>> fext;  // per robot, per joint: contact forces, tree frame
+  std::vector<ContactData<double>> rows;        // per contact, at the solution's accelerations
+  std::vector<ContactDerivatives> contacts;     // per contact
+  std::vector<IslandDerivatives> islands;
+  std::vector<char> nonzero;                    // scratch of the panel solve
+  IslandDerivatives::Panel rhs;                 // scratch of refinement
+};
+
+}  // namespace manycontact

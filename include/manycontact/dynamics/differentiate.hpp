@@ -1,0 +1,26 @@
+#pragma once
+#include "manycontact/dynamics/data.hpp"
+
+namespace manycontact {
+
+/// Derivatives of data.a and data.f at the last solve, with its factor:
+///
+///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - S^T u,   r2 = J a + a0 + delta f,
+///
+/// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
+/// those of the least-norm forces, the rank being locally constant. Blocks of failed and of inconsistent islands are NaN.
+/// Allocates nothing after the first call with the same request and active set (CHOLMOD and dense paths excepted).
+/// Throws std::logic_error before the first solve.
+const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
+
+/// The scene's matrices in the order of its v, u and of data.f: for callers that want one matrix. Blocks that were not
+/// asked for come out with no columns.
+struct SceneDerivatives {
+  Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
+};
+SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
+
+/// The same as one sparse matrix, rows [a; f], columns [q | v | u] (those asked for), column-major.
+Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
+
+}  // namespace manycontact

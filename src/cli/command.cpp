@@ -1,0 +1,36 @@
+#include "command.hpp"
+
+#include <sstream>
+
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+std::string scene_operand(const Arguments& arguments) {
+  if (arguments.rest().empty()) throw UsageError("SCENE is missing");
+  if (arguments.rest().size() > 1) throw UsageError("one SCENE is expected, '" + arguments.rest()[1] + "' is a second");
+  return arguments.rest()[0];
+}
+
+std::string usage(const Command& command) {
+  std::string text = "usage: manycontact " + command.name + " " + command.operands;
+  for (const Option& option : command.options)
+    text += " [" + option.name + (option.value.empty() ? "" : " " + option.value) + "]";
+  return text;
+}
+
+std::string help(const Command& command) {
+  std::ostringstream out;
+  out << usage(command) << "\n\n";
+  wrap(out, command.summary, 0);
+  if (!command.options.empty()) {
+    out << "\n";
+    Table table({{"", Table::kLeft}, {"", Table::kLeft}});
+    for (const Option& option : command.options) table.add({option.name + " " + option.value, option.help});
+    table.print(out);
+  }
+  if (!command.help.empty()) out << "\n" << command.help;
+  return out.str();
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,34 @@
+#pragma once
+// A command of the program: what it takes, and what runs it.
+
+#include "arguments.hpp"
+
+namespace manycontact::cli {
+
+enum Exit {
+  kExitOk = 0,       // ok, redundant, inconsistent
+  kExitUnsound = 1,  // regularised, failed; out of memory
+  kExitUsage = 2,    // bad usage or bad input
+};
+
+struct Command {
+  std::string name;
+  std::string operands;  // what it takes besides options, for the usage
+  std::string summary;   // one line
+  std::vector<Option> options;
+  std::string help;      // after the options
+  int (*run)(const Arguments&);
+};
+
+const Command& solve_command();
+const Command& inspect_command();
+
+/// The one operand SCENE. Throws UsageError.
+std::string scene_operand(const Arguments& arguments);
+
+/// "usage: manycontact solve SCENE [--method M] ...", one line.
+std::string usage(const Command& command);
+/// The whole help of a command.
+std::string help(const Command& command);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,119 @@
+#include "describe.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+std::string group_name(const RobotGroup& group) {
+  return group.copied ? group.name + " x" + std::to_string(group.count) : group.name;
+}
+
+std::string joint_types(const Model& model) {
+  const std::pair<JointType, const char*> types[] = {{JointType::kFloating, "floating"},
+                                                     {JointType::kPlanar, "planar"},
+                                                     {JointType::kRevolute, "revolute"},
+                                                     {JointType::kPrismatic, "prismatic"}};
+  std::vector<std::string> parts;
+  for (const auto& [type, name] : types) {
+    const auto n = std::count_if(model.joints.begin(), model.joints.end(), [&](const Joint& j) { return j.type == type; });
+    if (n > 0) parts.push_back(std::to_string(n) + " " + name);
+  }
+  return parts.empty() ? "none" : join(parts);
+}
+
+std::string robot_names(const SceneFile& file, const std::vector<int>& robots) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robots.size();) {
+    const RobotGroup& group = file.robot_groups[file.robot_group[robots[i]]];
+    std::size_t end = i;
+    while (end < robots.size() && robots[end] < group.first + group.count) ++end;
+    if (static_cast<int>(end - i) == group.count)
+      names.push_back(group_name(group));
+    else
+      for (std::size_t k = i; k < end; ++k) names.push_back(file.scene.robots[robots[k]].name);
+    i = end;
+  }
+  return join(names, 4);
+}
+
+std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands) {
+  std::vector<std::string> names;
+  for (const Island* island : islands) names.push_back(robot_names(file, island->robots));
+  if (names.size() > 3) return names.front() + " .. " + names.back();
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? " | " : "") + names[i];
+  return text;
+}
+
+Body body_of(const Attachment& a) { return a.joint < 0 ? Body{} : Body{a.robot, a.joint}; }
+
+std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>& point) {
+  if (body.joint < 0) return "world";
+  const Robot& robot = scene.robots[body.robot];
+  const Frame* nearest = nullptr;
+  for (const Frame& frame : robot.model->frames)
+    if (frame.joint == body.joint &&
+        (!nearest || (frame.placement.p - point).norm() < (nearest->placement.p - point).norm() - 1e-9))
+      nearest = &frame;
+  return robot.name + "/" + (nearest ? nearest->name : robot.model->joints[body.joint].name);
+}
+
+std::string to_string(ContactType type) {
+  switch (type) {
+    case ContactType::k1D: return "1d";
+    case ContactType::k2D: return "2d";
+    case ContactType::k3D: return "3d";
+    case ContactType::k6D: return "6d";
+  }
+  return "?";
+}
+
+std::string contact_names(const Scene& scene, const std::vector<int>& contacts) {
+  if (contacts.size() > 3 && contacts.back() - contacts.front() + 1 == static_cast<int>(contacts.size()))
+    return scene.contacts[contacts.front()].name + " .. " + scene.contacts[contacts.back()].name;
+  std::vector<std::string> names;
+  for (int c : contacts) names.push_back(scene.contacts[c].name);
+  return join(names, 4);
+}
+
+void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data) {
+  const Scene& scene = file.scene;
+  wrap(out, "Scene " + scene.name + " (" + file.path + ")", 0);
+  const Vec3<double>& g = scene.gravity;
+  wrap(out, "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
+                number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " +
+                count(data.f.size(), "contact row") + " in " + count(static_cast<long>(data.islands.size()), "island"), 0);
+  Table table({{"robot", Table::kLeft, 24}, {"urdf", Table::kLeft, 24}, {"base", Table::kLeft}, {"velocities"},
+               {"mass [kg]"}, {"joints", Table::kLeft}});
+  for (const RobotGroup& group : file.robot_groups) {
+    if (group.count == 0) continue;
+    const Model& model = *scene.robots[group.first].model;
+    table.add({group_name(group), std::filesystem::path(group.urdf).filename().string(),
+               model.floating_base ? "floating" : "fixed", std::to_string(model.nv), number(model.mass(), 4),
+               joint_types(model)});
+  }
+  out << "\n";
+  table.print(out);
+}
+
+void print_notes(std::ostream& out, const SceneFile& file, bool merged) {
+  for (const RobotGroup& group : file.robot_groups) {
+    if (group.count == 0) continue;
+    const ModelNotes& notes = file.scene.robots[group.first].model->notes;
+    const auto line = [&](const std::vector<std::string>& joints, const std::string& what) {
+      if (!joints.empty()) wrap(out, what + ": " + join(joints), 2, group_name(group) + ": ");
+    };
+    if (merged) {
+      line(notes.merged, count(static_cast<long>(notes.merged.size()), "fixed joint") + " merged into the parent's body");
+      line(notes.locked, count(static_cast<long>(notes.locked.size()), "joint") + " locked");
+    }
+    line(notes.mimic, "mimic is not modelled, kept independent");
+    if (merged) line(notes.dynamics, "damping and friction in <dynamics> are not modelled");
+  }
+}
+
+}  // namespace manycontact::cli

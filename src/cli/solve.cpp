@@ -1,0 +1,99 @@
+#include "solve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+
+#include "command.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+// Median time of `repeat` calls, us.
+template <class Call>
+double median_time(int repeat, Call&& call) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> times;
+  for (int k = 0; k < repeat; ++k) {
+    const Clock::time_point start = Clock::now();
+    call();
+    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+  }
+  std::sort(times.begin(), times.end());
+  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
+
+template <class Values>
+std::string names_of(const Values& values) {
+  std::vector<std::string> names;
+  for (const auto& value : values) names.push_back(to_string(value));
+  return join(names, 20);
+}
+
+Options solver_options(const Arguments& arguments) {
+  Options options;
+  if (const auto name = arguments.value("--method")) {
+    const auto method = method_from_string(*name);
+    if (!method) throw UsageError("unknown method '" + *name + "', expected one of " + names_of(kMethods));
+    if (*method == Method::kSparseSupernodal && !sparse::supernodal_available())
+      throw UsageError("method sparse-supernodal is not in this build, which leaves out CHOLMOD's GPL part");
+    options.method = *method;
+  }
+  if (const auto name = arguments.value("--order")) {
+    options.order = order_from_string(*name);
+    if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
+    if (options.method != Method::kSparseLdl && options.method != Method::kSparseCholmod &&
+        options.method != Method::kAuto)
+      throw UsageError("method " + to_string(options.method) + " has no order to choose");
+  }
+  return options;
+}
+
+int run(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments);
+  const Options options = solver_options(arguments);
+  const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
+  if (arguments.has("--derivatives")) throw UsageError("--derivatives is not available yet");
+
+  const SceneFile file = load_scene(path);
+  Solution solution = solve_scene(file, options, repeat);
+  if (arguments.has("--quasi-static")) solution.quasi_static_u = quasi_static(file.scene, file.q);
+  if (const auto json = arguments.value("--json"))
+    write_json(solution, *json);
+  else
+    print_summary(std::cout, solution);
+  return solution.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
+}
+
+}  // namespace
+
+Solution solve_scene(const SceneFile& file, const Options& options, int repeat) {
+  Solution solution{file, SceneData(file.scene, options), {}, repeat, {}};
+  solution.time.symbolic = median_time(repeat, [&] { const SceneData data(file.scene, options); });
+  const auto once = [&] { (void)solve(file.scene, file.q, file.v, file.u, solution.data); };
+  once();
+  solution.time.solve = median_time(repeat, once);
+  estimate_condition(file.scene, solution.data);
+  return solution;
+}
+
+const Command& solve_command() {
+  static const Command command{
+      "solve",
+      "SCENE",
+      "Accelerations and contact forces of the scene, and what they are worth.",
+      {{"--method", "M", "auto (default), " + names_of(std::vector<Method>(std::begin(kMethods), std::end(kMethods) - 1))},
+       {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)},
+       {"--derivatives", "", "not available yet"},
+       {"--quasi-static", "", "also the torques that hold the scene still"},
+       {"--repeat", "N", "times are medians over N solves, after one to warm up"},
+       {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad input.\n",
+      run};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,99 @@
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "choice.hpp"
+#include "manycontact/io/input_error.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers that are not finite become null when written.
+Json vector(const Eigen::VectorXd& x) { return Json(std::vector<double>(x.begin(), x.end())); }
+
+Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
+
+Json island(const Scene& scene, const IslandData& d, const IslandReport& r) {
+  Json robots = Json::array();
+  for (int k : d.island.robots) robots.push_back(scene.robots[k].name);
+  return {{"robots", robots},
+          {"status", to_string(r.status)},
+          {"method", to_string(r.method)},
+          {"order", order_of(r)},
+          {"reason", to_string(r.reason)},
+          {"nv", r.nv},
+          {"nc", r.nc},
+          {"rank", r.rank},
+          {"factor_nonzeros", r.factor_nonzeros},
+          {"refinement_steps", r.refinement_steps},
+          {"residual_dynamics", r.residual_dynamics},
+          {"residual_contact", r.residual_contact},
+          {"condition", r.condition}};
+}
+
+Json report(const Solution& s) {
+  const Report& r = s.data.report;
+  Json list = Json::array();
+  std::set<std::string> answered;
+  for (std::size_t i = 0; i < r.islands.size(); ++i) {
+    list.push_back(island(s.file.scene, s.data.islands[i], r.islands[i]));
+    answered.insert(to_string(r.islands[i].method));
+  }
+  return {{"status", to_string(r.status)},
+          {"method", to_string(r.method)},
+          {"answered_by", answered},
+          {"islands", r.islands.size()},
+          {"nv", r.nv},
+          {"nc", r.nc},
+          {"rank", r.rank},
+          {"factor_nonzeros", r.factor_nonzeros},
+          {"residual_dynamics", r.residual_dynamics},
+          {"residual_contact", r.residual_contact},
+          {"condition", r.condition},
+          {"refinement_steps", r.refinement_steps},
+          {"time_us", {{"symbolic", s.time.symbolic}, {"solve", s.time.solve}}},
+          {"island_list", list}};
+}
+
+Json document(const Solution& s) {
+  Json json = {{"scene", s.file.scene.name},
+               {"velocity_names", velocity_names(s.file.scene)},
+               {"force_names", force_names(s.file.scene, s.data)},
+               {"acceleration", vector(s.data.a)},
+               {"forces", vector(s.data.f)}};
+  if (s.quasi_static_u) json["quasi_static_u"] = vector(*s.quasi_static_u);
+  json["report"] = report(s);
+  return json;
+}
+
+// One line per member, so that long lists stay apart; doubles as short as they read back to the same bits.
+void print(std::ostream& out, const Json& json) {
+  const char* before = "{\n";
+  for (const auto& [key, value] : json.items()) {
+    out << before << Json(key).dump() << ": " << value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    before = ",\n";
+  }
+  out << "\n}\n";
+}
+
+}  // namespace
+
+void write_json(const Solution& solution, const std::string& path) {
+  const Json json = document(solution);
+  if (path == "-") return print(std::cout, json);
+  errno = 0;
+  std::ofstream out(path);
+  if (out) print(out, json);
+  if (!out.flush())
+    throw InputError(path, 1, std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
+                                  ", expected a file that --json may create");
+}
+
+}  // namespace manycontact::cli

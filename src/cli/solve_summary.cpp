@@ -1,0 +1,149 @@
+// The readable summary of `solve`: sizes, islands, what the answer is worth, times.
+
+#include <algorithm>
+#include <map>
+
+#include "choice.hpp"
+#include "describe.hpp"
+#include "solve.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+std::string in_words(Status status) {
+  switch (status) {
+    case Status::kOk: return "the contacts are independent and the system is solved to its residuals";
+    case Status::kRedundant:
+      return "contacts depend on each other and agree; accelerations are exact, the forces shown are those of least norm";
+    case Status::kInconsistent:
+      return "contacts contradict each other; the accelerations miss them by the least squares";
+    case Status::kRegularised: return "the answer to a neighbouring problem, not to the one asked";
+    case Status::kFailed: return "no answer for at least one island; its accelerations and forces are not numbers";
+  }
+  return "";
+}
+
+// Islands that went alike share a line.
+struct Alike {
+  std::vector<const Island*> islands;
+  std::vector<int> numbers;
+  IslandReport report;  // of the first, with the largest residuals and condition
+};
+
+std::vector<Alike> alike_islands(const SceneData& data) {
+  std::map<std::vector<int>, std::size_t> seen;
+  std::vector<Alike> out;
+  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+    const IslandReport& r = data.report.islands[i];
+    const std::vector<int> key{int(r.status),  int(r.method), int(r.order), int(r.reason), r.changed_order,
+                               r.nv,           r.nc,          r.rank,       r.factor_nonzeros};
+    const auto [at, fresh] = seen.emplace(key, out.size());
+    if (fresh) out.push_back({{}, {}, r});
+    Alike& alike = out[at->second];
+    alike.islands.push_back(&data.islands[i].island);
+    alike.numbers.push_back(static_cast<int>(i));
+    const auto keep_larger = [&r, &alike](double IslandReport::*x) {
+      if (!(r.*x <= alike.report.*x)) alike.report.*x = r.*x;
+    };
+    keep_larger(&IslandReport::residual_dynamics);
+    keep_larger(&IslandReport::residual_contact);
+    keep_larger(&IslandReport::condition);
+    alike.report.refinement_steps = std::max(alike.report.refinement_steps, r.refinement_steps);
+  }
+  return out;
+}
+
+std::string why(const Solution& s, const Alike& kind) {
+  const IslandData& d = s.data.islands[kind.numbers.front()];
+  std::string text;
+  if (s.data.options.method == Method::kAuto)
+    text = "auto chose " + why_chosen(s.data.options, d, predict_costs(s.file.scene, d));
+  const std::string changed = why_changed(d, kind.report);
+  return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
+}
+
+std::string times(const Solution& s) {
+  return "analysis " + number(s.time.symbolic) + " us, one solve " + number(s.time.solve) + " us" +
+         (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
+}
+
+// All islands went alike: one fact per line.
+void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
+  const IslandReport& r = kind.report;
+  const auto line = [&out](std::string title, const std::string& text) {
+    title.resize(11, ' ');
+    if (!text.empty()) wrap(out, text, 2, title);
+  };
+  const std::string each = kind.islands.size() > 1 ? ", each" : "";
+  line("islands", count(static_cast<long>(kind.islands.size()), "island") + " of " + count(r.nv, "velocity") + " and " +
+                      count(r.nc, "contact row") + " (" + islands_name(s.file, kind.islands) + ")");
+  line("rank", std::to_string(r.rank) + " of " + std::to_string(r.nc) + each);
+  line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
+  line("why", why(s, kind));
+  line("factor", count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
+  line("residuals", "dynamics " + number(r.residual_dynamics, 2) + ", contacts " + number(r.residual_contact, 2) +
+                        " (relative)");
+  line("condition", number(r.condition, 2) + " (of K, 1-norm)");
+  line("time", times(s));
+}
+
+void print_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>& kinds, std::size_t shown) {
+  Table table({{"islands"}, {"robots", Table::kLeft, 22}, {"nv"}, {"rows"}, {"rank"}, {"method", Table::kLeft},
+               {"order", Table::kLeft}, {"status", Table::kLeft}});
+  Table worth({{"islands"}, {"robots", Table::kLeft, 22}, {"factor"}, {"refined"}, {"residual: dynamics"},
+               {"contacts"}, {"condition"}});
+  for (std::size_t k = 0; k < shown; ++k) {
+    const IslandReport& r = kinds[k].report;
+    const std::string n = std::to_string(kinds[k].islands.size()), name = islands_name(s.file, kinds[k].islands);
+    table.add({n, name, std::to_string(r.nv), std::to_string(r.nc), std::to_string(r.rank), to_string(r.method),
+               has_order(r.method) ? to_string(r.order) : "", to_string(r.status)});
+    worth.add({n, name, std::to_string(r.factor_nonzeros), std::to_string(r.refinement_steps),
+               number(r.residual_dynamics, 2), number(r.residual_contact, 2), number(r.condition, 2)});
+  }
+  table.print(out);
+  out << "\n";
+  worth.print(out);
+  if (shown < kinds.size()) out << "  ... and " << kinds.size() - shown << " more kinds of island\n";
+  out << "  factor: non-zeros; refined: steps; residuals are relative; condition: of K, 1-norm\n\n";
+}
+
+void print_several_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>& kinds) {
+  const Report& r = s.data.report;
+  const std::size_t shown = kinds.size() <= 9 ? kinds.size() : 8;
+  print_kinds(out, s, kinds, shown);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const std::string text = why(s, kinds[k]);
+    if (!text.empty()) wrap(out, text, 2, islands_name(s.file, kinds[k].islands) + ": ");
+  }
+  wrap(out, std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
+                ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + number(r.residual_dynamics, 2) +
+                " and " + number(r.residual_contact, 2) + ", condition " + number(r.condition, 2), 2, "together: ");
+  wrap(out, times(s), 2);
+}
+
+}  // namespace
+
+void print_report(std::ostream& out, const Solution& s) {
+  wrap(out, in_words(s.data.report.status), 0, "Status " + to_string(s.data.report.status) + ": ");
+  const std::vector<Alike> kinds = alike_islands(s.data);
+  out << "\n";
+  if (kinds.size() == 1)
+    print_one_kind(out, s, kinds[0]);
+  else if (!kinds.empty())
+    print_several_kinds(out, s, kinds);
+}
+
+void print_summary(std::ostream& out, const Solution& s) {
+  print_heading(out, s.file, s.data);
+  print_notes(out, s.file, false);
+  out << "\n";
+  print_report(out, s);
+  print_accelerations(out, s);
+  print_forces(out, s);
+  if (s.quasi_static_u) print_quasi_static(out, s);
+  print_against_dense(out, s);
+}
+
+}  // namespace manycontact::cli
