@@ -5,6 +5,8 @@
 
 #include "manycontact/algorithm/aba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "scenes.hpp"
 
@@ -87,6 +89,24 @@ void solve_whole(benchmark::State& state, Fixture& f) {
   for (auto _ : state) benchmark::DoNotOptimize(solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data));
 }
 
+void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
+  RneaDerivatives d(f.model);
+  for (auto _ : state) {
+    forward_kinematics<double>(f.model, {}, f.s.q, f.robot.kin);
+    forward_accelerations<double>(f.model, f.s.v, f.qdd.data(), f.s.scene.gravity, f.robot.kin);
+    f.robot.Yc = f.robot.kin.Y;
+    for (int i = f.model.njoints() - 1; i > 0; --i) f.robot.Yc[f.model.joints[i].parent] += f.robot.Yc[i];
+    rnea_derivatives(f.model, f.robot.kin, f.robot.Yc, {}, d);
+    benchmark::DoNotOptimize(d);
+  }
+}
+
+// All derivatives, after a solve.
+void differentiate_whole(benchmark::State& state, Fixture& f) {
+  benchmark::DoNotOptimize(solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data));
+  for (auto _ : state) benchmark::DoNotOptimize(differentiate(f.s.scene, f.data));
+}
+
 void register_robot(const std::string& name, SceneFile scene) {
   auto* f = new Fixture(std::move(scene));  // lives as long as the program
   const auto add = [&](const char* part, void (*run)(benchmark::State&, Fixture&)) {
@@ -103,6 +123,8 @@ void register_robot(const std::string& name, SceneFile scene) {
   add("triangular_solve", triangular_solve);
   add("residual", residual);
   add("solve", solve_whole);
+  add("rnea_derivatives", rnea_derivatives_whole);
+  add("derivatives", differentiate_whole);
 }
 
 const bool registered = [] {

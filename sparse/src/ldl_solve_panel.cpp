@@ -4,6 +4,15 @@ namespace manycontact::sparse {
 
 namespace {
 
+// The widest chunk that leaves the machine's vector registers room.
+#if defined(__AVX512F__)
+constexpr int kWide = 64;
+#elif defined(__AVX__)
+constexpr int kWide = 32;
+#else
+constexpr int kWide = 16;
+#endif
+
 // N doubles held in registers; the compiler splits it as the machine needs.
 template <int N>
 struct Chunk {
@@ -63,7 +72,8 @@ void ldl_solve_panel(const LdlSymbolic& s, const double* Lx, const double* D, co
   for (int k = 0; k < s.n; ++k)  // the rows the forward sweep reaches
     for (int p = s.Rp[k]; p < s.Rp[k + 1] && !nonzero[k]; ++p) nonzero[k] = nonzero[s.Rj[p]];
   const int end = first + cols;
-  while (end - first >= 32) sweep<32>(s, Lx, D, row, X + first, ld, nonzero), first += 32;
+  while (end - first >= kWide) sweep<kWide>(s, Lx, D, row, X + first, ld, nonzero), first += kWide;
+  while (end - first >= 16) sweep<16>(s, Lx, D, row, X + first, ld, nonzero), first += 16;
   while (end - first >= 8) sweep<8>(s, Lx, D, row, X + first, ld, nonzero), first += 8;
   while (first < end) sweep<1>(s, Lx, D, row, X + first, ld, nonzero), first += 1;
 }

@@ -79,6 +79,7 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   const std::string each = kind.islands.size() > 1 ? ", each" : "";
   line("islands", count(static_cast<long>(kind.islands.size()), "island") + " of " + count(r.nv, "velocity") + " and " +
                       count(r.nc, "contact row") + " (" + islands_name(s.file, kind.islands) + ")");
+  if (r.status == Status::kFailed) return line("why", why(s, kind));
   line("rank", std::to_string(r.rank) + " of " + std::to_string(r.nc) + each);
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));

@@ -14,21 +14,42 @@ namespace {
 
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
-// Positions of the `most` largest values in their old order, all when there are not more; NaN counts as largest.
-std::vector<std::size_t> largest_of(const std::vector<double>& values, std::size_t most) {
-  std::vector<std::size_t> at(values.size());
+// A line of a table and what it is ranked by. Neighbours that read alike are one line, "foot0 .. foot63".
+struct Line {
+  std::string first, last;
+  std::vector<std::string> cells;
+  double size = 0;
+  std::size_t count = 1;
+};
+using Lines = std::vector<Line>;
+
+void add_line(Lines& lines, const std::string& name, std::vector<std::string> cells, double size) {
+  if (std::isnan(size)) size = INFINITY;
+  if (lines.empty() || lines.back().cells != cells) return lines.push_back({name, "", std::move(cells), size});
+  Line& line = lines.back();
+  line.last = name;
+  line.size = std::max(line.size, size);
+  ++line.count;
+}
+
+// Prints the `most` largest lines in their old order, and how many more there are.
+void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most) {
+  std::vector<std::size_t> at(lines.size());
   std::iota(at.begin(), at.end(), 0);
-  const auto size = [&](std::size_t i) { return std::isnan(values[i]) ? INFINITY : values[i]; };
+  std::size_t more = 0;
   if (at.size() > most) {
-    std::stable_sort(at.begin(), at.end(), [&](std::size_t i, std::size_t j) { return size(i) > size(j); });
+    std::stable_sort(at.begin(), at.end(), [&](std::size_t i, std::size_t j) { return lines[i].size > lines[j].size; });
+    for (std::size_t k = most; k < at.size(); ++k) more += lines[at[k]].count;
     at.resize(most);
     std::sort(at.begin(), at.end());
   }
-  return at;
-}
-
-void print_rest(std::ostream& out, std::size_t all, std::size_t shown) {
-  if (shown < all) out << "  ... and " << all - shown << " more, none larger\n";
+  for (std::size_t i : at) {
+    std::vector<std::string> cells{lines[i].first + (lines[i].last.empty() ? "" : " .. " + lines[i].last)};
+    cells.insert(cells.end(), lines[i].cells.begin(), lines[i].cells.end());
+    table.add(cells);
+  }
+  table.print(out);
+  if (more > 0) out << "  ... and " << more << " more, none larger\n";
 }
 
 // The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
@@ -81,77 +102,82 @@ std::vector<Vec3<double>> contact_force_on(const Solution& s) {
   return total;
 }
 
-std::string triple(const Vec3<double>& x) { return decimal(x[0]) + "  " + decimal(x[1]) + "  " + decimal(x[2]); }
+std::vector<std::string> components(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  std::vector<std::string> cells;
+  for (double k : x) cells.push_back(decimal(k));
+  return cells;
+}
+
+// What the world gives, and what it has to carry.
+void print_total(std::ostream& out, const Solution& s) {
+  double mass = 0;
+  for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
+  Table table({{"", Table::kLeft}, {""}, {""}, {""}});
+  const auto row = [&table](const std::string& what, const Vec3<double>& f) {
+    table.add({what, decimal(f[0]), decimal(f[1]), decimal(f[2])});
+  };
+  row("all forces from the world, world axes [N]", contact_force_on(s).back());
+  if (mass > 0) row("weight of the floating robots", mass * s.file.scene.gravity);
+  table.print(out);
+}
 
 }  // namespace
 
 void print_accelerations(std::ostream& out, const Solution& s) {
   const Scene& scene = s.file.scene;
-  std::vector<double> size;
-  for (const Robot& r : scene.robots) {
-    const auto a = s.data.a.segment(r.idx_v, r.model->nv);
-    size.push_back(a.hasNaN() ? NAN : r.model->nv == 0 ? 0 : a.cwiseAbs().maxCoeff());
-  }
   const std::vector<Vec3<double>> force = contact_force_on(s);
-  Table table({{"robot", Table::kLeft, 24}, {"base linear"}, {"base angular"}, {"joints, largest"},
-               {"at", Table::kLeft, 24}, {"contact force"}});
-  const std::vector<std::size_t> shown = largest_of(size, kMostRobots);
-  for (std::size_t i : shown) {
+  Lines lines;
+  double largest = 0;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const Robot& robot = scene.robots[i];
     const Model& model = *robot.model;
     const auto a = s.data.a.segment(robot.idx_v, model.nv);
+    const double size = a.hasNaN() ? NAN : model.nv == 0 ? 0 : a.cwiseAbs().maxCoeff();
+    if (!(size <= largest)) largest = size;
     const int k = fastest_joint(model, a);
     const bool floats = model.floating_base;
-    table.add({robot.name, floats ? number(a.head<3>().norm(), 4) : "", floats ? number(a.segment<3>(3).norm(), 4) : "",
-               k < 0 ? "" : number(a[k], 4), k < 0 ? "" : dof_name(model, k), decimal(force[i].norm())});
+    add_line(lines, robot.name,
+             {floats ? number(a.head<3>().norm()) : "", floats ? number(a.segment<3>(3).norm()) : "",
+              k < 0 ? "" : number(a[k]), k < 0 ? "" : dof_name(model, k), decimal(force[i].norm())},
+             size);
   }
-  out << "\nAccelerations [m/s^2, rad/s^2] and all contact forces on each robot [N]\n";
-  table.print(out);
-  print_rest(out, size.size(), shown.size());
+  out << "\nAccelerations [m/s^2, rad/s^2] and the sum of the contact forces on each robot [N]\n";
+  print_lines(out, Table({{"robot", Table::kLeft, 24}, {"base linear"}, {"base angular"}, {"joints, largest"},
+                          {"at", Table::kLeft, 22}, {"force"}}), lines, kMostRobots);
+  if (largest < 1e-9 * scene.gravity.norm()) out << "  nothing accelerates: what is left is rounding\n";
 }
 
 void print_forces(std::ostream& out, const Solution& s) {
   const Scene& scene = s.file.scene;
-  const std::vector<int> active = active_contacts(s);
-  if (active.empty()) return;
-  std::vector<double> size;
-  for (int c : active) size.push_back(s.data.f.segment(s.data.f_offset[c], scene.contacts[c].rows()).norm());
-  Table table({{"contact", Table::kLeft, 24}, {"type", Table::kLeft}, {"axes", Table::kLeft}, {"fx"}, {"fy"}, {"fz"},
-               {"mx"}, {"my"}, {"mz"}});
-  const std::vector<std::size_t> shown = largest_of(size, kMostContacts);
-  for (std::size_t i : shown) {
-    const Contact& contact = scene.contacts[active[i]];
-    const Vec6<double> w = force_in_axes(contact, s.data.f, s.data.f_offset[active[i]]);
-    std::vector<std::string> cells{contact.name, to_string(contact.type),
+  Lines lines;
+  for (int c : active_contacts(s)) {
+    const Contact& contact = scene.contacts[c];
+    const Vec6<double> w = force_in_axes(contact, s.data.f, s.data.f_offset[c]);
+    std::vector<std::string> cells{to_string(contact.type),
                                    contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
-    for (int k = 0; k < (contact.type == ContactType::k6D ? 6 : 3); ++k) cells.push_back(decimal(w[k]));
-    table.add(cells);
+    for (const std::string& cell : components(w.head(contact.type == ContactType::k6D ? 6 : 3))) cells.push_back(cell);
+    add_line(lines, contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
   }
+  if (lines.empty()) return;
+  for (Line& line : lines) line.cells.resize(8);
   out << "\nContact forces on frame A [N, N m], in its own axes (local) or the world's\n";
-  table.print(out);
-  print_rest(out, active.size(), shown.size());
-  double mass = 0;
-  for (const Robot& robot : scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
-  wrap(out, triple(contact_force_on(s).back()) + " N from the world", 2, "total: ");
-  if (mass > 0) wrap(out, triple(mass * scene.gravity) + " N is the weight of all floating robots", 2, "       ");
+  print_lines(out, Table({{"contact", Table::kLeft, 24}, {"type", Table::kLeft}, {"axes", Table::kLeft}, {"fx"}, {"fy"},
+                          {"fz"}, {"mx"}, {"my"}, {"mz"}}), lines, kMostContacts);
+  print_total(out, s);
 }
 
 void print_quasi_static(std::ostream& out, const Solution& s) {
   const Scene& scene = s.file.scene;
-  std::vector<double> size;
-  std::vector<std::string> names;
+  Lines lines;
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k) {
-      names.push_back(robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k));
-      size.push_back(std::abs((*s.quasi_static_u)[robot.idx_u + k]));
+      const double torque = (*s.quasi_static_u)[robot.idx_u + k];
+      add_line(lines, robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k),
+               {decimal(torque, 3)}, std::abs(torque));
     }
   out << "\nQuasi-static torques, which hold the scene still [N m, N]\n";
-  Table table({{"joint", Table::kLeft, 48}, {"torque"}});
-  const std::vector<std::size_t> shown = largest_of(size, kMostTorques);
-  for (std::size_t i : shown) table.add({names[i], decimal((*s.quasi_static_u)[static_cast<Eigen::Index>(i)], 3)});
-  if (table.empty()) out << "  no joint is actuated\n";
-  table.print(out);
-  print_rest(out, size.size(), shown.size());
+  if (lines.empty()) out << "  no joint is actuated\n";
+  print_lines(out, Table({{"joint", Table::kLeft, 60}, {"torque"}}), lines, kMostTorques);
 }
 
 }  // namespace manycontact::cli

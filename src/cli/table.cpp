@@ -1,6 +1,7 @@
 #include "table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
@@ -45,7 +46,10 @@ std::string print_as(const char* format, int digits, double x) {
 
 }  // namespace
 
-std::string number(double x, int digits) { return print_as("%.*g", digits, x == 0 ? 0.0 : x); }
+std::string number(double x, int digits) {
+  if (std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7) return print_as("%.*f", 0, x);  // not 1.2e+04
+  return print_as("%.*g", digits, x == 0 ? 0.0 : x);
+}
 
 std::string decimal(double x, int decimals) {
   const std::string text = print_as("%.*f", decimals, x);
