@@ -29,6 +29,11 @@ void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& islan
 void solve_panel(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
 /// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent (Factor::kDense).
 void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// The same for products: df += P (dJ dq) y, wq += ((dJ .) y)^T P wf.
+void least_norm_jvp(const Scene& scene, SceneData& data, const IslandData& island, const ConstVector& dq,
+                    Eigen::Ref<Eigen::VectorXd> df);
+void least_norm_vjp(const Scene& scene, SceneData& data, const IslandData& island, const ConstVector& wf,
+                    Eigen::Ref<Eigen::VectorXd> wq);
 /// dense-schur: explicit inverse of the whole scene's K, times all right-hand sides, as Crocoddyl does.
 void differentiate_dense_schur(const Scene& scene, SceneData& data);
 

@@ -55,12 +55,11 @@ Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const I
   return D;
 }
 
-}  // namespace
-
-void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
+// P (dJ y), nc x nv; empty where the rows are independent.
+Eigen::MatrixXd correction(const Scene& scene, SceneData& data, const IslandData& d) {
   const DenseKkt<double>& kkt = *d.dense;
-  if (kkt.delta > 0 || kkt.rank == kkt.nc()) return;
-  Eigen::VectorXd f(out.nc);
+  if (kkt.delta > 0 || kkt.rank == kkt.nc()) return {};
+  Eigen::VectorXd f(d.island.nc);
   for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
     const int n = scene.contacts[d.island.contacts[c]].rows();
     f.segment(d.island.row_offset[c], n) = data.f.segment(data.f_offset[d.island.contacts[c]], n);
@@ -68,7 +67,53 @@ void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d,
   const Eigen::VectorXd y = kkt.cod.transpose().solve(f);  // J^+ f
   const Eigen::MatrixXd D = jacobian_rate(scene, data, d, y);
   const Eigen::MatrixXd x = kkt.cod.transpose().solve(D);  // J^+ D
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += D - kkt.J * x;
+  return D - kkt.J * x;
+}
+
+// The correction outside of differentiate, whose terms it needs.
+Eigen::MatrixXd correction_of_product(const Scene& scene, SceneData& data, const IslandData& d) {
+  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
+  derivative_terms(scene, data, d);
+  return correction(scene, data, d);
+}
+
+}  // namespace
+
+void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
+  const Eigen::MatrixXd PD = correction(scene, data, d);
+  if (PD.size() > 0) out.X.block(out.nv, out.q_first, out.nc, out.nv) += PD;
+}
+
+void least_norm_jvp(const Scene& scene, SceneData& data, const IslandData& d, const ConstVector& dq,
+                    Eigen::Ref<Eigen::VectorXd> df) {
+  const Eigen::MatrixXd PD = correction_of_product(scene, data, d);
+  if (PD.size() == 0) return;
+  Eigen::VectorXd x(d.island.nv);
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    x.segment(d.island.dof_offset[k], robot.model->nv) = dq.segment(robot.idx_v, robot.model->nv);
+  }
+  const Eigen::VectorXd y = PD * x;
+  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
+    const int n = scene.contacts[d.island.contacts[c]].rows();
+    df.segment(data.f_offset[d.island.contacts[c]], n) += y.segment(d.island.row_offset[c], n);
+  }
+}
+
+void least_norm_vjp(const Scene& scene, SceneData& data, const IslandData& d, const ConstVector& wf,
+                    Eigen::Ref<Eigen::VectorXd> wq) {
+  const Eigen::MatrixXd PD = correction_of_product(scene, data, d);
+  if (PD.size() == 0) return;
+  Eigen::VectorXd y(d.island.nc);
+  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
+    const int n = scene.contacts[d.island.contacts[c]].rows();
+    y.segment(d.island.row_offset[c], n) = wf.segment(data.f_offset[d.island.contacts[c]], n);
+  }
+  const Eigen::VectorXd x = PD.transpose() * y;
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    wq.segment(robot.idx_v, robot.model->nv) += x.segment(d.island.dof_offset[k], robot.model->nv);
+  }
 }
 
 }  // namespace manycontact::internal

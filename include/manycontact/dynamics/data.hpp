@@ -76,6 +76,7 @@ struct SceneData {
   std::vector<int> robot_island;                  // per robot
   DenseSchurData dense_schur;
   std::unique_ptr<DerivativeData> derivatives;    // by differentiate
+  std::unique_ptr<ProductData> products;          // by jvp and vjp
   sparse::LdlWorkspace ldl_work;
   // Patterns seen before, by shape and order: a contact set that returns is not analysed again.
   std::map<std::pair<std::vector<long>, Order>, std::shared_ptr<const KktPattern>> patterns;

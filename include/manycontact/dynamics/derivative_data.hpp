@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 
 #include "manycontact/contact/derivatives.hpp"
+#include "manycontact/contact/products.hpp"
 #include "manycontact/kkt/island.hpp"
 
 namespace manycontact {
@@ -44,6 +45,20 @@ struct DerivativeData {
   std::vector<IslandDerivatives> islands;
   std::vector<char> nonzero;                    // scratch of the panel solve
   IslandDerivatives::Panel rhs;                 // scratch of refinement
+};
+
+/// Workspace of jvp and vjp.
+struct ProductData {
+  ProductData(const Scene& scene, const std::vector<ContactSupport>& supports);
+
+  struct OfRobot {
+    std::vector<BodyVariation> body;              // njoints: tangents, or adjoints
+    std::vector<Vec6<double>> u;                  // njoints: virtual velocities
+    std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
+    std::vector<double> w;                         // nv: change of the torques, or the vector behind u
+  };
+  std::vector<OfRobot> robots;
+  std::vector<ContactData<double>> rows;  // per contact, at the solution's accelerations
 };
 
 }  // namespace manycontact

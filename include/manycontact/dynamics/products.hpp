@@ -1,0 +1,18 @@
+#pragma once
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact {
+
+// Products with the derivatives of (a, f) = solve(q, v, u) at the last solve, through solves with its factor and tree
+// recursions; no derivative matrix is formed, the cost is that of a few solves. q on the tangent space. The results of
+// failed and inconsistent islands are NaN. Throw std::invalid_argument on a wrong size, std::logic_error before a solve.
+
+/// da = da/dq dq + da/dv dv + da/du du, df likewise. dq, dv, da: scene.nv; du: scene.nu; df: data.f.size().
+void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
+         Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df);
+
+/// wq = (da/dq)^T wa + (df/dq)^T wf, wv, wu likewise.
+void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
+         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu);
+
+}  // namespace manycontact
