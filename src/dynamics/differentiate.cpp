@@ -18,9 +18,8 @@ DerivativeData::DerivativeData(const Scene& scene, const std::vector<ContactSupp
   }
 }
 
-namespace {
+namespace internal {
 
-// Sizes and places of the blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   out.nv = island.nv;
@@ -38,23 +37,23 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   out.X.setZero(island.size(), (out.cols + 7) / 8 * 8);
 }
 
-void differentiate_island(const Scene& scene, SceneData& data, std::size_t i) {
+void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, IslandDerivatives& out) {
   IslandData& d = data.islands[i];
-  IslandDerivatives& out = data.derivatives->islands[i];
-  if (d.factor == Factor::kNone || data.report.islands[i].status >= Status::kInconsistent) {
+  if (d.factor == Factor::kNone) {
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  internal::derivative_terms(scene, data, d);
-  internal::derivative_rhs(scene, data, d, out);
+  derivative_terms(scene, data, d);
+  derivative_rhs(scene, data, d, out);
   if (d.factor == Factor::kDenseSchur) return;
-  internal::solve_panel(scene, data, d, out);
+  const bool deficient = rank_deficient(d) && out.request.q;
+  if (deficient && data.report.islands[i].status == Status::kInconsistent) add_contradiction(scene, data, d, out);
+  solve_panel(scene, data, d, out);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (d.factor == Factor::kDense && out.request.forces && out.request.q)
-    internal::least_norm_forces(scene, data, d, out);
+  if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);
 }
 
-}  // namespace
+}  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   if (data.islands_active != data.active || data.report.islands.size() != data.islands.size())
@@ -66,8 +65,8 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandDerivatives& out = dd.islands[i];
     if (out.request != request || out.X.rows() != data.islands[i].island.size())
-      lay_out(scene, data.islands[i].island, request, out);
-    differentiate_island(scene, data, i);
+      internal::lay_out(scene, data.islands[i].island, request, out);
+    internal::differentiate_island(scene, data, i, out);
     dense_schur |= data.islands[i].factor == Factor::kDenseSchur;
   }
   if (dense_schur) internal::differentiate_dense_schur(scene, data);

@@ -25,15 +25,20 @@ void solve_with_factor(const Scene& scene, IslandData& island, double* x);
 void derivative_terms(const Scene& scene, SceneData& data, const IslandData& island);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
 void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// Sizes and places of an island's blocks.
+void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
+/// All of an island's derivatives into `out`, by the factor at hand (dense-schur: the right-hand sides only).
+void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
+/// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.
+void add_contradiction(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// Whether the island's contact rows were found dependent and it was answered by the oracle.
+inline bool rank_deficient(const IslandData& d) {
+  return d.factor == Factor::kDense && d.dense->delta == 0 && d.dense->rank < d.island.nc;
+}
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand.
 void solve_panel(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
 /// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent (Factor::kDense).
 void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
-/// The same for products: df += P (dJ dq) y, wq += ((dJ .) y)^T P wf.
-void least_norm_jvp(const Scene& scene, SceneData& data, const IslandData& island, const ConstVector& dq,
-                    Eigen::Ref<Eigen::VectorXd> df);
-void least_norm_vjp(const Scene& scene, SceneData& data, const IslandData& island, const ConstVector& wf,
-                    Eigen::Ref<Eigen::VectorXd> wq);
 /// dense-schur: explicit inverse of the whole scene's K, times all right-hand sides, as Crocoddyl does.
 void differentiate_dense_schur(const Scene& scene, SceneData& data);
 

@@ -55,10 +55,10 @@ Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const I
   return D;
 }
 
-// P (dJ y), nc x nv; empty where the rows are independent.
-Eigen::MatrixXd correction(const Scene& scene, SceneData& data, const IslandData& d) {
+}  // namespace
+
+void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
   const DenseKkt<double>& kkt = *d.dense;
-  if (kkt.delta > 0 || kkt.rank == kkt.nc()) return {};
   Eigen::VectorXd f(d.island.nc);
   for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
     const int n = scene.contacts[d.island.contacts[c]].rows();
@@ -67,53 +67,23 @@ Eigen::MatrixXd correction(const Scene& scene, SceneData& data, const IslandData
   const Eigen::VectorXd y = kkt.cod.transpose().solve(f);  // J^+ f
   const Eigen::MatrixXd D = jacobian_rate(scene, data, d, y);
   const Eigen::MatrixXd x = kkt.cod.transpose().solve(D);  // J^+ D
-  return D - kkt.J * x;
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) += D - kkt.J * x;
 }
 
-// The correction outside of differentiate, whose terms it needs.
-Eigen::MatrixXd correction_of_product(const Scene& scene, SceneData& data, const IslandData& d) {
-  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
+void add_contradiction(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
+  // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is what
+  // a force rho would add to -dr1.
+  const DerivativeData& dd = *data.derivatives;
+  const Eigen::VectorXd f = data.f;
+  for (int c : d.island.contacts)
+    data.f.segment(data.f_offset[c], scene.contacts[c].rows()) += dd.rows[c].W * dd.contacts[c].x;
+  IslandDerivatives with_rho = out;
   derivative_terms(scene, data, d);
-  return correction(scene, data, d);
-}
-
-}  // namespace
-
-void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
-  const Eigen::MatrixXd PD = correction(scene, data, d);
-  if (PD.size() > 0) out.X.block(out.nv, out.q_first, out.nc, out.nv) += PD;
-}
-
-void least_norm_jvp(const Scene& scene, SceneData& data, const IslandData& d, const ConstVector& dq,
-                    Eigen::Ref<Eigen::VectorXd> df) {
-  const Eigen::MatrixXd PD = correction_of_product(scene, data, d);
-  if (PD.size() == 0) return;
-  Eigen::VectorXd x(d.island.nv);
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    x.segment(d.island.dof_offset[k], robot.model->nv) = dq.segment(robot.idx_v, robot.model->nv);
-  }
-  const Eigen::VectorXd y = PD * x;
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int n = scene.contacts[d.island.contacts[c]].rows();
-    df.segment(data.f_offset[d.island.contacts[c]], n) += y.segment(d.island.row_offset[c], n);
-  }
-}
-
-void least_norm_vjp(const Scene& scene, SceneData& data, const IslandData& d, const ConstVector& wf,
-                    Eigen::Ref<Eigen::VectorXd> wq) {
-  const Eigen::MatrixXd PD = correction_of_product(scene, data, d);
-  if (PD.size() == 0) return;
-  Eigen::VectorXd y(d.island.nc);
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int n = scene.contacts[d.island.contacts[c]].rows();
-    y.segment(d.island.row_offset[c], n) = wf.segment(data.f_offset[d.island.contacts[c]], n);
-  }
-  const Eigen::VectorXd x = PD.transpose() * y;
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    wq.segment(robot.idx_v, robot.model->nv) += x.segment(d.island.dof_offset[k], robot.model->nv);
-  }
+  derivative_rhs(scene, data, d, with_rho);
+  data.f = f;
+  derivative_terms(scene, data, d);
+  const Eigen::MatrixXd G = with_rho.X.block(0, out.q_first, out.nv, out.nv) - out.X.block(0, out.q_first, out.nv, out.nv);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) -= d.dense->cod.solve(G);
 }
 
 }  // namespace manycontact::internal

@@ -146,9 +146,63 @@ void pull_back_island(const Scene& scene, SceneData& data, const IslandData& d, 
   }
 }
 
+// The derivatives of an island with dependent rows, in full.
+const IslandDerivatives& dense_island(const Scene& scene, SceneData& data, std::size_t i) {
+  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
+  IslandDerivatives& out = data.products->dense;
+  internal::lay_out(scene, data.islands[i].island, {}, out);
+  internal::differentiate_island(scene, data, i, out);
+  return out;
+}
+
+// An island's part of a scene's vectors, and back.
+struct Part {
+  const Scene& scene;
+  const SceneData& data;
+  const Island& island;
+
+  template <class Use>  // use(index in the scene, index in the island)
+  void velocities(Use&& use) const {
+    int k = 0;
+    for (int r : island.robots)
+      for (int i = 0; i < scene.robots[r].model->nv; ++i) use(scene.robots[r].idx_v + i, k++);
+  }
+  template <class Use>
+  void torques(Use&& use) const {
+    int k = 0;
+    for (int r : island.robots)
+      for (int i = 0; i < scene.robots[r].model->nu(); ++i) use(scene.robots[r].idx_u + i, k++);
+  }
+  template <class Use>
+  void forces(Use&& use) const {
+    int k = 0;
+    for (int c : island.contacts)
+      for (int i = 0; i < scene.contacts[c].rows(); ++i) use(data.f_offset[c] + i, k++);
+  }
+};
+
+void dense_jvp(const Part& part, const IslandDerivatives& D, const ConstVector& dq, const ConstVector& dv,
+               const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
+  Eigen::VectorXd in(D.cols);
+  part.velocities([&](int s, int k) { in[D.q_first + k] = dq[s], in[D.v_first + k] = dv[s]; });
+  part.torques([&](int s, int k) { in[D.u_first + k] = du[s]; });
+  const Eigen::VectorXd out = D.X.leftCols(D.cols) * in;
+  part.velocities([&](int s, int k) { da[s] = out[k]; });
+  part.forces([&](int s, int k) { df[s] = out[D.nv + k]; });
+}
+
+void dense_vjp(const Part& part, const IslandDerivatives& D, const ConstVector& wa, const ConstVector& wf,
+               Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
+  Eigen::VectorXd in(D.nv + D.nc);
+  part.velocities([&](int s, int k) { in[k] = wa[s]; });
+  part.forces([&](int s, int k) { in[D.nv + k] = wf[s]; });
+  const Eigen::VectorXd out = D.X.leftCols(D.cols).transpose() * in;
+  part.velocities([&](int s, int k) { wq[s] = out[D.q_first + k], wv[s] = out[D.v_first + k]; });
+  part.torques([&](int s, int k) { wu[s] = out[D.u_first + k]; });
+}
+
 bool usable(const SceneData& data, std::size_t i) {
-  return data.islands[i].factor != Factor::kNone && data.islands[i].factor != Factor::kDenseSchur &&
-         data.report.islands[i].status < Status::kInconsistent;
+  return data.islands[i].factor != Factor::kNone && data.islands[i].factor != Factor::kDenseSchur;
 }
 
 void begin(const Scene& scene, SceneData& data, const char* function) {
@@ -172,11 +226,14 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     if (!usable(data, i)) continue;
     IslandData& d = data.islands[i];
+    if (internal::rank_deficient(d)) {
+      dense_jvp({scene, data, d.island}, dense_island(scene, data, i), dq, dv, du, da, df);
+      continue;
+    }
     tangent_rhs(scene, data, d, dq, dv, du);
     solve_refined(scene, d);
     internal::scatter(scene, data, d, d.system.x.data(), da, df);
     for (int c : d.island.contacts) df.segment(data.f_offset[c], scene.contacts[c].rows()) *= -1;  // x = [da; -df]
-    if (d.factor == Factor::kDense) internal::least_norm_jvp(scene, data, d, dq, df);
   }
 }
 
@@ -192,11 +249,14 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     if (!usable(data, i)) continue;
     IslandData& d = data.islands[i];
+    if (internal::rank_deficient(d)) {
+      dense_vjp({scene, data, d.island}, dense_island(scene, data, i), wa, wf, wq, wv, wu);
+      continue;
+    }
     internal::gather(scene, data, d, wa, wf, d.system.b.data());
     for (int k = 0; k < d.island.nc; ++k) d.system.b[d.system.pattern->iperm[d.island.nv + k]] *= -1;
     solve_refined(scene, d);
     pull_back_island(scene, data, d, wq, wv, wu);
-    if (d.factor == Factor::kDense) internal::least_norm_vjp(scene, data, d, wf, wq);
   }
 }
 

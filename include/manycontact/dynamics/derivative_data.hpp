@@ -59,6 +59,7 @@ struct ProductData {
   };
   std::vector<OfRobot> robots;
   std::vector<ContactData<double>> rows;  // per contact, at the solution's accelerations
+  IslandDerivatives dense;                // of an island with dependent rows
 };
 
 }  // namespace manycontact

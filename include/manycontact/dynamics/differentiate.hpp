@@ -8,7 +8,8 @@ namespace manycontact {
 ///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - S^T u,   r2 = J a + a0 + delta f,
 ///
 /// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
-/// those of the least-norm forces, the rank being locally constant. Blocks of failed and of inconsistent islands are NaN.
+/// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
+/// the least-squares accelerations. Blocks of failed islands are NaN.
 /// Allocates nothing after the first call with the same request and active set (CHOLMOD and dense paths excepted).
 /// Throws std::logic_error before the first solve.
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
