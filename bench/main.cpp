@@ -43,6 +43,11 @@ constexpr Claim kClaims[] = {
      "<= 1.3"},
     {"sparse-ldl per robot, 256 / 1 separate", "solve/separate/256/sparse-ldl", "solve/separate/1/sparse-ldl", 256,
      "<= 1.3"},
+    {"16 separate: derivatives, dense-schur / sparse-ldl", "derivatives/separate/16/dense-schur",
+     "derivatives/separate/16/sparse-ldl", 1, ">= 20"},
+    {"derivatives per robot, 256 / 1 separate", "derivatives/separate/256/sparse-ldl",
+     "derivatives/separate/1/sparse-ldl", 256, "<= 1.3"},
+    {"16 separate: vjp / solve", "vjp/separate/16", "solve/separate/16/auto", 1, "<= 3"},
 };
 
 void print_claims(const std::map<std::string, double>& times) {

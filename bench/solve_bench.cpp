@@ -1,10 +1,11 @@
-// Whole solves: N humanoids, separate or hand in hand in a ring, every method.
+// Whole solves, derivatives and products with them: N humanoids, separate or hand in hand in a ring, every method.
 
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Cholesky>
 
-#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/products.hpp"
 #include "scenes.hpp"
 
 namespace manycontact::bench {
@@ -18,6 +19,32 @@ void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method 
   state.counters["us_per_robot"] =
       benchmark::Counter(robots * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["status"] = static_cast<double>(data.report.status);
+}
+
+// Derivatives after a solve.
+void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
+  const SceneFile s = humanoids(robots, hand_in_hand);
+  SceneData data(s.scene, {method, {}});
+  benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
+  benchmark::DoNotOptimize(differentiate(s.scene, data));
+  for (auto _ : state) benchmark::DoNotOptimize(differentiate(s.scene, data));
+  state.counters["us_per_robot"] =
+      benchmark::Counter(robots * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool transposed) {
+  const SceneFile s = humanoids(robots, hand_in_hand);
+  SceneData data(s.scene);
+  benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
+  const Eigen::VectorXd x = Eigen::VectorXd::Constant(s.scene.nv, 0.1), w = Eigen::VectorXd::Constant(s.scene.nu, 0.1);
+  Eigen::VectorXd f = Eigen::VectorXd::Constant(data.f.size(), 0.1), y = x, z = x, u = w;
+  for (auto _ : state) {
+    if (transposed)
+      vjp(s.scene, data, x, f, y, z, u);
+    else
+      jvp(s.scene, data, x, x, w, y, f);
+    benchmark::ClobberMemory();
+  }
 }
 
 // What dense-schur cannot do without, by plain Eigen on matrices of its sizes: LLT of M, L^-1 J^T, S, LLT of S.
@@ -49,6 +76,22 @@ const bool registered = [] {
         const std::string name =
             std::string("solve/") + (ring ? "ring/" : "separate/") + std::to_string(n) + "/" + to_string(m);
         benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { solve_scene(s, n, ring, m); })
+            ->Unit(benchmark::kMicrosecond);
+        const bool slow = m != Method::kSparseLdl && m != Method::kAuto;
+        if (m == Method::kDense || (n > 16 && (slow || ring))) continue;  // an island's derivatives are dense
+        const std::string derivatives =
+            std::string("derivatives/") + (ring ? "ring/" : "separate/") + std::to_string(n) + "/" + to_string(m);
+        benchmark::RegisterBenchmark(derivatives.c_str(),
+                                     [=](benchmark::State& s) { differentiate_scene(s, n, ring, m); })
+            ->Unit(benchmark::kMicrosecond);
+      }
+  for (const bool ring : {false, true})
+    for (int n : {1, 16, 256})
+      for (const bool transposed : {false, true}) {
+        const std::string name =
+            std::string(transposed ? "vjp/" : "jvp/") + (ring ? "ring/" : "separate/") + std::to_string(n);
+        if (ring && n == 1) continue;
+        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { products_scene(s, n, ring, transposed); })
             ->Unit(benchmark::kMicrosecond);
       }
   benchmark::RegisterBenchmark("eigen/separate/16", [](benchmark::State& s) { eigen_factors(s, 16); })

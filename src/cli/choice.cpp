@@ -7,8 +7,8 @@ namespace manycontact::cli {
 
 bool has_order(Method method) { return method == Method::kSparseLdl || method == Method::kSparseCholmod; }
 
-int nonzeros_of_K(const KktPattern& pattern, double damping) {
-  return pattern.K.nonzeros() - (damping == 0 ? pattern.nc : 0);
+long nonzeros_of_K(const KktPattern& pattern, double damping) {
+  return 2L * pattern.K.nonzeros() - pattern.size() - (damping == 0 ? pattern.nc : 0);
 }
 
 double predicted_dense(const IslandData& d) { return predicted_cost_dense(d.island.nv, d.island.nc); }

@@ -15,7 +15,7 @@ struct OrderCost {
 };
 
 struct IslandCosts {
-  int K_nonzeros = 0;  // of one triangle of K, diagonal included
+  long K_nonzeros = 0;  // both triangles
   std::array<OrderCost, std::size(kOrders)> orders;
   std::optional<double> supernodal;  // none: not built in, or no contacts
   double dense = 0;
@@ -30,7 +30,7 @@ std::string why_changed(const IslandData& island, const IslandReport& report);
 
 /// Whether a method has an order of elimination.
 bool has_order(Method method);
-/// Non-zeros of one triangle of K: the pattern's, less the contact rows' diagonal where it is zero.
-int nonzeros_of_K(const KktPattern& pattern, double damping);
+/// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.
+long nonzeros_of_K(const KktPattern& pattern, double damping);
 
 }  // namespace manycontact::cli

@@ -100,20 +100,29 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   table.print(out);
 }
 
-void print_notes(std::ostream& out, const SceneFile& file, bool merged) {
+void print_notes(std::ostream& out, const SceneFile& file, bool all) {
+  std::vector<std::pair<std::string, std::string>> notes;  // what is said, of which robots
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
-    const ModelNotes& notes = file.scene.robots[group.first].model->notes;
-    const auto line = [&](const std::vector<std::string>& joints, const std::string& what) {
-      if (!joints.empty()) wrap(out, what + ": " + join(joints), 2, group_name(group) + ": ");
+    const ModelNotes& n = file.scene.robots[group.first].model->notes;
+    const auto note = [&](const std::vector<std::string>& joints, const std::string& what) {
+      if (joints.empty()) return;
+      const std::string text = what + ": " + join(joints);
+      const auto same = std::find_if(notes.begin(), notes.end(), [&](const auto& said) { return said.first == text; });
+      if (same == notes.end())
+        notes.emplace_back(text, group_name(group));
+      else
+        same->second += ", " + group_name(group);
     };
-    if (merged) {
-      line(notes.merged, count(static_cast<long>(notes.merged.size()), "fixed joint") + " merged into the parent's body");
-      line(notes.locked, count(static_cast<long>(notes.locked.size()), "joint") + " locked");
+    const auto joints = [](const std::vector<std::string>& list) { return static_cast<long>(list.size()); };
+    if (all) {
+      note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
+      note(n.locked, count(joints(n.locked), "joint") + " locked");
     }
-    line(notes.mimic, "mimic is not modelled, kept independent");
-    if (merged) line(notes.dynamics, "damping and friction in <dynamics> are not modelled");
+    note(n.mimic, "mimic is not modelled, kept independent");
+    if (all) note(n.dynamics, "damping and friction of <dynamics> are not modelled");
   }
+  for (const auto& [text, robots] : notes) wrap(out, text, 2, robots + ": ");
 }
 
 }  // namespace manycontact::cli

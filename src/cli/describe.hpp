@@ -30,7 +30,7 @@ std::string contact_names(const Scene& scene, const std::vector<int>& contacts);
 
 /// Heading of both commands: name, path, gravity, damping, sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
-/// What reading the files merged, locked or did not model, by robot. Fixed joints only when `merged`.
-void print_notes(std::ostream& out, const SceneFile& file, bool merged);
+/// What reading the files merged, locked or did not model, by robot; only the mimic joints unless `all`.
+void print_notes(std::ostream& out, const SceneFile& file, bool all);
 
 }  // namespace manycontact::cli

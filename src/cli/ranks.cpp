@@ -8,10 +8,10 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kMostWork = 4e10;     // multiplications of one rank
-constexpr double kSamePoint = 1e-9;    // relative to the extent of the points [m]
+constexpr double kMostWork = 2e10;   // multiplications of one rank
+constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
 
-// Columns of Jt, a subset of the island's rows, that do not depend on those before them (Gram-Schmidt, twice).
+// Which columns of Jt depend on those before them. Gram-Schmidt, twice.
 std::vector<char> dependent_columns(const Eigen::MatrixXd& Jt) {
   std::vector<char> dependent(static_cast<std::size_t>(Jt.cols()), 0);
   if (Jt.cols() == 0) return dependent;
@@ -64,7 +64,7 @@ std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& sc
   std::map<std::pair<Body, Body>, std::vector<int>> sorted;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
-    const auto [low, high] = std::minmax(body_of(contact.A), body_of(contact.B));
+    const auto [low, high] = std::minmax({body_of(contact.A), body_of(contact.B)});
     sorted[{low, high}].push_back(static_cast<int>(c));
   }
   return sorted;
@@ -139,8 +139,9 @@ BodyPair examine(const Scene& scene, const SceneData& data, const IslandData& d,
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& J, int rank) {
   if (contact.type != ContactType::k3D && contact.type != ContactType::k6D) return "";
   const char* along[] = {"1d along x", "1d along y", "1d along z"};
-  for (int k = 0; k < 3 && rank == 1; ++k)
-    if (J.row(k).norm() > kRankTolerance * J.rowwise().norm().maxCoeff()) return along[k];
+  Eigen::Index k = 0;
+  if (rank == 1 && J.topRows(3).rowwise().norm().maxCoeff(&k) > kRankTolerance * J.rowwise().norm().maxCoeff())
+    return along[k];
   Eigen::MatrixXd plane(2, J.cols());
   plane << J.row(0), J.row(2);
   if (rank == 2 && rank_of(plane.transpose()) == rank) return "2d (x and z)";

@@ -23,9 +23,6 @@ struct BodyPair {
   int rows = 0, rank = 0;
   Holds holds = Holds::kEach;
   int alone = -1;                 // kOneContact: which
-
-  /// Rows once `holds` is followed.
-  int rows_needed() const { return holds == Holds::kEach ? rows : holds == Holds::kSixD ? 6 : rank; }
 };
 
 /// A contact whose own rows depend on each other, since its robots cannot move in all its directions.

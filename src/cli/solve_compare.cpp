@@ -78,9 +78,9 @@ void print_against_dense(std::ostream& out, const Solution& s) {
   const Difference a = compare_accelerations(s.file.scene, s.data, dense.data);
   const Difference f = compare_forces(s.file.scene, s.data, dense.data);
   Table table({{"largest difference", Table::kLeft}, {"absolute"}, {"relative"}, {"", Table::kLeft}});
-  table.add({"accelerations", number(a.absolute, 2), number(a.relative, 2), "to the robot's largest, or gravity"});
+  table.add({"accelerations", scientific(a.absolute), scientific(a.relative), "to the robot's largest, or gravity"});
   if (s.data.f.size() > 0)
-    table.add({"forces", number(f.absolute, 2), number(f.relative, 2), "to the island's largest"});
+    table.add({"forces", scientific(f.absolute), scientific(f.relative), "to the island's largest"});
   table.print(out);
   wrap(out, "one solve " + number(s.time.solve) + " us, dense " + number(dense.time.solve) + " us: " +
                 number(dense.time.solve / s.time.solve, 2) + " times as long", 2);

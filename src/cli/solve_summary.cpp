@@ -1,6 +1,7 @@
 // The readable summary of `solve`: sizes, islands, what the answer is worth, times.
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "choice.hpp"
@@ -84,9 +85,9 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
   line("factor", count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
-  line("residuals", "dynamics " + number(r.residual_dynamics, 2) + ", contacts " + number(r.residual_contact, 2) +
+  line("residuals", "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) +
                         " (relative)");
-  line("condition", number(r.condition, 2) + " (of K, 1-norm)");
+  line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
   line("time", times(s));
 }
 
@@ -101,7 +102,7 @@ void print_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>&
     table.add({n, name, std::to_string(r.nv), std::to_string(r.nc), std::to_string(r.rank), to_string(r.method),
                has_order(r.method) ? to_string(r.order) : "", to_string(r.status)});
     worth.add({n, name, std::to_string(r.factor_nonzeros), std::to_string(r.refinement_steps),
-               number(r.residual_dynamics, 2), number(r.residual_contact, 2), number(r.condition, 2)});
+               scientific(r.residual_dynamics), scientific(r.residual_contact), scientific(r.condition)});
   }
   table.print(out);
   out << "\n";
@@ -119,8 +120,8 @@ void print_several_kinds(std::ostream& out, const Solution& s, const std::vector
     if (!text.empty()) wrap(out, text, 2, islands_name(s.file, kinds[k].islands) + ": ");
   }
   wrap(out, std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
-                ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + number(r.residual_dynamics, 2) +
-                " and " + number(r.residual_contact, 2) + ", condition " + number(r.condition, 2), 2, "together: ");
+                ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + scientific(r.residual_dynamics) +
+                " and " + scientific(r.residual_contact) + ", condition " + scientific(r.condition), 2, "together: ");
   wrap(out, times(s), 2);
 }
 
@@ -141,8 +142,12 @@ void print_summary(std::ostream& out, const Solution& s) {
   print_notes(out, s.file, false);
   out << "\n";
   print_report(out, s);
-  print_accelerations(out, s);
-  print_forces(out, s);
+  const auto& islands = s.data.report.islands;
+  const auto failed = [](const IslandReport& r) { return r.status == Status::kFailed; };
+  if (!std::all_of(islands.begin(), islands.end(), failed)) {
+    print_accelerations(out, s);
+    print_forces(out, s);
+  }
   if (s.quasi_static_u) print_quasi_static(out, s);
   print_against_dense(out, s);
 }

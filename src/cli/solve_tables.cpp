@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
-// A line of a table and what it is ranked by. Neighbours that read alike are one line, "foot0 .. foot63".
+// A line of a table and what it is ranked by. Neighbouring copies that read alike are one line, "foot0 .. foot63".
 struct Line {
+  int group = 0;  // of copies
   std::string first, last;
   std::vector<std::string> cells;
   double size = 0;
@@ -23,9 +24,10 @@ struct Line {
 };
 using Lines = std::vector<Line>;
 
-void add_line(Lines& lines, const std::string& name, std::vector<std::string> cells, double size) {
+void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size) {
   if (std::isnan(size)) size = INFINITY;
-  if (lines.empty() || lines.back().cells != cells) return lines.push_back({name, "", std::move(cells), size});
+  if (lines.empty() || lines.back().group != group || lines.back().cells != cells)
+    return lines.push_back({group, name, "", std::move(cells), size});
   Line& line = lines.back();
   line.last = name;
   line.size = std::max(line.size, size);
@@ -136,7 +138,7 @@ void print_accelerations(std::ostream& out, const Solution& s) {
     if (!(size <= largest)) largest = size;
     const int k = fastest_joint(model, a);
     const bool floats = model.floating_base;
-    add_line(lines, robot.name,
+    add_line(lines, s.file.robot_group[i], robot.name,
              {floats ? number(a.head<3>().norm()) : "", floats ? number(a.segment<3>(3).norm()) : "",
               k < 0 ? "" : number(a[k]), k < 0 ? "" : dof_name(model, k), decimal(force[i].norm())},
              size);
@@ -149,6 +151,9 @@ void print_accelerations(std::ostream& out, const Solution& s) {
 
 void print_forces(std::ostream& out, const Solution& s) {
   const Scene& scene = s.file.scene;
+  std::vector<int> group(scene.contacts.size());
+  for (std::size_t g = 0; g < s.file.contact_groups.size(); ++g)
+    for (int k = 0; k < s.file.contact_groups[g].count; ++k) group[s.file.contact_groups[g].first + k] = static_cast<int>(g);
   Lines lines;
   for (int c : active_contacts(s)) {
     const Contact& contact = scene.contacts[c];
@@ -156,7 +161,7 @@ void print_forces(std::ostream& out, const Solution& s) {
     std::vector<std::string> cells{to_string(contact.type),
                                    contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
     for (const std::string& cell : components(w.head(contact.type == ContactType::k6D ? 6 : 3))) cells.push_back(cell);
-    add_line(lines, contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
+    add_line(lines, group[c], contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
   }
   if (lines.empty()) return;
   for (Line& line : lines) line.cells.resize(8);
@@ -172,7 +177,7 @@ void print_quasi_static(std::ostream& out, const Solution& s) {
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k) {
       const double torque = (*s.quasi_static_u)[robot.idx_u + k];
-      add_line(lines, robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k),
+      add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k),
                {decimal(torque, 3)}, std::abs(torque));
     }
   out << "\nQuasi-static torques, which hold the scene still [N m, N]\n";

@@ -47,13 +47,16 @@ std::string print_as(const char* format, int digits, double x) {
 }  // namespace
 
 std::string number(double x, int digits) {
+  if (std::isnan(x)) return "nan";
   if (std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7) return print_as("%.*f", 0, x);  // not 1.2e+04
   return print_as("%.*g", digits, x == 0 ? 0.0 : x);
 }
 
+std::string scientific(double x) { return std::isfinite(x) && x != 0 ? print_as("%.*e", 1, x) : number(x); }
+
 std::string decimal(double x, int decimals) {
+  if (!(std::abs(x) < 1e7)) return number(x, 4);
   const std::string text = print_as("%.*f", decimals, x);
-  if (text.size() > 10) return number(x, 4);
   if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) return text.substr(1);
   return text;
 }

@@ -11,6 +11,8 @@ inline constexpr int kLineWidth = 100;
 
 /// `x` with `digits` significant digits.
 std::string number(double x, int digits = 3);
+/// "3.5e+05"
+std::string scientific(double x);
 /// `x` with `decimals` decimals, never "-0.00"; numbers too long for that as number() writes them.
 std::string decimal(double x, int decimals = 2);
 /// "1 robot", "3 robots".

@@ -12,15 +12,15 @@ using Panel = IslandDerivatives::Panel;
 // Forces of the contacts on the bodies of the island's robots, in their tree frames.
 void contact_forces(const Scene& scene, SceneData& data, const Island& island) {
   DerivativeData& dd = *data.derivatives;
-  for (int r : island.robots) std::fill(dd.fext[r].begin(), dd.fext[r].end(), V6(V6::Zero()));
+  for (int r : island.robots) std::fill(dd.of(r).fext.begin(), dd.of(r).fext.end(), V6(V6::Zero()));
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const ContactData<double>& rows = data.contacts[c];
     V6 F;
     F.noalias() = rows.W.transpose() * data.f.segment(data.f_offset[c], contact.rows());
-    if (contact.A.joint >= 0) dd.fext[contact.A.robot][contact.A.joint] += rows.aMA.act_force(F);
+    if (contact.A.joint >= 0) dd.of(contact.A.robot).fext[contact.A.joint] += rows.aMA.act_force(F);
     if (contact.B.robot >= 0 && contact.B.joint >= 0)
-      dd.fext[contact.B.robot][contact.B.joint] -= rows.bMA.act_force(F);
+      dd.of(contact.B.robot).fext[contact.B.joint] -= rows.bMA.act_force(F);
   }
 }
 
@@ -81,13 +81,13 @@ void derivative_terms(const Scene& scene, SceneData& data, const IslandData& d) 
     RobotData& rd = data.robots[r];
     forward_accelerations<double>(*robot.model, data.v.segment(robot.idx_v, robot.model->nv),
                                   data.a.data() + robot.idx_v, scene.gravity, rd.kin);
-    rnea_derivatives(*robot.model, rd.kin, rd.Yc, dd.fext[r], dd.robots[r]);
+    rnea_derivatives(*robot.model, rd.kin, rd.Yc, dd.of(r).fext, dd.of(r).rnea);
   }
   for (int c : d.island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
     contact_derivatives(scene, contact, data.supports[c], data.robots[A].kin, B < 0 ? nullptr : &data.robots[B].kin,
-                        dd.robots[A], B < 0 ? nullptr : &dd.robots[B],
+                        dd.of(A).rnea, B < 0 ? nullptr : &dd.of(B).rnea,
                         data.f.segment(data.f_offset[c], contact.rows()), dd.rows[c], dd.contacts[c]);
   }
 }
@@ -97,7 +97,7 @@ void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& d, Is
   DerivativeData& dd = *data.derivatives;
   out.X.setZero();
   for (std::size_t k = 0; k < island.robots.size(); ++k)
-    robot_columns(*scene.robots[island.robots[k]].model, dd.robots[island.robots[k]], island.dof_offset[k],
+    robot_columns(*scene.robots[island.robots[k]].model, dd.of(island.robots[k]).rnea, island.dof_offset[k],
                   out.u_offset[k], out);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];

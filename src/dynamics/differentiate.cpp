@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "internal.hpp"
@@ -8,17 +9,43 @@
 namespace manycontact {
 
 DerivativeData::DerivativeData(const Scene& scene, const std::vector<ContactSupport>& supports) {
-  for (const Robot& r : scene.robots) {
-    robots.emplace_back(*r.model);
-    fext.emplace_back(r.model->njoints(), Vec6<double>(Vec6<double>::Zero()));
-  }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     rows.emplace_back(scene.contacts[c], supports[c]);
     contacts.emplace_back(scene, scene.contacts[c], supports[c]);
   }
 }
 
+void DerivativeData::assign_slots(const Scene& scene, const std::vector<std::vector<int>>& islands) {
+  slot.assign(scene.robots.size(), -1);
+  std::map<const Model*, std::vector<int>> places;  // of each model
+  for (const std::vector<int>& island : islands) {
+    std::map<const Model*, std::size_t> used;
+    for (int r : island) {
+      const Model* model = scene.robots[r].model.get();
+      std::vector<int>& of_model = places[model];
+      const std::size_t k = used[model]++;
+      if (k == of_model.size()) {
+        of_model.push_back(static_cast<int>(pool.size()));
+        pool.push_back({RneaDerivatives(*model), std::vector<Vec6<double>>(model->njoints())});
+      }
+      slot[r] = of_model[k];
+    }
+  }
+}
+
 namespace internal {
+
+DerivativeData& prepare_derivatives(const Scene& scene, SceneData& data) {
+  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
+  DerivativeData& dd = *data.derivatives;
+  if (dd.islands.size() == data.islands.size()) return dd;
+  std::vector<std::vector<int>> robots;
+  for (const IslandData& d : data.islands) robots.push_back(d.island.robots);
+  dd.pool.clear();
+  dd.assign_slots(scene, robots);
+  dd.islands.assign(data.islands.size(), {});
+  return dd;
+}
 
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
@@ -58,9 +85,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   if (data.islands_active != data.active || data.report.islands.size() != data.islands.size())
     throw std::logic_error("differentiate: the active contacts changed since the last solve, solve first");
-  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
-  DerivativeData& dd = *data.derivatives;
-  if (dd.islands.size() != data.islands.size()) dd.islands.assign(data.islands.size(), {});
+  DerivativeData& dd = internal::prepare_derivatives(scene, data);
   bool dense_schur = false;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandDerivatives& out = dd.islands[i];

@@ -25,6 +25,8 @@ void solve_with_factor(const Scene& scene, IslandData& island, double* x);
 void derivative_terms(const Scene& scene, SceneData& data, const IslandData& island);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
 void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
+/// data.derivatives, with places for the islands at hand.
+DerivativeData& prepare_derivatives(const Scene& scene, SceneData& data);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// All of an island's derivatives into `out`, by the factor at hand (dense-schur: the right-hand sides only).

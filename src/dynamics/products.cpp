@@ -148,7 +148,7 @@ void pull_back_island(const Scene& scene, SceneData& data, const IslandData& d, 
 
 // The derivatives of an island with dependent rows, in full.
 const IslandDerivatives& dense_island(const Scene& scene, SceneData& data, std::size_t i) {
-  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
+  internal::prepare_derivatives(scene, data);
   IslandDerivatives& out = data.products->dense;
   internal::lay_out(scene, data.islands[i].island, {}, out);
   internal::differentiate_island(scene, data, i, out);

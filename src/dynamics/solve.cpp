@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -104,7 +105,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
   data.v = v;
   data.report.method = data.options.method;
   const bool whole = data.options.method == Method::kDenseSchur;
-  bool usable = true;
+  Reason unusable = Reason::kNone;  // the first island's that cannot be used
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandData& d = data.islands[i];
     IslandReport& report = data.report.islands[i];
@@ -115,7 +116,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
     const Reason reason = check_input(scene, q, v, u, d.island);
     if (reason != Reason::kNone) {
       fail(scene, data, d, reason, report);
-      usable = false;
+      if (unusable == Reason::kNone) unusable = reason;
     } else if (whole) {
       evaluate(scene, q, v, u, data, d);
     } else {
@@ -123,17 +124,30 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
       if (report.status == Status::kFailed) fail(scene, data, d, report.reason, report);
     }
   }
-  if (whole && usable) solve_dense_schur(scene, data);
+  const bool answered = !whole || unusable == Reason::kNone;
+  if (whole && answered) solve_dense_schur(scene, data);
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     const IslandData& d = data.islands[i];
-    if (whole && !usable) fail(scene, data, d, Reason::kNotFinite, data.report.islands[i]);
+    if (!answered) fail(scene, data, d, unusable, data.report.islands[i]);
     if (data.report.islands[i].status == Status::kFailed && !whole) continue;
-    if (usable || !whole) scatter(scene, data, d, d.system.x.data(), data.a, data.f);
+    if (answered) scatter(scene, data, d, d.system.x.data(), data.a, data.f);
   }
-  if (!whole || usable) data.f = -data.f;  // x = [a; -f]
+  if (answered) data.f = -data.f;  // x = [a; -f]
   summarise(data.report);
   return data.report;
 }
+
+namespace {
+
+Eigen::MatrixXd dense_matrix(const KktSystem& s) {
+  const sparse::UpperCsc& K = s.pattern->K;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(K.n, K.n);
+  for (int j = 0; j < K.n; ++j)
+    for (int k = K.p[j]; k < K.p[j + 1]; ++k) out(K.i[k], j) = out(j, K.i[k]) = s.Kx[k];
+  return out;
+}
+
+}  // namespace
 
 void estimate_condition(const Scene& scene, SceneData& data) {
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
@@ -144,7 +158,12 @@ void estimate_condition(const Scene& scene, SceneData& data) {
       continue;
     }
     const double norm = sparse::norm_1(s.pattern->K, s.Kx.data(), s.scale.data());
-    const auto apply = [&](double* x) { internal::solve_with_factor(scene, d, x); };
+    std::function<void(double*)> apply = [&](double* x) { internal::solve_with_factor(scene, d, x); };
+    if (d.factor == Factor::kDenseSchur)  // a factor of the whole scene: here the island's own is needed
+      apply = [lu = dense_matrix(s).partialPivLu(), n = d.island.size()](double* x) {
+        Eigen::Map<Eigen::VectorXd> rhs(x, n);
+        rhs = lu.solve(rhs).eval();
+      };
     data.report.islands[i].condition = norm * sparse::inverse_norm_1(d.island.size(), apply);
   }
   summarise(data.report);

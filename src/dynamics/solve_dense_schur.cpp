@@ -60,7 +60,7 @@ Reason factor(double delta, DenseSchurData& d) {
 void solve_dense_schur(const Scene& scene, SceneData& data) {
   DenseSchurData& d = data.dense_schur;
   gather(scene, data, d);
-  const Reason reason = factor(scene.damping, d);
+  Reason reason = factor(scene.damping, d);
   if (reason == Reason::kNone) {
     // S f = -a0 - Z^T w, a = L^-T (w + Z f), with w = L^-1 tau_b
     d.y.resize(scene.nv);
@@ -73,6 +73,7 @@ void solve_dense_schur(const Scene& scene, SceneData& data) {
       d.y.noalias() += d.Z * d.f;
     }
     d.llt_M.matrixU().solveInPlace(d.y);
+    if (!d.y.allFinite() || !d.f.allFinite()) reason = Reason::kNotFinite;
   }
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandData& island = data.islands[i];

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "manycontact/sparse/condition.hpp"
+
 namespace manycontact {
 
 template <class S>
@@ -31,7 +33,13 @@ bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A) {
     const S l = llt.matrixLLT()(k, k);
     if (is_noise<S>(l * l, A(k, k))) return false;
   }
-  return true;
+  // Without pivoting, noise can pass on from a poor pivot to the next and grow: the condition shows it.
+  const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
+    Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
+    y = llt.solve(y.template cast<S>()).template cast<double>();
+  });
+  const S norm = A.cwiseAbs().colwise().sum().maxCoeff();
+  return S(16) * std::numeric_limits<S>::epsilon() * norm * S(inverse) < S(1);
 }
 
 template <class S>
@@ -79,20 +87,18 @@ void factor(DenseKkt<S>& kkt) {
     kkt.cod.compute(kkt.J.transpose());
     kkt.rank = static_cast<int>(kkt.cod.rank());
   }
-  if (kkt.delta > S(0)) {
-    kkt.lu.compute(kkt_matrix(kkt));
-    kkt.regular = sound<S>(kkt.lu);
-    return;
-  }
   MatX<S> Q = MatX<S>::Identity(nv, nv);
   if (nc > 0) Q = kkt.cod.matrixQ() * Q;
   kkt.N = Q.rightCols(nv - kkt.rank);
+  kkt.regular = true;
   if (kkt.N.cols() > 0) {
     const MatX<S> A = kkt.N.transpose() * kkt.M * kkt.N;
     kkt.reduced.compute(A);
     kkt.regular = sound<S>(kkt.reduced, A);
-  } else {
-    kkt.regular = true;
+  }
+  if (kkt.regular && kkt.delta > S(0)) {
+    kkt.lu.compute(kkt_matrix(kkt));
+    kkt.regular = sound<S>(kkt.lu);
   }
 }
 

@@ -37,9 +37,18 @@ struct IslandDerivatives {
 /// Everything `differentiate` computes and keeps.
 struct DerivativeData {
   DerivativeData(const Scene& scene, const std::vector<ContactSupport>& supports);
+  /// Gives the robots of each island places in the pool.
+  void assign_slots(const Scene& scene, const std::vector<std::vector<int>>& islands);
 
-  std::vector<RneaDerivatives> robots;
-  std::vector<std::vector<Vec6<double>>> fext;  // per robot, per joint: contact forces, tree frame
+  /// Terms of one robot, needed while its island is differentiated; islands take turns, so that they stay in the cache.
+  struct Terms {
+    RneaDerivatives rnea;
+    std::vector<Vec6<double>> fext;  // per joint: contact forces, tree frame
+  };
+  std::vector<Terms> pool;
+  std::vector<int> slot;                        // per robot: its place in the pool
+  Terms& of(int robot) { return pool[slot[robot]]; }
+
   std::vector<ContactData<double>> rows;        // per contact, at the solution's accelerations
   std::vector<ContactDerivatives> contacts;     // per contact
   std::vector<IslandDerivatives> islands;

@@ -27,7 +27,7 @@ struct DenseKkt {
 
   // by factor
   int rank = 0;          // of J
-  bool regular = false;  // N^T M N positive definite (delta = 0), or K not singular (delta > 0)
+  bool regular = false;  // N^T M N is positive definite, whatever delta: contacts hold what M lets go
   Eigen::CompleteOrthogonalDecomposition<MatX<S>> cod;  // of J^T
   MatX<S> N;                                            // nv x (nv - rank): orthonormal basis of J's null space
   Eigen::LLT<MatX<S>> reduced;                          // of N^T M N
