@@ -28,7 +28,9 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   for (int k = 0; k < N; ++k) D(k, k) += S(model.armature[iv + k]);
   d.u.template segment<N>(iv).noalias() -= J.transpose() * d.pA[i];
   if constexpr (N == 1) {
-    if (!(D(0, 0) > S(0))) return false;
+    // positive by more than the rounding of the sum it is
+    const S noise = S(16) * std::numeric_limits<S>::epsilon() * (J.cwiseAbs().col(0).dot(U.cwiseAbs().col(0)));
+    if (!(D(0, 0) > noise)) return false;
     d.Dinv[i](0, 0) = S(1) / D(0, 0);
   } else {
     const Eigen::LLT<Eigen::Matrix<S, N, N>> llt(D);
