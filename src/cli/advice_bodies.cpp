@@ -92,8 +92,11 @@ void advise_idle(const Inspection& x, const State& s, int r, Said& said) {
   if (!s.robot_touched[r] && model.floating_base) said.add("floats free, touched by no contact", r);
   const std::vector<std::string> names = joint_names(model, subtrees);
   if (!names.empty())
-    said.add(count(joints, "joint") + " could be locked (`<lock>`) without a change of the answer at this state, having no "
-             "contact beyond, no velocity and no acceleration: " + join(names, 20), r);
+    said.add(count(joints, "joint") +
+                 " could be locked (`<lock>`) without a change of the answer at this state, having no "
+                 "contact beyond, no velocity and no acceleration: " +
+                 join(names, 20),
+             r);
 }
 
 void advise_massless(const Inspection& x, int r, Said& said) {
@@ -104,7 +107,8 @@ void advise_massless(const Inspection& x, int r, Said& said) {
   };
   const std::vector<std::string> names = joint_names(model, whole_subtrees(model, massless));
   if (!names.empty())
-    said.add("no mass beyond " + join(names, 20) + ": M is singular there but for armature, unless a contact holds it", r);
+    said.add("no mass beyond " + join(names, 20) + ": M is singular there but for armature, unless a contact holds it",
+             r);
 }
 
 }  // namespace

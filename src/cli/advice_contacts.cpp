@@ -57,17 +57,19 @@ void advise_rows(const Inspection& x, const IslandKind& kind, std::vector<std::s
   if (!kind.ranks.known || kind.ranks.rank == island.nc) return;
   const Selection s = select(x.file.scene, island, kind.ranks.redundant);
   const long n = static_cast<long>(s.redundant.size());
-  std::string text = "the " + std::to_string(island.nc) + " contact rows of " +
-                     robot_names(x.file, island.robots) + " have rank " + std::to_string(kind.ranks.rank);
+  std::string text = "the " + std::to_string(island.nc) + " contact rows of " + robot_names(x.file, island.robots) +
+                     " have rank " + std::to_string(kind.ranks.rank);
   if (n != island.nc - kind.ranks.rank) {
     advice.push_back(text + "; which rows are redundant hangs on the tolerance: they are nearly dependent");
     return;
   }
-  text += "; " + count(n, "row") + (n == 1 ? " is" : " are") + " redundant, since the rows before hold the same: " +
-          join(s.redundant, kMostNames) + and_more(kind.islands.size() - 1, "island");
+  text += "; " + count(n, "row") + (n == 1 ? " is" : " are") +
+          " redundant, since the rows before hold the same: " + join(s.redundant, kMostNames) +
+          and_more(kind.islands.size() - 1, "island");
   advice.push_back(text);
   text = "the rows that are left hold the same: " + join(s.kept, kMostNames);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostNames);
+  if (x.file.scene.damping > 0) text += " (the damping acts on every row: without some, the answer moves by as much)";
   advice.push_back(text);
 }
 
@@ -78,13 +80,17 @@ std::string advice_on(const Scene& scene, const BodyPair& p) {
                             (p.B.joint < 0 ? "" : " to `" + frame_name(scene, p.B, p.point_B) + "`");
   const std::string start = contacts + ", " + rows + ": ";
   switch (p.holds) {
-    case Holds::kOneContact: return start + "`" + scene.contacts[p.alone].name + "` alone holds the same";
-    case Holds::kSixD: return start + "one 6D contact on " + frame + " holds the same";
-    case Holds::kThreeD: return start + "one 3D contact on " + frame + ", at their common point, holds the same";
+    case Holds::kOneContact:
+      return start + "`" + scene.contacts[p.alone].name + "` alone holds the same";
+    case Holds::kSixD:
+      return start + "one 6D contact on " + frame + " holds the same";
+    case Holds::kThreeD:
+      return start + "one 3D contact on " + frame + ", at their common point, holds the same";
     case Holds::kLine:
       return start + "points on a line hold five motions, all but the turn about the line, and no single type does";
     case Holds::kEach:
-    case Holds::kFewerRows: break;
+    case Holds::kFewerRows:
+      break;
   }
   return "";
 }
@@ -92,12 +98,17 @@ std::string advice_on(const Scene& scene, const BodyPair& p) {
 // Rows of a pair once the advice is followed, -1 when no contact type takes the place of the rows.
 int rows_needed(const Scene& scene, const BodyPair& p) {
   switch (p.holds) {
-    case Holds::kEach: return p.rows;
-    case Holds::kOneContact: return scene.contacts[p.alone].rows();
-    case Holds::kSixD: return 6;
-    case Holds::kThreeD: return 3;
+    case Holds::kEach:
+      return p.rows;
+    case Holds::kOneContact:
+      return scene.contacts[p.alone].rows();
+    case Holds::kSixD:
+      return 6;
+    case Holds::kThreeD:
+      return 3;
     case Holds::kLine:
-    case Holds::kFewerRows: return -1;
+    case Holds::kFewerRows:
+      return -1;
   }
   return -1;
 }
@@ -132,8 +143,9 @@ void advise_pairs(const Inspection& x, const IslandKind& kind, std::vector<std::
 void advise_lighter(const Inspection& x, const IslandKind& kind, std::vector<std::string>& advice) {
   for (const Lighter& l : kind.ranks.lighter) {
     const Contact& contact = x.file.scene.contacts[l.contact];
-    std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") + ") has rank " +
-                       std::to_string(l.rank) + ": at this configuration its bodies cannot move in the other directions";
+    std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") +
+                       ") has rank " + std::to_string(l.rank) +
+                       ": at this configuration its bodies cannot move in the other directions";
     if (l.rank == 0) text += ", it holds nothing";
     if (!l.type.empty()) text += "; " + l.type + " at the same frame holds the same there";
     advice.push_back(text + and_more(kind.islands.size() - 1, "island"));

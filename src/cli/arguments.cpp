@@ -45,8 +45,8 @@ int Arguments::integer(const std::string& option, int least, int most, int other
   int number = 0;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
   if (error != std::errc() || end != text->data() + text->size() || number < least || number > most)
-    throw UsageError("option " + option + " is '" + *text + "', expected a whole number from " +
-                     std::to_string(least) + " to " + std::to_string(most));
+    throw UsageError("option " + option + " is '" + *text + "', expected a whole number from " + std::to_string(least) +
+                     " to " + std::to_string(most));
   return number;
 }
 

@@ -59,7 +59,8 @@ std::string why_changed(const IslandData& d, const IslandReport& report) {
   if (report.status == Status::kFailed) return "no answer: " + reason;
   if (report.changed_order)
     return to_string(d.chosen->order) + " order was unsound (" + reason + "), " + to_string(report.order) + " answered";
-  if (report.method != d.method) return to_string(d.method) + " gave up (" + reason + "), " + to_string(report.method) + " answered";
+  if (report.method != d.method)
+    return to_string(d.method) + " gave up (" + reason + "), " + to_string(report.method) + " answered";
   return "";
 }
 

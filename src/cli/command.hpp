@@ -16,7 +16,7 @@ struct Command {
   std::string operands;  // what it takes besides options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
-  std::string help;      // after the options
+  std::string help;  // after the options
   int (*run)(const Arguments&);
 };
 

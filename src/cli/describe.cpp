@@ -19,7 +19,8 @@ std::string joint_types(const Model& model) {
                                                      {JointType::kPrismatic, "prismatic"}};
   std::vector<std::string> parts;
   for (const auto& [type, name] : types) {
-    const auto n = std::count_if(model.joints.begin(), model.joints.end(), [&](const Joint& j) { return j.type == type; });
+    const auto n =
+        std::count_if(model.joints.begin(), model.joints.end(), [&](const Joint& j) { return j.type == type; });
     if (n > 0) parts.push_back(std::to_string(n) + " " + name);
   }
   return parts.empty() ? "none" : join(parts);
@@ -64,10 +65,14 @@ std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>&
 
 std::string to_string(ContactType type) {
   switch (type) {
-    case ContactType::k1D: return "1d";
-    case ContactType::k2D: return "2d";
-    case ContactType::k3D: return "3d";
-    case ContactType::k6D: return "6d";
+    case ContactType::k1D:
+      return "1d";
+    case ContactType::k2D:
+      return "2d";
+    case ContactType::k3D:
+      return "3d";
+    case ContactType::k6D:
+      return "6d";
   }
   return "?";
 }
@@ -84,11 +89,17 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   const Scene& scene = file.scene;
   wrap(out, "Scene " + scene.name + " (" + file.path + ")", 0);
   const Vec3<double>& g = scene.gravity;
-  wrap(out, "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
-                number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " +
-                count(data.f.size(), "contact row") + " in " + count(static_cast<long>(data.islands.size()), "island"), 0);
-  Table table({{"robot", Table::kLeft, 24}, {"urdf", Table::kLeft, 24}, {"base", Table::kLeft}, {"velocities"},
-               {"mass [kg]"}, {"joints", Table::kLeft}});
+  wrap(out,
+       "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
+           number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
+           " in " + count(static_cast<long>(data.islands.size()), "island"),
+       0);
+  Table table({{"robot", Table::kLeft, 24},
+               {"urdf", Table::kLeft, 24},
+               {"base", Table::kLeft},
+               {"velocities"},
+               {"mass [kg]"},
+               {"joints", Table::kLeft}});
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
     const Model& model = *scene.robots[group.first].model;

@@ -101,8 +101,9 @@ std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std:
   std::vector<std::vector<std::size_t>> out;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const BodyPair& p = pairs[i];
-    std::vector<long> key{reinterpret_cast<long>(model(p.A)), p.A.joint, reinterpret_cast<long>(model(p.B)), p.B.joint,
-                          p.rank, static_cast<long>(p.holds)};
+    std::vector<long> key{
+        reinterpret_cast<long>(model(p.A)), p.A.joint, reinterpret_cast<long>(model(p.B)), p.B.joint, p.rank,
+        static_cast<long>(p.holds)};
     for (int c : p.contacts) key.push_back(static_cast<long>(scene.contacts[c].type));
     const auto [at, fresh] = seen.emplace(key, out.size());
     if (fresh) out.emplace_back();
@@ -113,8 +114,13 @@ std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std:
 
 void print_contact_groups(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  Table table({{"groups"}, {"between", Table::kLeft, 22}, {"and", Table::kLeft, 22}, {"contacts", Table::kLeft, 22},
-               {"types", Table::kLeft, 14}, {"rows"}, {"rank"}});
+  Table table({{"groups"},
+               {"between", Table::kLeft, 22},
+               {"and", Table::kLeft, 22},
+               {"contacts", Table::kLeft, 22},
+               {"types", Table::kLeft, 14},
+               {"rows"},
+               {"rank"}});
   std::size_t all = 0;
   for (const IslandKind& kind : x.kinds)
     for (const auto& alike : alike_pairs(scene, kind.ranks.pairs)) {
@@ -131,6 +137,7 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
 }
 
 void print_costs(std::ostream& out, const Inspection& x) {
+  if (x.kinds.empty()) return;
   out << "\nCost of one solve, predicted [us]; non-zeros of L in each order of elimination\n";
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const IslandKind& kind = x.kinds[k];

@@ -18,9 +18,10 @@ std::vector<const Command*> commands() { return {&solve_command(), &inspect_comm
 std::string overview() {
   std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
   for (const Command* command : commands()) text += usage(*command) + "\n    " + command->summary + "\n";
-  text += "usage: manycontact --help | --version\n\n"
-          "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
-          "2 bad usage or bad input.\n";
+  text +=
+      "usage: manycontact --help | --version\n\n"
+      "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
+      "2 bad usage or bad input.\n";
   return text;
 }
 

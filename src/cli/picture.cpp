@@ -33,7 +33,8 @@ std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const 
   std::vector<int> rows(static_cast<std::size_t>(d.island.size()));
   for (std::size_t r = 0; r < d.island.robots.size(); ++r) {
     const Robot& robot = scene.robots[d.island.robots[r]];
-    for (int i = 0; i < robot.model->nv; ++i) rows[static_cast<std::size_t>(d.island.dof_offset[r] + i)] = robot.idx_v + i;
+    for (int i = 0; i < robot.model->nv; ++i)
+      rows[static_cast<std::size_t>(d.island.dof_offset[r] + i)] = robot.idx_v + i;
   }
   for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
     const int contact = d.island.contacts[c], first = d.island.nv + d.island.row_offset[c];
@@ -93,7 +94,8 @@ std::vector<Block> robot_blocks(const Inspection& x) {
     const double height = kSide * robot.model->nv / std::max(1, x.file.scene.nv);
     if (height >= kLabelHeight || group.count == 1)
       for (int k = 0; k < group.count; ++k)
-        blocks.push_back({x.file.scene.robots[group.first + k].name, robot.idx_v + k * robot.model->nv, robot.model->nv});
+        blocks.push_back(
+            {x.file.scene.robots[group.first + k].name, robot.idx_v + k * robot.model->nv, robot.model->nv});
     else
       blocks.push_back({group_name(group), robot.idx_v, group.count * robot.model->nv});
   }
@@ -139,7 +141,8 @@ void draw_strip(std::ostream& svg, double left, const std::vector<char>& is_cont
     const double top = kTop + kSide * double(i) / n, height = kSide * double(end - i) / n;
     if (height >= 0.2)
       svg << "<rect x=\"" << number(left - kStrip - 2, 6) << "\" y=\"" << number(top, 6) << "\" width=\"" << kStrip
-          << "\" height=\"" << number(height, 6) << "\" fill=\"" << kFills[is_contact[i] ? kContact : kInertia] << "\"/>\n";
+          << "\" height=\"" << number(height, 6) << "\" fill=\"" << kFills[is_contact[i] ? kContact : kInertia]
+          << "\"/>\n";
     i = end;
   }
 }
@@ -169,12 +172,17 @@ void draw_legend(std::ostream& svg, const Inspection& x, int cells, int n) {
   entry(kFill, "fill: in L, not in K");
   if (x.file.scene.damping > 0) entry(kDamping, "damping -delta");
   if (cells < n)
-    draw_text(svg, kLeft, y += 22, "a cell stands for " + number(double(n) / cells) + " rows and columns, in the colour of most "
-              "of its entries; empty where all are zero", "start", 11);
+    draw_text(svg, kLeft, y += 22,
+              "a cell stands for " + number(double(n) / cells) +
+                  " rows and columns, in the colour of most "
+                  "of its entries; empty where all are zero",
+              "start", 11);
   if (std::any_of(x.data.islands.begin(), x.data.islands.end(),
                   [](const IslandData& d) { return d.method == Method::kSparseSupernodal; }))
-    draw_text(svg, kLeft, y += 18, "auto chooses sparse-supernodal, which factorizes M and J inv(M) J' instead: L is what "
-              "sparse-ldl would compute", "start", 11);
+    draw_text(svg, kLeft, y += 18,
+              "auto chooses sparse-supernodal, which factorizes M and J inv(M) J' instead: L is what "
+              "sparse-ldl would compute",
+              "start", 11);
 }
 
 // "contacts-early order" or, when islands differ, "each island in its order".
@@ -188,12 +196,14 @@ std::string order_text(const Inspection& x) {
 void draw(std::ostream& svg, const Inspection& x) {
   const Scene& scene = x.file.scene;
   const int n = scene.nv + static_cast<int>(x.data.f.size());
-  svg << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << kWidth
-      << " " << kHeight << "\" width=\"" << kWidth << "\" height=\"" << kHeight
+  svg << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 "
+      << kWidth << " " << kHeight << "\" width=\"" << kWidth << "\" height=\"" << kHeight
       << "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" fill=\"#1f2730\">\n";
   svg << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
-  draw_text(svg, kWidth / 2, 30, "Scene " + scene.name + ": " + count(scene.nv, "velocity") + ", " +
-            count(x.data.f.size(), "contact row") + ", " + count(static_cast<long>(x.data.islands.size()), "island"), "middle", 17);
+  draw_text(svg, kWidth / 2, 30,
+            "Scene " + scene.name + ": " + count(scene.nv, "velocity") + ", " + count(x.data.f.size(), "contact row") +
+                ", " + count(static_cast<long>(x.data.islands.size()), "island"),
+            "middle", 17);
   if (n > 0) {
     PatternGrid K(n, kColours), L(n, kColours);
     std::vector<char> rows_K(static_cast<std::size_t>(n), 1), rows_L;
@@ -210,7 +220,8 @@ void draw(std::ostream& svg, const Inspection& x) {
     draw_strip(svg, kLeft, rows_K);
     draw_strip(svg, kRight, rows_L);
     const std::string size = "n = " + std::to_string(n) + ", ";
-    draw_axes(svg, kLeft, n, "K = [M J'; J -delta I]", size + count(nonzeros_K, "non-zero") + " in both triangles", "row", "column: robots, then contacts");
+    draw_axes(svg, kLeft, n, "K = [M J'; J -delta I]", size + count(nonzeros_K, "non-zero") + " in both triangles",
+              "row", "column: robots, then contacts");
     draw_axes(svg, kRight, n, "L of P K P' = L D L', " + order_text(x), size + count(nonzeros_L, "non-zero"), "row",
               "column, as eliminated");
     draw_legend(svg, x, K.cells(), n);
@@ -225,8 +236,9 @@ void write_picture(const Inspection& inspection, const std::string& path) {
   std::ofstream svg(path);
   if (svg) draw(svg, inspection);
   if (!svg.flush())
-    throw InputError(path, 1, std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                                  ", expected a file that --picture may create");
+    throw InputError(path, 1,
+                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
+                         ", expected a file that --picture may create");
 }
 
 }  // namespace manycontact::cli

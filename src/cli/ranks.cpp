@@ -108,7 +108,8 @@ Holds what_holds(const Scene& scene, const IslandData& d, const SceneData& data,
   };
   const std::vector<Vec3<double>> points = points_on(scene, pair);
   if (points.empty()) return Holds::kFewerRows;
-  if (pair.rank == 3 && pair.rows > 3 && all_of([](ContactType t) { return t != ContactType::k6D; }) && spread(points) == 0)
+  if (pair.rank == 3 && pair.rows > 3 && all_of([](ContactType t) { return t != ContactType::k6D; }) &&
+      spread(points) == 0)
     return Holds::kThreeD;
   if (pair.rank == 5 && all_of([](ContactType t) { return t == ContactType::k3D; }) && spread(points) == 1)
     return Holds::kLine;

@@ -22,7 +22,7 @@ struct BodyPair {
   std::vector<int> contacts;      // scene numbers
   int rows = 0, rank = 0;
   Holds holds = Holds::kEach;
-  int alone = -1;                 // kOneContact: which
+  int alone = -1;  // kOneContact: which
 };
 
 /// A contact whose own rows depend on each other, since its robots cannot move in all its directions.
@@ -32,9 +32,9 @@ struct Lighter {
 };
 
 struct IslandRanks {
-  bool known = false;          // false: left out, the island is too large
-  int rank = 0;                // of the island's J
-  std::vector<char> redundant; // per row of the island: it depends on the rows before it
+  bool known = false;           // false: left out, the island is too large
+  int rank = 0;                 // of the island's J
+  std::vector<char> redundant;  // per row of the island: it depends on the rows before it
   std::vector<BodyPair> pairs;
   std::vector<Lighter> lighter;
 

@@ -56,10 +56,9 @@ int run(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   const Options options = solver_options(arguments);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
-  if (arguments.has("--derivatives")) throw UsageError("--derivatives is not available yet");
 
   const SceneFile file = load_scene(path);
-  Solution solution = solve_scene(file, options, repeat);
+  Solution solution = solve_scene(file, options, repeat, arguments.has("--derivatives"));
   if (arguments.has("--quasi-static")) solution.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))
     write_json(solution, *json);
@@ -70,12 +69,17 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Solution solve_scene(const SceneFile& file, const Options& options, int repeat) {
-  Solution solution{file, SceneData(file.scene, options), {}, repeat, {}};
+Solution solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
+  Solution solution{file, SceneData(file.scene, options), {}, repeat, {}, derivatives};
   solution.time.symbolic = median_time(repeat, [&] { const SceneData data(file.scene, options); });
   const auto once = [&] { (void)solve(file.scene, file.q, file.v, file.u, solution.data); };
   once();
   solution.time.solve = median_time(repeat, once);
+  if (derivatives) {
+    const auto again = [&] { (void)differentiate(file.scene, solution.data); };
+    again();
+    solution.time.derivatives = median_time(repeat, again);
+  }
   estimate_condition(file.scene, solution.data);
   return solution;
 }
@@ -85,9 +89,9 @@ const Command& solve_command() {
       "solve",
       "SCENE",
       "Accelerations and contact forces of the scene, and what they are worth.",
-      {{"--method", "M", "auto (default), " + names_of(std::vector<Method>(std::begin(kMethods), std::end(kMethods) - 1))},
+      {{"--method", "M", "one of " + names_of(kMethods)},
        {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)},
-       {"--derivatives", "", "not available yet"},
+       {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that hold the scene still"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
        {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/scene_file.hpp"
 
@@ -10,7 +11,7 @@ namespace manycontact::cli {
 
 /// Medians, us.
 struct Times {
-  double symbolic = 0, solve = 0;
+  double symbolic = 0, solve = 0, derivatives = 0;
 };
 
 struct Solution {
@@ -19,10 +20,11 @@ struct Solution {
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
+  bool derivatives = false;  // data.derivatives holds them
 };
 
-/// Analyses and solves `repeat` times after a warm-up.
-Solution solve_scene(const SceneFile& file, const Options& options, int repeat);
+/// Analyses and solves `repeat` times after a warm-up, and differentiates likewise when asked to.
+Solution solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
 /// The JSON of design.md, section 6, to `path`, "-" is standard output. Throws InputError when it cannot be written.
 void write_json(const Solution& solution, const std::string& path);
@@ -32,6 +34,7 @@ void print_summary(std::ostream& out, const Solution& solution);
 void print_report(std::ostream& out, const Solution& solution);
 void print_accelerations(std::ostream& out, const Solution& solution);
 void print_forces(std::ostream& out, const Solution& solution);
+void print_derivatives(std::ostream& out, const Solution& solution);
 void print_quasi_static(std::ostream& out, const Solution& solution);
 /// Solves again with the dense oracle and compares answers and times.
 void print_against_dense(std::ostream& out, const Solution& solution);

@@ -82,8 +82,10 @@ void print_against_dense(std::ostream& out, const Solution& s) {
   if (s.data.f.size() > 0)
     table.add({"forces", scientific(f.absolute), scientific(f.relative), "to the island's largest"});
   table.print(out);
-  wrap(out, "one solve " + number(s.time.solve) + " us, dense " + number(dense.time.solve) + " us: " +
-                number(dense.time.solve / s.time.solve, 2) + " times as long", 2);
+  wrap(out,
+       "one solve " + number(s.time.solve) + " us, dense " + number(dense.time.solve) +
+           " us: " + number(dense.time.solve / s.time.solve, 2) + " times as long",
+       2);
 }
 
 }  // namespace manycontact::cli

@@ -18,6 +18,19 @@ using Json = nlohmann::ordered_json;
 // Numbers that are not finite become null when written.
 Json vector(const Eigen::VectorXd& x) { return Json(std::vector<double>(x.begin(), x.end())); }
 
+// A list of rows.
+Json matrix(const Eigen::MatrixXd& x) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(vector(x.row(i).transpose()));
+  return rows;
+}
+
+Json times(const Solution& s) {
+  Json out = {{"symbolic", s.time.symbolic}, {"solve", s.time.solve}};
+  if (s.derivatives) out["derivatives"] = s.time.derivatives;
+  return out;
+}
+
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
 Json island(const Scene& scene, const IslandData& d, const IslandReport& r) {
@@ -58,7 +71,7 @@ Json report(const Solution& s) {
           {"residual_contact", r.residual_contact},
           {"condition", r.condition},
           {"refinement_steps", r.refinement_steps},
-          {"time_us", {{"symbolic", s.time.symbolic}, {"solve", s.time.solve}}},
+          {"time_us", times(s)},
           {"island_list", list}};
 }
 
@@ -68,6 +81,15 @@ Json document(const Solution& s) {
                {"force_names", force_names(s.file.scene, s.data)},
                {"acceleration", vector(s.data.a)},
                {"forces", vector(s.data.f)}};
+  if (s.derivatives) {
+    const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
+    json["da_dq"] = matrix(d.da_dq);
+    json["da_dv"] = matrix(d.da_dv);
+    json["da_du"] = matrix(d.da_du);
+    json["dforces_dq"] = matrix(d.dforces_dq);
+    json["dforces_dv"] = matrix(d.dforces_dv);
+    json["dforces_du"] = matrix(d.dforces_du);
+  }
   if (s.quasi_static_u) json["quasi_static_u"] = vector(*s.quasi_static_u);
   json["report"] = report(s);
   return json;
@@ -92,8 +114,9 @@ void write_json(const Solution& solution, const std::string& path) {
   std::ofstream out(path);
   if (out) print(out, json);
   if (!out.flush())
-    throw InputError(path, 1, std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                                  ", expected a file that --json may create");
+    throw InputError(path, 1,
+                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
+                         ", expected a file that --json may create");
 }
 
 }  // namespace manycontact::cli

@@ -13,15 +13,20 @@ namespace manycontact::cli {
 
 namespace {
 
-std::string in_words(Status status) {
+std::string in_words(Status status, double damping) {
   switch (status) {
-    case Status::kOk: return "the contacts are independent and the system is solved to its residuals";
+    case Status::kOk:
+      return damping > 0 ? "the damped system is solved to its residuals"
+                         : "the contacts are independent and the system is solved to its residuals";
     case Status::kRedundant:
-      return "contacts depend on each other and agree; accelerations are exact, the forces shown are those of least norm";
+      return "contacts depend on each other and agree; accelerations are exact, the forces shown are those of least "
+             "norm";
     case Status::kInconsistent:
       return "contacts contradict each other; the accelerations miss them by the least squares";
-    case Status::kRegularised: return "the answer to a neighbouring problem, not to the one asked";
-    case Status::kFailed: return "no answer for at least one island; its accelerations and forces are not numbers";
+    case Status::kRegularised:
+      return "the answer to a neighbouring problem, not to the one asked";
+    case Status::kFailed:
+      return "no answer for at least one island; its accelerations and forces are not numbers";
   }
   return "";
 }
@@ -38,8 +43,8 @@ std::vector<Alike> alike_islands(const SceneData& data) {
   std::vector<Alike> out;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     const IslandReport& r = data.report.islands[i];
-    const std::vector<int> key{int(r.status),  int(r.method), int(r.order), int(r.reason), r.changed_order,
-                               r.nv,           r.nc,          r.rank,       r.factor_nonzeros};
+    const std::vector<int> key{int(r.status), int(r.method), int(r.order), int(r.reason),    r.changed_order,
+                               r.nv,          r.nc,          r.rank,       r.factor_nonzeros};
     const auto [at, fresh] = seen.emplace(key, out.size());
     if (fresh) out.push_back({{}, {}, r});
     Alike& alike = out[at->second];
@@ -81,21 +86,35 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   line("islands", count(static_cast<long>(kind.islands.size()), "island") + " of " + count(r.nv, "velocity") + " and " +
                       count(r.nc, "contact row") + " (" + islands_name(s.file, kind.islands) + ")");
   if (r.status == Status::kFailed) return line("why", why(s, kind));
-  line("rank", std::to_string(r.rank) + " of " + std::to_string(r.nc) + each);
+  const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
+  line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
+                        : "not examined: with damping any will do, `inspect` shows it");
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
-  line("factor", count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
-  line("residuals", "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) +
-                        " (relative)");
+  line("factor",
+       count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
+  line("residuals",
+       "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) + " (relative)");
   line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
   line("time", times(s));
 }
 
 void print_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>& kinds, std::size_t shown) {
-  Table table({{"islands"}, {"robots", Table::kLeft, 22}, {"nv"}, {"rows"}, {"rank"}, {"method", Table::kLeft},
-               {"order", Table::kLeft}, {"status", Table::kLeft}});
-  Table worth({{"islands"}, {"robots", Table::kLeft, 22}, {"factor"}, {"refined"}, {"residual: dynamics"},
-               {"contacts"}, {"condition"}});
+  Table table({{"islands"},
+               {"robots", Table::kLeft, 22},
+               {"nv"},
+               {"rows"},
+               {"rank"},
+               {"method", Table::kLeft},
+               {"order", Table::kLeft},
+               {"status", Table::kLeft}});
+  Table worth({{"islands"},
+               {"robots", Table::kLeft, 22},
+               {"factor"},
+               {"refined"},
+               {"residual: dynamics"},
+               {"contacts"},
+               {"condition"}});
   for (std::size_t k = 0; k < shown; ++k) {
     const IslandReport& r = kinds[k].report;
     const std::string n = std::to_string(kinds[k].islands.size()), name = islands_name(s.file, kinds[k].islands);
@@ -119,16 +138,19 @@ void print_several_kinds(std::ostream& out, const Solution& s, const std::vector
     const std::string text = why(s, kinds[k]);
     if (!text.empty()) wrap(out, text, 2, islands_name(s.file, kinds[k].islands) + ": ");
   }
-  wrap(out, std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
-                ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + scientific(r.residual_dynamics) +
-                " and " + scientific(r.residual_contact) + ", condition " + scientific(r.condition), 2, "together: ");
+  wrap(out,
+       std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
+           ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + scientific(r.residual_dynamics) +
+           " and " + scientific(r.residual_contact) + ", condition " + scientific(r.condition),
+       2, "together: ");
   wrap(out, times(s), 2);
 }
 
 }  // namespace
 
 void print_report(std::ostream& out, const Solution& s) {
-  wrap(out, in_words(s.data.report.status), 0, "Status " + to_string(s.data.report.status) + ": ");
+  wrap(out, in_words(s.data.report.status, s.file.scene.damping), 0,
+       "Status " + to_string(s.data.report.status) + ": ");
   const std::vector<Alike> kinds = alike_islands(s.data);
   out << "\n";
   if (kinds.size() == 1)
@@ -148,6 +170,7 @@ void print_summary(std::ostream& out, const Solution& s) {
     print_accelerations(out, s);
     print_forces(out, s);
   }
+  if (s.derivatives) print_derivatives(out, s);
   if (s.quasi_static_u) print_quasi_static(out, s);
   print_against_dense(out, s);
 }

@@ -66,10 +66,18 @@ int fastest_joint(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& a
 Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int offset) {
   Vec6<double> w = Vec6<double>::Zero();
   switch (contact.type) {
-    case ContactType::k1D: w.head<3>() = f[offset] * contact.axis; break;
-    case ContactType::k2D: w[0] = f[offset], w[2] = f[offset + 1]; break;
-    case ContactType::k3D: w.head<3>() = f.segment<3>(offset); break;
-    case ContactType::k6D: w = f.segment<6>(offset); break;
+    case ContactType::k1D:
+      w.head<3>() = f[offset] * contact.axis;
+      break;
+    case ContactType::k2D:
+      w[0] = f[offset], w[2] = f[offset + 1];
+      break;
+    case ContactType::k3D:
+      w.head<3>() = f.segment<3>(offset);
+      break;
+    case ContactType::k6D:
+      w = f.segment<6>(offset);
+      break;
   }
   return w;
 }
@@ -144,8 +152,14 @@ void print_accelerations(std::ostream& out, const Solution& s) {
              size);
   }
   out << "\nAccelerations [m/s^2, rad/s^2] and the sum of the contact forces on each robot [N]\n";
-  print_lines(out, Table({{"robot", Table::kLeft, 24}, {"base linear"}, {"base angular"}, {"joints, largest"},
-                          {"at", Table::kLeft, 22}, {"force"}}), lines, kMostRobots);
+  print_lines(out,
+              Table({{"robot", Table::kLeft, 24},
+                     {"base linear"},
+                     {"base angular"},
+                     {"joints, largest"},
+                     {"at", Table::kLeft, 22},
+                     {"force"}}),
+              lines, kMostRobots);
   if (largest < 1e-9 * scene.gravity.norm()) out << "  nothing accelerates: what is left is rounding\n";
 }
 
@@ -153,7 +167,8 @@ void print_forces(std::ostream& out, const Solution& s) {
   const Scene& scene = s.file.scene;
   std::vector<int> group(scene.contacts.size());
   for (std::size_t g = 0; g < s.file.contact_groups.size(); ++g)
-    for (int k = 0; k < s.file.contact_groups[g].count; ++k) group[s.file.contact_groups[g].first + k] = static_cast<int>(g);
+    for (int k = 0; k < s.file.contact_groups[g].count; ++k)
+      group[s.file.contact_groups[g].first + k] = static_cast<int>(g);
   Lines lines;
   for (int c : active_contacts(s)) {
     const Contact& contact = scene.contacts[c];
@@ -166,8 +181,17 @@ void print_forces(std::ostream& out, const Solution& s) {
   if (lines.empty()) return;
   for (Line& line : lines) line.cells.resize(8);
   out << "\nContact forces on frame A [N, N m], in its own axes (local) or the world's\n";
-  print_lines(out, Table({{"contact", Table::kLeft, 24}, {"type", Table::kLeft}, {"axes", Table::kLeft}, {"fx"}, {"fy"},
-                          {"fz"}, {"mx"}, {"my"}, {"mz"}}), lines, kMostContacts);
+  print_lines(out,
+              Table({{"contact", Table::kLeft, 24},
+                     {"type", Table::kLeft},
+                     {"axes", Table::kLeft},
+                     {"fx"},
+                     {"fy"},
+                     {"fz"},
+                     {"mx"},
+                     {"my"},
+                     {"mz"}}),
+              lines, kMostContacts);
   print_total(out, s);
 }
 

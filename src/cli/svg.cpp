@@ -7,7 +7,8 @@
 namespace manycontact::cli {
 
 PatternGrid::PatternGrid(int n, int colours) : n_(n), cells_(std::min(n, kMostCells)), colours_(colours) {
-  counts_.assign(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_) * static_cast<std::size_t>(colours), 0);
+  counts_.assign(
+      static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_) * static_cast<std::size_t>(colours), 0);
 }
 
 int PatternGrid::colour_at(int row, int col) const {
@@ -16,7 +17,8 @@ int PatternGrid::colour_at(int row, int col) const {
   return *most == 0 ? -1 : static_cast<int>(most - begin);
 }
 
-void PatternGrid::draw(std::ostream& svg, double x, double y, double side, const std::vector<std::string>& fills) const {
+void PatternGrid::draw(std::ostream& svg, double x, double y, double side,
+                       const std::vector<std::string>& fills) const {
   if (cells_ == 0) return;
   svg << "<g transform=\"translate(" << number(x, 6) << " " << number(y, 6) << ") scale(" << number(side / cells_, 6)
       << ")\" shape-rendering=\"crispEdges\">\n";
@@ -37,11 +39,16 @@ void PatternGrid::draw(std::ostream& svg, double x, double y, double side, const
 std::string escaped(const std::string& text) {
   std::string out;
   for (char c : printable(text)) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -57,8 +64,9 @@ void draw_line(std::ostream& svg, double x1, double y1, double x2, double y2) {
 }
 
 void draw_box(std::ostream& svg, double x, double y, double width, double height, const std::string& fill) {
-  svg << "<rect x=\"" << number(x, 6) << "\" y=\"" << number(y, 6) << "\" width=\"" << number(width, 6) << "\" height=\""
-      << number(height, 6) << "\" fill=\"" << fill << "\" stroke=\"#4a5560\" stroke-width=\"0.8\"/>\n";
+  svg << "<rect x=\"" << number(x, 6) << "\" y=\"" << number(y, 6) << "\" width=\"" << number(width, 6)
+      << "\" height=\"" << number(height, 6) << "\" fill=\"" << fill
+      << "\" stroke=\"#4a5560\" stroke-width=\"0.8\"/>\n";
 }
 
 }  // namespace manycontact::cli

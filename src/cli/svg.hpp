@@ -33,7 +33,8 @@ class PatternGrid {
 
 std::string escaped(const std::string& text);
 /// anchor: start, middle or end.
-void draw_text(std::ostream& svg, double x, double y, const std::string& text, const std::string& anchor, int size = 12);
+void draw_text(std::ostream& svg, double x, double y, const std::string& text, const std::string& anchor,
+               int size = 12);
 void draw_line(std::ostream& svg, double x1, double y1, double x2, double y2);
 void draw_box(std::ostream& svg, double x, double y, double width, double height, const std::string& fill);
 

@@ -62,7 +62,10 @@ std::string decimal(double x, int decimals) {
 }
 
 std::string count(long n, const std::string& noun) {
-  return std::to_string(n) + " " + (n == 1 ? noun : noun.ends_with('y') ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s");
+  return std::to_string(n) + " " +
+         (n == 1                ? noun
+          : noun.ends_with('y') ? noun.substr(0, noun.size() - 1) + "ies"
+                                : noun + "s");
 }
 
 std::string join(const std::vector<std::string>& names, std::size_t most) {
@@ -103,6 +106,7 @@ void Table::add(std::vector<std::string> cells) {
 }
 
 void Table::print(std::ostream& out, int indent) const {
+  if (rows_.empty()) return;
   std::vector<int> widths(columns_.size(), 0);
   for (const auto& row : rows_)
     for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], width(row[k]));

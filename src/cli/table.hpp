@@ -22,7 +22,8 @@ std::string join(const std::vector<std::string>& names, std::size_t most = 12);
 /// Control characters replaced, so that no name disturbs the terminal.
 std::string printable(std::string text);
 
-/// Words of `text` in lines no wider than kLineWidth: the first after `indent` blanks and `bullet`, the others below it.
+/// Words of `text` in lines no wider than kLineWidth: the first after `indent` blanks and `bullet`, the others below
+/// it.
 void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
 
 class Table {
