@@ -76,6 +76,7 @@ void prepare(const Scene& scene, SceneData& data) {
     throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
                                 std::to_string(scene.contacts.size()) + " contacts");
   if (data.islands_active == data.active && (!data.islands.empty() || scene.robots.empty())) return;
+  data.solved = false;
   data.islands.clear();
   if (data.derivatives) data.derivatives->islands.clear();
   for (Island& island : find_islands(scene, data.active))

@@ -35,6 +35,12 @@ void DerivativeData::assign_slots(const Scene& scene, const std::vector<std::vec
 
 namespace internal {
 
+void check_solved(const SceneData& data, const char* function) {
+  if (!data.solved) throw std::logic_error(std::string(function) + ": solve first");
+  if (data.islands_active != data.active)
+    throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
+}
+
 DerivativeData& prepare_derivatives(const Scene& scene, SceneData& data) {
   if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
   DerivativeData& dd = *data.derivatives;
@@ -83,8 +89,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  if (data.islands_active != data.active || data.report.islands.size() != data.islands.size())
-    throw std::logic_error("differentiate: the active contacts changed since the last solve, solve first");
+  internal::check_solved(data, "differentiate");
   DerivativeData& dd = internal::prepare_derivatives(scene, data);
   bool dense_schur = false;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
@@ -123,9 +128,12 @@ void scatter(const Block& block, const std::vector<int>& rows, const std::vector
 }
 
 const DerivativeData& computed(const SceneData& data) {
-  if (!data.derivatives || data.derivatives->islands.size() != data.islands.size())
-    throw std::logic_error("derivatives: call differentiate first");
-  return *data.derivatives;
+  const DerivativeData* dd = data.derivatives.get();
+  bool complete = dd && dd->islands.size() == data.islands.size();
+  for (std::size_t i = 0; complete && i < data.islands.size(); ++i)  // jvp and vjp leave them without blocks
+    complete = dd->islands[i].X.rows() == data.islands[i].island.size();
+  if (!complete) throw std::logic_error("derivatives: call differentiate first");
+  return *dd;
 }
 
 }  // namespace

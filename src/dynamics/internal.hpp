@@ -21,6 +21,8 @@ void solve_dense_schur(const Scene& scene, SceneData& data);
 /// Solves in place with the factor at hand, in elimination order.
 void solve_with_factor(const Scene& scene, IslandData& island, double* x);
 
+/// Throws std::logic_error, in the name of `function`, unless data holds a solve with the contacts now active.
+void check_solved(const SceneData& data, const char* function);
 /// Terms of an island's derivatives, at the last solve: RNEA's and the contacts'.
 void derivative_terms(const Scene& scene, SceneData& data, const IslandData& island);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
@@ -72,8 +74,5 @@ void gather(const Scene& scene, const SceneData& data, const IslandData& d, cons
 
 /// Whether refinement ended well enough to be believed.
 inline bool converged(const Refinement& r) { return r.backward_error <= 1e-12; }
-
-/// Sets the residuals of the report from system.r and system.scale.
-void report_residuals(const KktSystem& system, IslandReport& report);
 
 }  // namespace manycontact::internal

@@ -206,8 +206,7 @@ bool usable(const SceneData& data, std::size_t i) {
 }
 
 void begin(const Scene& scene, SceneData& data, const char* function) {
-  if (data.islands_active != data.active || data.report.islands.size() != data.islands.size())
-    throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
+  internal::check_solved(data, function);
   if (!data.products) data.products = std::make_unique<ProductData>(scene, data.supports);
 }
 

@@ -13,6 +13,7 @@ void hold_island(const Scene& scene, const SceneData& data, const IslandData& d,
   const Island& island = d.island;
   int nu = 0;
   for (int r : island.robots) nu += scene.robots[r].model->nu();
+  if (nu + island.nc == 0) return;  // a free object: nothing to choose
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(island.nv, nu + island.nc);  // [S^T J^T]
   Eigen::VectorXd h(island.nv);
   int column = 0;
@@ -42,6 +43,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
     throw std::invalid_argument("quasi_static: q has " + std::to_string(q.size()) + " numbers, the scene expects " +
                                 std::to_string(scene.nq));
   prepare(scene, data);
+  data.solved = false;  // its kinematics are overwritten
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv), none = Eigen::VectorXd::Zero(scene.nu);
   Eigen::VectorXd u = none;
   for (IslandData& d : data.islands) {

@@ -13,9 +13,13 @@ namespace manycontact {
 
 namespace internal {
 
-void report_residuals(const KktSystem& s, IslandReport& report) {
+namespace {
+
+// Residuals relative to the terms they are left of; those of the contacts at least to gravity, or a scene at rest would
+// have rounding compared with rounding.
+void report_residuals(const Scene& scene, const KktSystem& s, IslandReport& report) {
   const KktPattern& p = *s.pattern;
-  double r[2] = {0, 0}, scale[2] = {0, 0};  // dynamics rows, contact rows
+  double r[2] = {0, 0}, scale[2] = {0, scene.gravity.norm()};  // dynamics rows, contact rows
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
     if (!(std::abs(s.r[k]) <= r[row])) r[row] = std::abs(s.r[k]);
@@ -24,8 +28,6 @@ void report_residuals(const KktSystem& s, IslandReport& report) {
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
 }
-
-namespace {
 
 // Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
@@ -79,9 +81,11 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
 }
 
 void fail(const Scene& scene, SceneData& data, const IslandData& d, Reason reason, IslandReport& report) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
   report.status = Status::kFailed;
   report.reason = reason;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  report.rank = 0;
+  report.residual_dynamics = report.residual_contact = nan;
   for (int r : d.island.robots) data.a.segment(scene.robots[r].idx_v, scene.robots[r].model->nv).setConstant(nan);
   for (int c : d.island.contacts) data.f.segment(data.f_offset[c], scene.contacts[c].rows()).setConstant(nan);
 }
@@ -115,25 +119,31 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
     d.factor = Factor::kNone;
     const Reason reason = check_input(scene, q, v, u, d.island);
     if (reason != Reason::kNone) {
-      fail(scene, data, d, reason, report);
+      report.status = Status::kFailed;
+      report.reason = reason;
       if (unusable == Reason::kNone) unusable = reason;
     } else if (whole) {
       evaluate(scene, q, v, u, data, d);
     } else {
       solve_island(scene, q, v, u, data, d, report);
-      if (report.status == Status::kFailed) fail(scene, data, d, report.reason, report);
     }
   }
   const bool answered = !whole || unusable == Reason::kNone;
   if (whole && answered) solve_dense_schur(scene, data);
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     const IslandData& d = data.islands[i];
-    if (!answered) fail(scene, data, d, unusable, data.report.islands[i]);
-    if (data.report.islands[i].status == Status::kFailed && !whole) continue;
-    if (answered) scatter(scene, data, d, d.system.x.data(), data.a, data.f);
+    IslandReport& report = data.report.islands[i];
+    if (!answered) report.reason = unusable, report.status = Status::kFailed;
+    if (report.status == Status::kFailed) {
+      fail(scene, data, d, report.reason, report);
+      continue;
+    }
+    scatter(scene, data, d, d.system.x.data(), data.a, data.f);
+    report_residuals(scene, d.system, report);
   }
   if (answered) data.f = -data.f;  // x = [a; -f]
   summarise(data.report);
+  data.solved = true;
   return data.report;
 }
 

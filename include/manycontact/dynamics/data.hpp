@@ -62,6 +62,7 @@ struct SceneData {
   std::vector<char> active;  // one per contact; the caller may switch them before a solve
 
   // by solve
+  bool solved = false;       // all of this is of the islands below
   Eigen::VectorXd v;         // nv: the velocity solved at
   Eigen::VectorXd a;         // nv: accelerations
   Eigen::VectorXd f;         // rows of the active contacts, in the scene's order: forces on A in the contact's axes
@@ -71,7 +72,7 @@ struct SceneData {
   std::vector<RobotData> robots;
   std::vector<ContactSupport> supports;           // per contact of the scene
   std::vector<ContactData<double>> contacts;      // per contact of the scene
-  std::vector<IslandData> islands;                // of the active set solved last
+  std::vector<IslandData> islands;                // of the active set prepared last
   std::vector<char> islands_active;               // that set
   std::vector<int> robot_island;                  // per robot
   DenseSchurData dense_schur;

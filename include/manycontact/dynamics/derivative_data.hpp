@@ -53,7 +53,7 @@ struct DerivativeData {
   std::vector<ContactDerivatives> contacts;     // per contact
   std::vector<IslandDerivatives> islands;
   std::vector<char> nonzero;                    // scratch of the panel solve
-  IslandDerivatives::Panel rhs;                 // scratch of refinement
+  Eigen::VectorXd rhs;                          // scratch of refinement: room for the largest panel
 };
 
 /// Workspace of jvp and vjp.

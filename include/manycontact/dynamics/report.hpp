@@ -38,11 +38,11 @@ struct IslandReport {
   Reason reason = Reason::kNone;       // of the last change of order or method, or of the failure
   bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
   int nv = 0, nc = 0;
-  int rank = 0;                        // of J; nc unless the rows were found dependent
+  int rank = 0;                        // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
   int factor_nonzeros = 0;             // of L (and the tree's factor), diagonals included
   int refinement_steps = 0;
   double residual_dynamics = 0;        // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
-  double residual_contact = 0;         // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|)
+  double residual_contact = 0;         // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
   double condition = 0;                // 1-norm condition of K, by estimate_condition; 0: not asked for
 };
 
