@@ -1,0 +1,110 @@
+#pragma once
+// Runs the program as a user would, in a folder of its own for what it writes.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace manycontact::cli {
+
+struct Outcome {
+  int status = -1;  // of exit, -1 when a signal ended it
+  std::string out, err;
+};
+
+inline std::string read_text(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline std::string model(const std::string& name) { return MANYCONTACT_SOURCE_DIR "/models/" + name; }
+
+inline std::vector<std::string> model_scenes() {
+  std::vector<std::string> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(model("")))
+    if (entry.path().extension() == ".xml") scenes.push_back(entry.path().string());
+  std::sort(scenes.begin(), scenes.end());
+  return scenes;
+}
+
+inline std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Blanks and line breaks as one blank, so that wrapped text can be searched.
+inline std::string unwrapped(const std::string& text) {
+  std::istringstream words(text);
+  std::string out;
+  for (std::string word; words >> word;) out += (out.empty() ? "" : " ") + word;
+  return out;
+}
+
+inline void expect_contains(const std::string& text, const std::string& part) {
+  EXPECT_NE(unwrapped(text).find(part), std::string::npos) << "no '" << part << "' in:\n" << text;
+}
+inline void expect_lacks(const std::string& text, const std::string& part) {
+  EXPECT_EQ(unwrapped(text).find(part), std::string::npos) << "'" << part << "' in:\n" << text;
+}
+
+class Program : public testing::Test {
+ protected:
+  Program() : folder_(testing::TempDir() + "manycontact_cli_" + std::to_string(getpid())) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Program() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Writes a scene next to the models' URDF files; what stands between <scene> and </scene>.
+  std::string scene(const std::string& inside, const std::string& attributes = "") const {
+    for (const auto& entry : std::filesystem::directory_iterator(model("")))
+      if (entry.path().extension() == ".urdf")
+        std::filesystem::copy_file(entry.path(), folder_ / entry.path().filename(),
+                                   std::filesystem::copy_options::overwrite_existing);
+    std::ofstream(path("scene.xml")) << "<scene name=\"test\" " << attributes << ">\n" << inside << "\n</scene>\n";
+    return path("scene.xml");
+  }
+
+  Outcome run(const std::vector<std::string>& words) const {
+    const std::string out = path("stdout.txt"), err = path("stderr.txt");
+    std::vector<char*> argv{const_cast<char*>(MANYCONTACT_BINARY)};
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (!freopen(out.c_str(), "w", stdout) || !freopen(err.c_str(), "w", stderr)) _exit(126);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+  }
+
+  nlohmann::json solve(std::vector<std::string> words, int expected_status = 0) const {
+    words.insert(words.begin(), "solve");
+    words.insert(words.end(), {"--json", "-"});
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, expected_status) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    return nlohmann::json::parse(outcome.out, nullptr, false);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace manycontact::cli

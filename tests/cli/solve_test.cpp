@@ -1,0 +1,189 @@
+// `manycontact solve`: its JSON, its summary, its exit status.
+
+#include "manycontact/dynamics/solve.hpp"
+
+#include "cli/program.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+using nlohmann::json;
+
+class Solve : public Program {};
+
+std::vector<double> numbers(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
+
+TEST_F(Solve, JsonHasTheSizesOfTheScene) {
+  for (const std::string& path : model_scenes()) {
+    SCOPED_TRACE(path);
+    const SceneFile file = load_scene(path);
+    const json j = solve({path});
+    EXPECT_EQ(j.at("scene"), file.scene.name);
+    EXPECT_EQ(j.at("velocity_names").size(), static_cast<std::size_t>(file.scene.nv));
+    EXPECT_EQ(j.at("acceleration").size(), static_cast<std::size_t>(file.scene.nv));
+    EXPECT_EQ(j.at("forces").size(), j.at("force_names").size());
+    EXPECT_FALSE(j.contains("quasi_static_u"));
+    EXPECT_FALSE(j.contains("da_dq"));
+    const json& r = j.at("report");
+    for (const char* key : {"status", "method", "islands", "nv", "nc", "rank", "factor_nonzeros", "residual_dynamics",
+                            "residual_contact", "condition", "refinement_steps", "time_us"})
+      EXPECT_TRUE(r.contains(key)) << key;
+    EXPECT_EQ(r.at("nv"), file.scene.nv);
+    EXPECT_EQ(r.at("nc").get<std::size_t>(), j.at("forces").size());
+    EXPECT_EQ(r.at("islands").get<std::size_t>(), r.at("island_list").size());
+    EXPECT_GT(r.at("time_us").at("symbolic").get<double>(), 0);
+    EXPECT_GT(r.at("time_us").at("solve").get<double>(), 0);
+    EXPECT_FALSE(r.at("time_us").contains("derivatives"));
+    EXPECT_GT(r.at("condition").get<double>(), 1);
+    int rank = 0, nonzeros = 0;
+    std::size_t robots = 0;
+    for (const json& island : r.at("island_list")) {
+      rank += island.at("rank").get<int>();
+      nonzeros += island.at("factor_nonzeros").get<int>();
+      robots += island.at("robots").size();
+      for (const char* key : {"status", "method", "order", "reason", "nv", "nc", "refinement_steps",
+                              "residual_dynamics", "residual_contact", "condition"})
+        EXPECT_TRUE(island.contains(key)) << key;
+    }
+    EXPECT_EQ(r.at("rank"), rank);
+    EXPECT_EQ(r.at("factor_nonzeros"), nonzeros);
+    EXPECT_EQ(robots, file.scene.robots.size());
+  }
+}
+
+TEST_F(Solve, JsonReadsBackToTheLibrarysBits) {
+  const std::string path = model("humanoid_hands_and_feet.xml");
+  const SceneFile file = load_scene(path);
+  SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
+  (void)manycontact::solve(file.scene, file.q, file.v, file.u, data);
+  const json j = solve({path, "--method", "sparse-ldl", "--order", "leaf-to-root", "--quasi-static"});
+  EXPECT_EQ(j.at("acceleration").get<std::vector<double>>(), numbers(data.a));
+  EXPECT_EQ(j.at("forces").get<std::vector<double>>(), numbers(data.f));
+  EXPECT_EQ(j.at("quasi_static_u").get<std::vector<double>>(), numbers(quasi_static(file.scene, file.q)));
+  EXPECT_EQ(j.at("velocity_names"), json(velocity_names(file.scene)));
+  EXPECT_EQ(j.at("force_names"), json(force_names(file.scene, data)));
+}
+
+TEST_F(Solve, MethodAndOrderAreObeyed) {
+  const std::string path = model("two_humanoids_carry_beam.xml");
+  for (const char* order : {"leaf-to-root", "contacts-early", "camd"}) {
+    const json r = solve({path, "--method", "sparse-cholmod", "--order", order}).at("report");
+    EXPECT_EQ(r.at("method"), "sparse-cholmod");
+    EXPECT_EQ(r.at("island_list")[0].at("method"), "sparse-cholmod");
+    EXPECT_EQ(r.at("island_list")[0].at("order"), order);
+  }
+  const json r = solve({path, "--method", "dense"}).at("report");
+  EXPECT_EQ(r.at("island_list")[0].at("method"), "dense");
+  EXPECT_TRUE(r.at("island_list")[0].at("order").is_null());
+}
+
+TEST_F(Solve, RedundantIsAnAnswer) {
+  const json r = solve({model("feet_on_corners.xml")}).at("report");
+  EXPECT_EQ(r.at("status"), "redundant");
+  EXPECT_EQ(r.at("rank"), 12);
+  EXPECT_EQ(r.at("nc"), 24);
+  EXPECT_NE(r.at("island_list")[0].at("reason"), "none");
+}
+
+TEST_F(Solve, InconsistentIsAnAnswer) {
+  const std::string path = scene(R"(<robot name="b" urdf="box.urdf" base="floating"><v>0 0 0 1 0 0</v></robot>
+    <contact name="c1" type="6d" frame="b/face_top"/> <contact name="c2" type="6d" frame="b/top_1" gains="10 10"/>)");
+  EXPECT_EQ(solve({path}).at("report").at("status"), "inconsistent");
+  expect_contains(run({"solve", path}).out, "contradict each other");
+}
+
+TEST_F(Solve, FailureIsStatusOneWithNulls) {
+  const std::vector<std::string> words{model("feet_on_corners.xml"), "--method", "dense-schur"};
+  const json j = solve(words, 1);
+  EXPECT_EQ(j.at("report").at("status"), "failed");
+  for (const char* key : {"acceleration", "forces"})
+    for (const json& x : j.at(key)) EXPECT_TRUE(x.is_null());
+  const Outcome summary = run({"solve", words[0], words[1], words[2]});
+  EXPECT_EQ(summary.status, 1);
+  EXPECT_EQ(summary.err, "");
+  expect_contains(summary.out, "Status failed");
+}
+
+TEST_F(Solve, JsonFileIsThatOfStandardOutput) {
+  const std::string path = model("arm_pushes_box.xml");
+  const Outcome outcome = run({"solve", path, "--json", this->path("out.json")});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, "");
+  json file = json::parse(read_text(this->path("out.json"))), direct = solve({path});
+  for (json* j : {&file, &direct}) j->at("report").erase("time_us");
+  EXPECT_EQ(file, direct);
+}
+
+TEST_F(Solve, DerivativesAreListsOfRows) {
+  const std::string path = model("arm_pushes_box.xml");
+  const SceneFile file = load_scene(path);
+  const json j = solve({path, "--derivatives"});
+  const auto nv = static_cast<std::size_t>(file.scene.nv), nu = static_cast<std::size_t>(file.scene.nu);
+  const std::size_t nc = j.at("forces").size();
+  const auto expect_size = [&j](const char* name, std::size_t rows, std::size_t columns) {
+    ASSERT_EQ(j.at(name).size(), rows) << name;
+    for (const json& row : j.at(name)) EXPECT_EQ(row.size(), columns) << name;
+  };
+  expect_size("da_dq", nv, nv);
+  expect_size("da_dv", nv, nv);
+  expect_size("da_du", nv, nu);
+  expect_size("dforces_dq", nc, nv);
+  expect_size("dforces_dv", nc, nv);
+  expect_size("dforces_du", nc, nu);
+  EXPECT_GT(j.at("report").at("time_us").at("derivatives").get<double>(), 0);
+}
+
+TEST_F(Solve, SummariesFitTheScreen) {
+  for (const std::string& path : model_scenes()) {
+    const Outcome outcome = run({"solve", path, "--quasi-static", "--repeat", "2"});
+    EXPECT_EQ(outcome.status, 0) << path;
+    EXPECT_EQ(outcome.err, "") << path;
+    const auto lines = lines_of(outcome.out);
+    EXPECT_LT(lines.size(), 80u) << path;
+    for (const std::string& line : lines) EXPECT_TRUE(line.size() <= 100 || line.starts_with("Scene ")) << line;
+  }
+}
+
+TEST_F(Solve, SummaryOfTwoHumanoidsSaysWhatMatters) {
+  const std::string out = run({"solve", model("two_humanoids_carry_beam.xml")}).out;
+  for (const char* part : {"Status ok", "82 velocities and 48 contact rows", "rank 48 of 48", "auto chose", "beam.urdf",
+                           "a_left_foot 6d local", "weight of the floating robots 0.00 0.00 -1271.38",
+                           "Against the dense rank-revealing method", "nothing accelerates"})
+    expect_contains(out, part);
+}
+
+TEST_F(Solve, AlikeCopiesShareALine) {
+  const std::string out = run({"solve", model("herd.xml")}).out;
+  expect_contains(out, "64 islands of 18 velocities and 12 contact rows (herd0 .. herd63)");
+  expect_contains(out, "LF0 .. LF63");
+}
+
+TEST_F(Solve, ManyContactsAreCutShort) {
+  std::string contacts;
+  for (int k = 0; k < 30; ++k)
+    contacts += "<contact name=\"c" + std::to_string(k) + "\" type=\"1d\" frame=\"b/top_1\" offset=\"" +
+                std::to_string(0.01 * k) + " 0 0\" reference_frame=\"world\"/>\n";
+  const Outcome outcome = run({"solve", scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>\n" + contacts)});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "... and 6 more, none larger");
+}
+
+TEST_F(Solve, MimicJointsAreNamed) {
+  std::ofstream(path("m.urdf")) << R"(<robot name="m"><link name="a"/>
+    <link name="b"><inertial><mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <link name="c"><inertial><mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="first" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+    <joint name="second" type="continuous"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>
+      <mimic joint="first"/></joint>
+    </robot>)";
+  const std::string scene = this->scene("<robot name=\"m\" urdf=\"m.urdf\" base=\"fixed\"/>");
+  for (const char* command : {"solve", "inspect"})
+    expect_contains(run({command, scene}).out, "m: mimic is not modelled, kept independent: second");
+}
+
+}  // namespace
+}  // namespace manycontact::cli

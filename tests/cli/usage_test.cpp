@@ -1,0 +1,104 @@
+// The command line itself: help, version, bad usage, bad input.
+
+#include <regex>
+
+#include "cli/program.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+class Usage : public Program {};
+
+TEST_F(Usage, HelpNamesEveryCommandAndOption) {
+  const Outcome top = run({"--help"});
+  EXPECT_EQ(top.status, 0);
+  for (const char* part : {"solve SCENE", "inspect SCENE", "--method M", "--order O", "--quasi-static", "--repeat N",
+                           "--json FILE", "--picture FILE.svg", "Exit status"})
+    expect_contains(top.out, part);
+  for (const char* command : {"solve", "inspect"}) {
+    const Outcome help = run({command, "--help"});
+    EXPECT_EQ(help.status, 0);
+    EXPECT_EQ(help.err, "");
+    expect_contains(help.out, std::string("usage: manycontact ") + command + " SCENE");
+  }
+}
+
+TEST_F(Usage, VersionIsTheProjects) {
+  const std::string cmake = read_text(MANYCONTACT_SOURCE_DIR "/CMakeLists.txt");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(cmake, match, std::regex("project\\(manycontact VERSION ([0-9.]+)")));
+  const Outcome outcome = run({"--version"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, "manycontact " + match[1].str() + "\n");
+}
+
+TEST_F(Usage, BadUsageIsOneLineAndAHint) {
+  const std::string scene = model("humanoid_standing.xml");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{}, "a command is missing"},
+      {{"chart", scene, "--out", "x"}, "unknown command 'chart'"},
+      {{"simulate", scene}, "unknown command 'simulate'"},
+      {{"Solve", scene}, "unknown command 'Solve'"},
+      {{"--verbose"}, "unknown option '--verbose'"},
+      {{"--version", "now"}, "nothing is expected after --version"},
+      {{"solve"}, "SCENE is missing"},
+      {{"solve", scene, scene}, "one SCENE is expected"},
+      {{"solve", scene, "--fast"}, "unknown option '--fast'"},
+      {{"solve", scene, "--method"}, "option --method needs a value M"},
+      {{"solve", scene, "--method", "magic"}, "unknown method 'magic', expected one of dense, "},
+      {{"solve", scene, "--order", "random"}, "unknown order 'random', expected one of leaf-to-root, "},
+      {{"solve", scene, "--method", "dense", "--order", "camd"}, "method dense has no order"},
+      {{"solve", scene, "--repeat", "0"}, "option --repeat is '0', expected a whole number"},
+      {{"solve", scene, "--repeat", "3x"}, "option --repeat is '3x'"},
+      {{"solve", scene, "--repeat", "1", "--repeat", "2"}, "option --repeat is given twice"},
+      {{"solve", scene, "--quasi-static=1"}, "option --quasi-static takes no value"},
+      {{"solve", scene, "--json="}, "option --json has an empty value"},
+      {{"inspect"}, "SCENE is missing"},
+      {{"inspect", scene, "--json", "x"}, "unknown option '--json'"},
+      {{"inspect", scene, "--picture"}, "option --picture needs a value"},
+  };
+  for (const auto& [words, message] : cases) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, 2) << message;
+    EXPECT_EQ(outcome.out, "") << message;
+    const std::vector<std::string> lines = lines_of(outcome.err);
+    ASSERT_EQ(lines.size(), 2u) << outcome.err;
+    EXPECT_TRUE(lines[0].starts_with("manycontact: ")) << lines[0];
+    EXPECT_NE(lines[0].find(message), std::string::npos) << lines[0];
+    EXPECT_TRUE(lines[1].starts_with("usage: manycontact ")) << lines[1];
+  }
+}
+
+TEST_F(Usage, OptionsMayStandAnywhereAndCarryTheirValue) {
+  const std::string scene = model("humanoid_standing.xml");
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"solve", "--method", "dense", scene},
+                                             {"solve", "--method=dense", "--", scene},
+                                             {"solve", scene, "--method=dense"}})
+    expect_contains(run(words).out, "method dense");
+}
+
+void expect_bad_input(const Outcome& outcome, const std::string& start) {
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  EXPECT_TRUE(outcome.err.starts_with("manycontact: " + start)) << outcome.err;
+}
+
+TEST_F(Usage, BadInputIsOneLineWithFileAndLine) {
+  for (const char* command : {"solve", "inspect"}) {
+    expect_bad_input(run({command, "/nowhere/scene.xml"}), "/nowhere/scene.xml:1: ");
+    const std::string bad = scene(
+        "<robot name=\"r\" urdf=\"arm.urdf\" base=\"fixed\"/>\n<contact name=\"c\" type=\"4d\" frame=\"r/tool\"/>");
+    expect_bad_input(run({command, bad}), bad + ":3: ");
+  }
+}
+
+TEST_F(Usage, OutputThatCannotBeWrittenIsSaid) {
+  const std::string scene = model("humanoid_standing.xml");
+  expect_bad_input(run({"solve", scene, "--json", "/nowhere/out.json"}), "/nowhere/out.json:1: cannot be written");
+  expect_bad_input(run({"inspect", scene, "--picture", "/nowhere/out.svg"}), "/nowhere/out.svg:1: cannot be written");
+}
+
+}  // namespace
+}  // namespace manycontact::cli

@@ -1,0 +1,128 @@
+// Derivatives where contacts depend on each other: of the unique accelerations and the forces of least norm where the
+// contacts agree, and of the least-squares accelerations where they contradict each other. The truth ranks by the same
+// tolerance.
+
+#include <Eigen/QR>
+
+#include "derivatives/judge.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
+
+State state_of(const SceneFile& file) { return {file.q, file.v, file.u}; }
+
+// Joints moved, the contacts' reference left where it was: without gains no contact minds.
+void move_joints(SceneFile& file, std::mt19937& rng) {
+  for (const Robot& r : file.scene.robots) {
+    Eigen::VectorXd q(r.model->nq);
+    integrate<double>(*r.model, file.q.segment(r.idx_q, r.model->nq), random_vector(r.model->nv, rng, 0.1), q);
+    file.q.segment(r.idx_q, r.model->nq) = q;
+  }
+  for (double& u : file.u) u += uniform(rng, -5, 5);
+}
+
+// Velocities that all contacts allow.
+void move_within_the_contacts(SceneFile& file, std::mt19937& rng) {
+  const Eigen::MatrixXd J = contact_jacobian(file.scene, file.q);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
+  cod.setThreshold(1e-9);
+  cod.compute(J);
+  const Eigen::VectorXd v = random_vector(file.scene.nv, rng, 0.3);
+  file.v = v - cod.solve(J * v);
+}
+
+// At rest, with the joints elsewhere, and moving with the contacts.
+void expect_redundant_differences(const std::string& name, SceneFile file) {
+  std::mt19937 rng(3);
+  expect_differences(name + " as given", file.scene, state_of(file), Status::kRedundant);
+  move_joints(file, rng);
+  expect_differences(name + " elsewhere", file.scene, state_of(file), Status::kRedundant);
+  move_within_the_contacts(file, rng);
+  expect_differences(name + " moving", file.scene, state_of(file), Status::kRedundant);
+}
+
+TEST(Redundant, FeetOnCorners) {
+  expect_redundant_differences("feet_on_corners", load_scene(kModels + "feet_on_corners.xml"));
+}
+
+// Gains on contacts whose errors are zero: their derivatives are not.
+TEST(Redundant, FeetOnCornersWithGains) {
+  SceneFile file = load_edited(kModels + "feet_on_corners.xml", {{"type=\"3d\"", "type=\"3d\" gains=\"25 10\""}});
+  expect_differences("feet_on_corners with gains", file.scene, state_of(file), Status::kRedundant);
+}
+
+TEST(Redundant, BothFeetHeldTwice) {
+  expect_redundant_differences(
+      "humanoid on feet held twice",
+      load_edited(kModels + "humanoid_standing.xml",
+                  {{"</scene>",
+                    R"(<contact name="left again" type="6d" frame="humanoid/left_sole" offset="0.1 0.02 0"/>
+                       <contact name="right again" type="6d" frame="humanoid/right_sole" offset="-0.1 0 0"
+                                offset_quat_xyzw="0 0 0.6 0.8" reference_frame="local_world_aligned"/></scene>)"}}));
+}
+
+TEST(Redundant, EveryPointHeldTwice) {
+  expect_redundant_differences(
+      "quadruped on feet held twice",
+      load_edited(kModels + "herd.xml", {{"copies=\"64\" arrange=\"grid\" spacing=\"1\"", ""},
+                                         {"</scene>",
+                                          R"(<contact name="LF again" type="3d" frame="herd/LF_foot"/>
+                       <contact name="RF again" type="3d" frame="herd/RF_foot" reference_frame="world"/>
+                       <contact name="LH again" type="3d" frame="herd/LH_foot" reference_frame="local_world_aligned"/>
+                       <contact name="RH again" type="2d" frame="herd/RH_foot"/></scene>)"}}));
+}
+
+// Two feet tied together that both stand: the tie is one contact between bodies too many.
+TEST(Redundant, FeetOnTheGroundAndTiedTogether) {
+  expect_redundant_differences(
+      "humanoid with tied feet",
+      load_edited(kModels + "humanoid_standing.xml",
+                  {{"</scene>",
+                    R"(<contact name="tie" type="6d" frame="humanoid/left_sole" offset="0.05 0 0.02"
+                                to="humanoid/right_sole" reference_frame="world"/></scene>)"}}));
+}
+
+TEST(Inconsistent, FeetOnCornersMovingWithGains) {
+  for (const char* gains : {"0 0", "25 0", "0 10", "25 10"}) {
+    SceneFile file = load_edited(kModels + "feet_on_corners.xml",
+                                 {{"type=\"3d\"", std::string("type=\"3d\" gains=\"") + gains + "\""}});
+    std::mt19937 rng(5);
+    disturb(file, rng);
+    expect_differences(std::string("feet_on_corners gains ") + gains, file.scene, state_of(file),
+                       Status::kInconsistent);
+  }
+}
+
+TEST(Inconsistent, BothFeetHeldTwice) {
+  SceneFile file = load_edited(
+      kModels + "humanoid_standing.xml",
+      {{"</scene>",
+        R"(<contact name="left again" type="6d" frame="humanoid/left_sole" offset="0.1 0.02 0" gains="25 10"/>
+           <contact name="right again" type="3d" frame="humanoid/right_sole" reference_frame="world" gains="30 5"/>
+           <contact name="tie" type="6d" frame="humanoid/left_sole" to="humanoid/right_sole"
+                    reference_frame="local_world_aligned" gains="10 10"/></scene>)"}});
+  std::mt19937 rng(5);
+  disturb(file, rng);
+  expect_differences("humanoid on feet held twice", file.scene, state_of(file), Status::kInconsistent);
+}
+
+// Repeated contacts of all types and frames, in the world and between bodies.
+TEST(RandomDependent, AllMatricesByEveryMethod) {
+  for (int seed = 1; seed <= 8; ++seed) {
+    std::mt19937 rng(600 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 2;
+    options.redundant = 2;
+    options.contradicting = seed > 4;
+    const RandomScene s = random_scene(rng, options);
+    expect_differences("random dependent " + std::to_string(seed), s.scene, {s.q, s.v, s.u},
+                       seed > 4 ? Status::kInconsistent : Status::kRedundant);
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,96 @@
+#pragma once
+// Every method's derivatives of a scene in a state against differences of the truth, and a table of the worst errors.
+
+#include <cstdio>
+
+#include "derivatives/differences.hpp"
+#include "support/methods.hpp"
+
+namespace manycontact::test {
+
+/// Errors are usually far below what is allowed them; a loss of digits should be noticed all the same.
+inline constexpr double kExpected = 1e-9;
+
+inline void print_row(const std::string& scene, double condition, const DerivativeErrors& e, const std::string& worst) {
+  static bool first = true;
+  if (first) {
+    std::printf("%-46s %9s", "worst errors", "condition");
+    for (const char* quantity : kQuantities) std::printf(" %10s", quantity);
+    std::printf(" %8s by\n", "/allowed");
+  }
+  first = false;
+  std::printf("%-46s %9.1e", scene.c_str(), condition);
+  for (double error : e.quantity) std::printf(" %10.1e", error);
+  std::printf(" %8.1e %s\n", e.excess, worst.c_str());
+}
+
+/// That the comparison means something: the derivatives are not zero, they are not the differences themselves, and a
+/// slightly wrong one is caught.
+inline void expect_able_to_fail(const Scene& scene, const Island& island, const Eigen::MatrixXd& answer,
+                                const MatX<Quad>& truth, double condition) {
+  const std::array<int, 4> kinds = column_kinds(island, truth);
+  EXPECT_GT(size_of(answer), 1);
+  EXPECT_FALSE(answer == truth.cast<double>());
+  Eigen::MatrixXd wrong = answer;
+  Eigen::Index row, column;
+  wrong.topLeftCorner(island.nv, island.nv).cwiseAbs().maxCoeff(&row, &column);  // of da_dq
+  wrong.col(column).head(island.nv) *= 1 + 1e-6;
+  EXPECT_GT(derivative_errors(scene, island, wrong, truth, kinds, condition).excess, 1);
+}
+
+/// Whether the island was answered as it was meant to. Contacts may be eliminated too early for sound pivots, and then
+/// another order or the oracle steps in.
+inline void expect_no_fallback(const Options& asked, const IslandReport& report) {
+  if (asked.method == Method::kAuto || !asked.order || asked.order == Order::kContactsEarly) return;
+  EXPECT_EQ(report.method, asked.method);
+  EXPECT_EQ(report.order, *asked.order);
+}
+
+/// All six matrices, by every method in every order, of a scene with the given status. Prints a row of the table.
+inline void expect_differences(const std::string& name, const Scene& scene, const State& s, Status status) {
+  SCOPED_TRACE(name);
+  SceneData oracle(scene, {Method::kDense, {}});
+  ASSERT_EQ(solve(scene, s.q, s.v, s.u, oracle).status, status);
+  const std::vector<double> condition = conditions(scene, oracle);
+  const std::vector<MatX<Quad>> truth = differences(scene, oracle, s);
+  DerivativeErrors all;
+  std::string worst;
+  for (const Way& way : ways(true)) {
+    SCOPED_TRACE(way.name);
+    SceneData data(scene, way.options);
+    solve(scene, s.q, s.v, s.u, data);
+    const DerivativeData& dd = differentiate_afresh(scene, data);
+    if (way.options.method == Method::kDenseSchur && status != Status::kOk) {
+      for (const IslandDerivatives& d : dd.islands) EXPECT_TRUE(d.X.array().isNaN().all());
+      continue;
+    }
+    EXPECT_EQ(data.report.status, status);
+    DerivativeErrors e;
+    for (std::size_t i = 0; i < data.islands.size(); ++i) {
+      const Eigen::MatrixXd answer = dd.islands[i].X.leftCols(dd.islands[i].cols);
+      const Island& island = data.islands[i].island;
+      e.add(derivative_errors(scene, island, answer, truth[i], column_kinds(island, truth[i]), condition[i]));
+      if (status == Status::kOk) expect_no_fallback(way.options, data.report.islands[i]);
+      if (way.options.method == Method::kDense) expect_able_to_fail(scene, island, answer, truth[i], condition[i]);
+    }
+    EXPECT_LE(e.excess, 1);
+    for (double error : e.quantity) EXPECT_LE(error, kExpected);
+    if (!(e.excess <= all.excess)) worst = way.name;
+    all.add(e);
+  }
+  print_row(name + ", " + to_string(status), oracle.report.condition, all, worst);
+}
+
+/// By the oracle.
+inline Status status_at(const Scene& scene, const State& s) {
+  SceneData data(scene, {Method::kDense, {}});
+  return solve(scene, s.q, s.v, s.u, data).status;
+}
+
+inline int largest_island(const Scene& scene) {
+  int largest = 0;
+  for (const IslandData& d : SceneData(scene).islands) largest = std::max(largest, d.island.nv);
+  return largest;
+}
+
+}  // namespace manycontact::test

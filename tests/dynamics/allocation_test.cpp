@@ -1,0 +1,100 @@
+// No heap allocation after the first solve, and the same bits every time, on every thread.
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "manycontact/dynamics/solve.hpp"
+#include "sparse/allocations.hpp"
+#include "support/methods.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+class Steady : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    file_ = load_scene(GetParam());
+    std::mt19937 rng(13);
+    disturb(file_, rng);
+  }
+
+  void solve_into(SceneData& data) const { solve(file_.scene, file_.q, file_.v, file_.u, data); }
+
+  SceneFile file_;
+};
+
+TEST_P(Steady, SparseLdlAllocatesNothing) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  SceneData oracle(file_.scene, {Method::kDense, {}});
+  solve_into(oracle);
+  if (oracle.report.status != Status::kOk) GTEST_SKIP() << "dependent contacts: the oracle answers, and it allocates";
+  for (const Way& way : ways()) {
+    if (way.options.method != Method::kSparseLdl) continue;
+    SCOPED_TRACE(way.name);
+    SceneData data(file_.scene, way.options);
+    solve_into(data);
+    const SceneFile before = file_;
+    std::mt19937 rng(14);
+    for (int again = 0; again < 3; ++again) {
+      disturb(file_, rng);  // other numbers, the same contacts
+      EXPECT_EQ(allocations([&] { solve_into(data); }), 0u);
+      EXPECT_EQ(data.report.status, Status::kOk);
+    }
+    file_ = before;
+  }
+}
+
+TEST_P(Steady, TheSameBitsTwice) {
+  for (const Way& way : ways(true)) {
+    SCOPED_TRACE(way.name);
+    SceneData data(file_.scene, way.options);
+    solve_into(data);
+    if (data.report.status == Status::kFailed) continue;
+    const Eigen::VectorXd a = data.a, f = data.f;
+    solve_into(data);
+    EXPECT_TRUE(a == data.a);
+    EXPECT_TRUE(f == data.f);
+    SceneData fresh(file_.scene, way.options);
+    solve_into(fresh);
+    EXPECT_TRUE(a == fresh.a);
+    EXPECT_TRUE(f == fresh.f);
+  }
+}
+
+// One scene, which is constant; one data per thread.
+TEST_P(Steady, TheSameBitsOnEveryThread) {
+  for (const Way& way : ways(true)) {
+    if (way.options.method == Method::kDense || way.options.method == Method::kDenseSchur) continue;
+    SCOPED_TRACE(way.name);
+    SceneData alone(file_.scene, way.options);
+    solve_into(alone);
+    std::vector<SceneData> data;
+    for (int k = 0; k < 2; ++k) data.emplace_back(file_.scene, way.options);
+    std::vector<std::thread> threads;
+    for (SceneData& d : data)
+      threads.emplace_back([this, &d] {
+        for (int again = 0; again < 5; ++again) solve_into(d);
+      });
+    for (std::thread& thread : threads) thread.join();
+    for (const SceneData& d : data) {
+      EXPECT_TRUE(alone.a == d.a);
+      EXPECT_TRUE(alone.f == d.f);
+    }
+  }
+}
+
+std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
+
+INSTANTIATE_TEST_SUITE_P(Models, Steady, testing::ValuesIn(model_scenes()), scene_title);
+
+// The counter counts: what Eigen and the standard library take is seen.
+TEST(Allocations, AreCounted) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  EXPECT_GE(allocations([] { (void)Eigen::VectorXd::Zero(100).eval(); }), 1u);
+  EXPECT_GE(allocations([] { std::vector<int> x(100), y = x; }), 2u);
+}
+
+}  // namespace
+}  // namespace manycontact::test

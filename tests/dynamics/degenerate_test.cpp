@@ -1,0 +1,266 @@
+// Contacts that depend on each other, exactly or nearly. Whatever is called an answer must be one: a status of ok or
+// redundant with an error above what is allowed is a failure here.
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "manycontact/contact/reference.hpp"
+#include "manycontact/dynamics/truth.hpp"
+#include "support/measure.hpp"
+#include "support/methods.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+#include "support/terms.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const char kModels[] = MANYCONTACT_SOURCE_DIR "/models/";
+
+std::vector<char> all_active(const Scene& scene) { return std::vector<char>(scene.contacts.size(), 1); }
+
+// Every method's answer against the truth, least squares where the contacts depend on each other. Returns the status
+// the oracle gives; the others must say the same, the baseline may refuse.
+Status judge(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u) {
+  const Truth<Quad> truth = solve_truth<Quad>(scene, all_active(scene), q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
+  SceneData oracle(scene, {Method::kDense, {}});
+  const Status status = solve(scene, q, v, u, oracle).status;
+  EXPECT_NE(status, Status::kFailed);
+  const std::vector<double> condition = conditions(scene, oracle);
+  int rank = 0;
+  for (int r : truth.rank) rank += r;
+  EXPECT_EQ(oracle.report.rank, rank);
+  for (const Way& way : ways(true)) {
+    SceneData data(scene, way.options);
+    solve(scene, q, v, u, data);
+    SCOPED_TRACE(way.name + ": " + to_string(data.report.status) + ", condition " +
+                 testing::PrintToString(oracle.report.condition));
+    if (way.options.method == Method::kDenseSchur && data.report.status == Status::kFailed) {
+      EXPECT_FALSE(data.a.array().isFinite().any());
+      continue;
+    }
+    EXPECT_EQ(data.report.status, status);
+    const Errors e = errors<Quad>(scene, data, truth.a, truth.f, condition);
+    EXPECT_LE(e.excess, 1) << e;
+  }
+  return status;
+}
+
+Status judge(const SceneFile& file) { return judge(file.scene, file.q, file.v, file.u); }
+
+// ---- exactly dependent ---------------------------------------------------------------------------------------------
+
+// The definition of the answer, condition by condition.
+void expect_least_squares(const RandomScene& s, Status status) {
+  const Terms terms(s.scene, all_active(s.scene), s.q, s.v, s.u);
+  for (const Way& way : ways(true)) {
+    SCOPED_TRACE(way.name);
+    SceneData data(s.scene, way.options);
+    solve(s.scene, s.q, s.v, s.u, data);
+    if (way.options.method == Method::kDenseSchur) {
+      EXPECT_EQ(data.report.status, Status::kFailed);
+      continue;
+    }
+    EXPECT_EQ(data.report.status, status);
+    EXPECT_LT(data.report.rank, data.report.nc);
+    EXPECT_LE(terms.dynamics_error(data.a, data.f), 1e-12);
+    EXPECT_LE(terms.least_squares_error(data.a), 1e-12);
+    EXPECT_LE(terms.least_norm_error(data.f), 1e-11);
+  }
+}
+
+TEST(Dependent, RepeatedContactsThatAgree) {
+  for (int seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 rng(300 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 3;
+    options.redundant = 1 + seed % 3;
+    const RandomScene s = random_scene(rng, options);
+    EXPECT_EQ(judge(s.scene, s.q, s.v, s.u), Status::kRedundant);
+    expect_least_squares(s, Status::kRedundant);
+  }
+}
+
+TEST(Dependent, RepeatedContactsThatContradict) {
+  for (int seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 rng(400 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 3;
+    options.contradicting = 1 + seed % 2;
+    const RandomScene s = random_scene(rng, options);
+    EXPECT_EQ(judge(s.scene, s.q, s.v, s.u), Status::kInconsistent);
+    expect_least_squares(s, Status::kInconsistent);
+  }
+}
+
+// Only the island with the dependent contacts is called so.
+TEST(Dependent, OneIslandOfTwo) {
+  std::mt19937 rng(17);
+  SceneOptions options;
+  options.nrobots = 2;
+  options.between_bodies = 0;
+  options.ncontacts = 6;
+  RandomScene s = random_scene(rng, options);
+  Contact again = s.scene.contacts[0];
+  again.name = "again";
+  add_contact(s.scene, again);
+  for (const Way& way : ways(true)) {
+    SCOPED_TRACE(way.name);
+    if (way.options.method == Method::kDenseSchur) continue;
+    SceneData data(s.scene, way.options);
+    solve(s.scene, s.q, s.v, s.u, data);
+    ASSERT_EQ(data.report.islands.size(), 2u);
+    EXPECT_EQ(data.report.status, Status::kRedundant);
+    for (int r = 0; r < 2; ++r) {
+      const IslandReport& island = data.report.islands[data.robot_island[r]];
+      EXPECT_EQ(island.status, r == again.A.robot ? Status::kRedundant : Status::kOk);
+    }
+  }
+}
+
+// A contradiction counts from 1e-8 of the terms on.
+TEST(Dependent, ThresholdOfContradiction) {
+  std::mt19937 rng(23);
+  SceneOptions options;
+  options.nrobots = 1;
+  options.gains = 0;
+  for (double off : {0.0, 1e-10, 1e-6, 1e-2}) {
+    RandomScene s = random_scene(rng, options);
+    Contact again = s.scene.contacts[0];
+    again.name = "again";
+    add_contact(s.scene, again);
+    SceneData plain(s.scene, {Method::kDense, {}});
+    ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, plain).status, Status::kRedundant);
+    // a velocity gain on one of the two asks for something else, by `off` of the terms
+    const Terms terms(s.scene, all_active(s.scene), s.q, s.v, s.u);
+    const double size = size_of(terms.J.cwiseAbs() * plain.a.cwiseAbs()) + size_of(terms.a0);
+    const double velocity = size_of(terms.J.topRows(s.scene.contacts[0].rows()) * s.v);
+    s.scene.contacts.back().beta = off * size / velocity;
+    SceneData data(s.scene, {Method::kDense, {}});
+    EXPECT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, off > 1e-8 ? Status::kInconsistent : Status::kRedundant)
+        << off;
+  }
+}
+
+// ---- nearly dependent ----------------------------------------------------------------------------------------------
+
+std::string number(double x) {
+  std::ostringstream out;
+  out.precision(17);
+  out << x;
+  return out.str();
+}
+
+const double kSmall[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 1e-14, 0};
+
+TEST(NearlyDependent, StraightKneesBothFeetHeld) {
+  for (double knee : kSmall) {
+    SCOPED_TRACE(knee);
+    SceneFile file = load_edited(std::string(kModels) + "humanoid_standing.xml",
+                                 {{"q=\"0.8\"", "q=\"" + number(knee) + "\" v=\"0.3\""},
+                                  {"q=\"-0.4\"", "q=\"" + number(-knee / 2) + "\" v=\"-0.1\""},
+                                  {"u=\"gravity\"", ""}});
+    EXPECT_EQ(judge(file), Status::kOk);
+  }
+}
+
+// The trunk held, too: at the straight leg each foot loses one direction.
+TEST(NearlyDependent, StraightKneesAndTrunkHeld) {
+  for (double knee : kSmall) {
+    SCOPED_TRACE(knee);
+    std::string joints, contacts = "<contact name=\"trunk\" type=\"6d\" frame=\"r/trunk\"/>";
+    for (const char* leg : {"LF", "RF", "LH", "RH"}) {
+      joints += "<joint name=\"" + std::string(leg) + "_hip\" q=\"" + number(knee / 2) + "\"/><joint name=\"" + leg +
+                "_knee\" q=\"" + number(-knee) + "\" v=\"0.01\"/>";
+      contacts += "<contact name=\"" + std::string(leg) + "\" type=\"3d\" frame=\"r/" + leg + "_foot\"/>";
+    }
+    const SceneFile file =
+        load_text("<scene><robot name=\"r\" urdf=\"quadruped.urdf\" base=\"floating\" rpy=\"0.3 0.2 0\">" + joints +
+                  "</robot>" + contacts + "</scene>");
+    const Status status = judge(file);
+    if (knee >= 1e-9) {
+      EXPECT_EQ(status, Status::kOk);
+    } else if (knee <= 1e-12) {  // beyond the rank's tolerance
+      EXPECT_NE(status, Status::kOk);
+    }
+  }
+}
+
+// Two points of one sole, `apart` along y: the second in x and z only, since their distance is the body's.
+TEST(NearlyDependent, PointsClosely) {
+  for (double apart : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
+    SCOPED_TRACE(apart);
+    SceneFile file = load_edited(std::string(kModels) + "humanoid_standing.xml",
+                                 {{"<contact name=\"left\" type=\"6d\" frame=\"humanoid/left_sole\"/>",
+                                   "<contact name=\"left\" type=\"3d\" frame=\"humanoid/left_sole\"/>"
+                                   "<contact name=\"near\" type=\"2d\" frame=\"humanoid/left_sole\" offset=\"0 " +
+                                       number(apart) + " 0\"/>"}});
+    std::mt19937 rng(3);
+    disturb(file, rng);
+    for (std::size_t c = 0; c < file.scene.contacts.size(); ++c)
+      resolve_reference(file.scene, file.q, true, true, file.scene.contacts[c]);
+    const Status status = judge(file);
+    if (apart >= 1e-9) {
+      EXPECT_EQ(status, Status::kOk);
+    }
+  }
+}
+
+TEST(NearlyDependent, TwoRobotsTiedAtPointsAMillimetreApart) {
+  std::mt19937 rng(29);
+  SceneOptions options;
+  options.nrobots = 2;
+  options.ncontacts = 0;
+  ModelOptions model;
+  model.floating_base = true;
+  options.models = {model};
+  for (int trial = 0; trial < 5; ++trial) {
+    RandomScene s = random_scene(rng, options);
+    const SE3<double> place = random_placement(rng, 0.2);
+    for (int k = 0; k < 2; ++k) {
+      Contact c;
+      c.name = "tie" + std::to_string(k);
+      c.type = k == 0 ? ContactType::k3D : ContactType::k2D;
+      c.A = {0, 4, place * SE3<double>{Mat3<double>::Identity(), Vec3<double>(0, 1e-3 * k, 0)}};
+      c.B = {1, 4, {}};
+      resolve_reference(s.scene, s.q, true, true, c);
+      add_contact(s.scene, c);
+    }
+    EXPECT_EQ(judge(s.scene, s.q, s.v, s.u), Status::kOk);
+  }
+}
+
+// Masses from grams to tons on one tree: M is badly scaled, not singular.
+TEST(NearlyDependent, MassesFarApart) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 rng(500 + seed);
+    ModelOptions options;
+    options.njoints = 8;
+    options.floating_base = seed % 2;
+    auto model = std::make_shared<Model>(random_model(rng, options));
+    for (int i = 0; i < model->njoints(); ++i) {
+      const double scale = std::pow(10.0, uniform(rng, -3, 3));
+      Inertia<double>& Y = model->joints[i].inertia;
+      Y.m *= scale, Y.h *= scale, Y.I *= scale;
+    }
+    RandomScene s;
+    add_robot(s.scene, "r", model);
+    s.q = random_configuration(*model, rng);
+    s.v = random_vector(s.scene.nv, rng);
+    s.u = random_vector(s.scene.nu, rng, 5);
+    Contact c;
+    c.name = "tip";
+    c.type = options.floating_base ? ContactType::k3D : ContactType::k1D;
+    c.A = {0, model->njoints() - 1, random_placement(rng, 0.2)};
+    resolve_reference(s.scene, s.q, true, true, c);
+    add_contact(s.scene, c);
+    EXPECT_EQ(judge(s.scene, s.q, s.v, s.u), Status::kOk);
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test

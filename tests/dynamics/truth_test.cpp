@@ -1,0 +1,138 @@
+// True errors: the forward path once more in quadruple precision.
+
+#include "manycontact/dynamics/truth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "support/measure.hpp"
+#include "support/methods.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+Truth<Quad> true_answer(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                        const Eigen::VectorXd& u) {
+  std::vector<char> active;
+  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  return solve_truth<Quad>(scene, active, q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
+}
+
+int rank_sum(const Truth<Quad>& truth) {
+  int rank = 0;
+  for (int r : truth.rank) rank += r;
+  return rank;
+}
+
+void print_row(const std::string& scene, const std::string& way, double condition, const Errors& e) {
+  std::printf("%-38s %-18s %9.1e %9.1e %9.1e %9.1e\n", scene.c_str(), way.c_str(), condition, e.acceleration, e.forces,
+              e.excess);
+}
+
+// The errors of every method at a state, against what is allowed.
+void expect_true(const std::string& name, const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                 const Eigen::VectorXd& u, bool equilibrium) {
+  const Truth<Quad> truth = true_answer(scene, q, v, u);
+  SceneData oracle(scene, {Method::kDense, {}});
+  const Status status = solve(scene, q, v, u, oracle).status;
+  ASSERT_NE(status, Status::kFailed) << name;
+  const std::vector<double> condition = conditions(scene, oracle);
+  EXPECT_EQ(oracle.report.rank, rank_sum(truth)) << name;
+  const Eigen::VectorXd a_free = equilibrium ? free_accelerations(scene, q, v, u) : Eigen::VectorXd();
+  for (const Way& way : ways(true)) {
+    if (way.options.method == Method::kDenseSchur && status != Status::kOk) continue;
+    SCOPED_TRACE(name + ", " + way.name);
+    SceneData data(scene, way.options);
+    EXPECT_EQ(solve(scene, q, v, u, data).status, status);
+    const Errors e = errors<Quad>(scene, data, truth.a, truth.f, condition, a_free);
+    EXPECT_LE(e.excess, 1) << e;
+    const bool shown = way.name == "dense" || way.name == "sparse-ldl" || way.name == "dense-schur";
+    if (shown) print_row(name, way.name, oracle.report.condition, e);
+  }
+}
+
+void print_header() {
+  std::printf("%-38s %-18s %9s %9s %9s %9s\n", "scene", "method", "condition", "a", "f", "/allowed");
+}
+
+class TruthOf : public testing::TestWithParam<std::string> {};
+
+// Copies are reduced to four: islands of up to 152 coordinates.
+TEST_P(TruthOf, EveryMethod) {
+  SceneFile file = load_small(GetParam());
+  print_header();
+  const std::string name = scene_name(GetParam());
+  expect_true(name + " at rest", file.scene, file.q, file.v, file.u, true);
+  std::mt19937 rng(11);
+  disturb(file, rng);
+  expect_true(name + " moving", file.scene, file.q, file.v, file.u, false);
+}
+
+std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
+
+INSTANTIATE_TEST_SUITE_P(Models, TruthOf, testing::ValuesIn(model_scenes()), scene_title);
+INSTANTIATE_TEST_SUITE_P(Golden, TruthOf, testing::ValuesIn(golden_scenes()), scene_title);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(TruthOf);
+
+TEST(Truth, RandomScenes) {
+  print_header();
+  int loops = 0, joined = 0, gains = 0, of_type[4] = {}, in_frame[3] = {};
+  for (int seed = 1; seed <= 12; ++seed) {
+    std::mt19937 rng(100 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 3;
+    options.damping = seed % 4 == 0 ? 1e-3 : 0;
+    const RandomScene s = random_scene(rng, options);
+    expect_true("random " + std::to_string(seed), s.scene, s.q, s.v, s.u, false);
+    for (const Contact& c : s.scene.contacts) {
+      loops += c.A.robot == c.B.robot;
+      joined += c.B.robot >= 0 && c.A.robot != c.B.robot;
+      gains += c.alpha != 0;
+      ++of_type[static_cast<int>(c.type)];
+      ++in_frame[static_cast<int>(c.reference_frame)];
+    }
+  }
+  // The random scenes are as varied as they are meant to be.
+  for (int count :
+       {loops, joined, gains, of_type[0], of_type[1], of_type[2], of_type[3], in_frame[0], in_frame[1], in_frame[2]})
+    EXPECT_GE(count, 3);
+}
+
+TEST(Truth, RandomScenesWithDependentContacts) {
+  print_header();
+  for (int seed = 1; seed <= 8; ++seed) {
+    std::mt19937 rng(200 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 2;
+    options.redundant = 2;
+    options.contradicting = seed % 2;
+    const RandomScene s = random_scene(rng, options);
+    expect_true("random dependent " + std::to_string(seed), s.scene, s.q, s.v, s.u, false);
+  }
+}
+
+// Far from the world's origin nothing is lost: the tree frame stands at the robot's base.
+TEST(Truth, FarFromTheOrigin) {
+  print_header();
+  SceneFile file = load_edited(MANYCONTACT_SOURCE_DIR "/models/humanoid_hands_and_feet.xml",
+                               {{"xyz=\"0 0 0.7884\"", "xyz=\"1e4 -2e4 0.7884\""}});
+  expect_true("10 km away", file.scene, file.q, file.v, file.u, true);
+}
+
+// The truth is not the double's answer in disguise.
+TEST(Truth, HasMoreDigits) {
+  std::mt19937 rng(5);
+  const RandomScene s = random_scene(rng);
+  const Truth<Quad> truth = true_answer(s.scene, s.q, s.v, s.u);
+  EXPECT_GT(error_of(truth.a.cast<double>(), truth.a), 0);
+  EXPECT_LT(error_of(truth.a.cast<double>(), truth.a), kEps);
+  SceneData data(s.scene, {Method::kDense, {}});
+  solve(s.scene, s.q, s.v, s.u, data);
+  EXPECT_GT(error_of(data.a, truth.a), 0);
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,85 @@
+// Islands: which robots belong together, and where their coordinates and rows stand.
+
+#include "manycontact/kkt/island.hpp"
+
+#include <gtest/gtest.h>
+
+#include "manycontact/kkt/pattern.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Numbers = std::vector<int>;
+
+// Six free bodies (the last shares nothing), contacts between the pairs given; -1: the world.
+Scene bodies(const std::vector<std::pair<int, int>>& pairs) {
+  std::mt19937 rng(1);
+  const auto model = std::make_shared<Model>(random_model(rng, {.njoints = 2, .floating_base = true}));
+  Scene scene;
+  for (int r = 0; r < 6; ++r) add_robot(scene, "r" + std::to_string(r), model);
+  for (const auto& [a, b] : pairs) {
+    Contact c;
+    c.name = "c" + std::to_string(scene.contacts.size());
+    c.type = ContactType::k3D;
+    c.A = {a, 1, {}};
+    if (b >= 0) c.B = {b, 0, {}};
+    add_contact(scene, c);
+  }
+  return scene;
+}
+
+TEST(Islands, WithoutContactsEveryRobotIsOne) {
+  const std::vector<Island> islands = find_islands(bodies({}), {});
+  ASSERT_EQ(islands.size(), 6u);
+  for (int r = 0; r < 6; ++r) {
+    EXPECT_EQ(islands[r].robots, Numbers{r});
+    EXPECT_EQ(islands[r].nc, 0);
+    EXPECT_EQ(islands[r].size(), islands[r].nv);
+  }
+}
+
+TEST(Islands, TheWorldAndLoopsJoinNothing) {
+  EXPECT_EQ(find_islands(bodies({{0, -1}, {1, -1}, {2, 2}}), {1, 1, 1}).size(), 6u);
+}
+
+TEST(Islands, ContactsBetweenBodiesJoin) {
+  const Scene scene = bodies({{4, 1}, {0, -1}, {1, 3}, {5, 2}, {3, 4}});
+  const std::vector<Island> islands = find_islands(scene, {1, 1, 1, 1, 1});
+  ASSERT_EQ(islands.size(), 3u);  // in the order of their first robots
+  const int nv = scene.robots[0].model->nv;
+  EXPECT_EQ(islands[0].robots, Numbers{0});
+  EXPECT_EQ(islands[0].contacts, Numbers{1});
+  EXPECT_EQ(islands[1].robots, (Numbers{1, 3, 4}));
+  EXPECT_EQ(islands[1].contacts, (Numbers{0, 2, 4}));
+  EXPECT_EQ(islands[1].dof_offset, (Numbers{0, nv, 2 * nv}));
+  EXPECT_EQ(islands[1].row_offset, (Numbers{0, 3, 6}));
+  EXPECT_EQ(islands[1].nv, 3 * nv);
+  EXPECT_EQ(islands[1].nc, 9);
+  EXPECT_EQ(islands[1].size(), 3 * nv + 9);
+  EXPECT_EQ(islands[2].robots, (Numbers{2, 5}));
+  EXPECT_EQ(islands[2].contacts, Numbers{3});
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(local_robot(islands[1], islands[1].robots[k]), k);
+}
+
+TEST(Islands, InactiveContactsNeitherJoinNorCount) {
+  const std::vector<Island> islands = find_islands(bodies({{0, 1}, {1, 2}, {2, -1}}), {1, 0, 0});
+  ASSERT_EQ(islands.size(), 5u);
+  EXPECT_EQ(islands[0].robots, (Numbers{0, 1}));
+  EXPECT_EQ(islands[0].nc, 3);
+  EXPECT_EQ(islands[1].nc, 0);
+}
+
+TEST(Islands, AlikeIslandsShareAShape) {
+  const Scene scene = bodies({{0, 1}, {2, 3}, {5, 4}, {0, -1}, {2, -1}});
+  const auto key = [&](const std::vector<char>& active, int k) {
+    const Island island = find_islands(scene, active)[k];
+    return shape_key(scene, island, island_support(scene, island));
+  };
+  EXPECT_EQ(key({1, 1, 1, 1, 1}, 0), key({1, 1, 1, 1, 1}, 1));
+  EXPECT_NE(key({1, 1, 1, 1, 1}, 0), key({1, 1, 1, 1, 1}, 2));  // robot 5 is A there, and no contact with the world
+  EXPECT_NE(key({1, 1, 1, 1, 0}, 0), key({1, 1, 1, 1, 0}, 1));
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,122 @@
+// The tree-sparse factor of M and the Schur complement, against dense algebra.
+
+#include "manycontact/kkt/schur.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "kkt/island_numbers.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+class Schur : public testing::TestWithParam<unsigned> {
+ protected:
+  RandomScene s = kkt_scene(GetParam());
+  std::vector<IslandNumbers> islands = islands_of(s);
+  std::mt19937 rng{GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(Seed, Schur, testing::Range(1u, 9u));
+
+MatrixXd dense_L(const Model& model, const double* packed) {
+  MatrixXd L = MatrixXd::Identity(model.nv, model.nv);
+  for (int i = 0; i < model.nv; ++i) {
+    const double* row = packed + model.M_begin[i] + 1;
+    for (int j = model.dof_parent[i]; j >= 0; j = model.dof_parent[j]) L(i, j) = *row++;
+  }
+  return L;
+}
+
+TEST_P(Schur, FactorOfTheInertiaAndItsSolves) {
+  for (const IslandNumbers& n : islands)
+    for (std::size_t r = 0; r < n.island.robots.size(); ++r) {
+      const Model& model = *s.scene.robots[n.island.robots[r]].model;
+      const MatrixXd M = n.M.block(n.island.dof_offset[r], n.island.dof_offset[r], model.nv, model.nv);
+      std::vector<double> packed = n.packed[r], scratch(model.nv, NAN);
+      ASSERT_TRUE(factor_inertia(model, packed.data(), scratch.data()));
+      const MatrixXd L = dense_L(model, packed.data());
+      VectorXd D(model.nv);
+      for (int i = 0; i < model.nv; ++i) D[i] = packed[model.M_begin[i]];
+      EXPECT_GT(D.minCoeff(), 0);
+      EXPECT_LE(error_of(MatrixXd(L.transpose() * D.asDiagonal() * L), M), 16 * kEps);
+
+      const VectorXd truth = random_vector(model.nv, rng);
+      VectorXd x = L.transpose() * truth, y = L * truth, z = M * truth;
+      solve_inertia_transposed(model, packed.data(), x.data());
+      solve_inertia_unit(model, packed.data(), y.data());
+      EXPECT_LE(error_of(x, truth), kEps * condition_1(L));
+      EXPECT_LE(error_of(y, truth), kEps * condition_1(L));
+      solve_inertia_transposed(model, packed.data(), z.data());  // M^-1 = L^-1 D^-1 L^-T
+      z.array() /= D.array();
+      solve_inertia_unit(model, packed.data(), z.data());
+      EXPECT_LE(error_of(z, truth), 4 * kEps * condition_1(M));
+    }
+}
+
+TEST_P(Schur, FactorRefusesWhatIsNotPositive) {
+  const Model& model = *s.scene.robots[0].model;
+  const IslandNumbers& n = islands[0];
+  std::vector<double> scratch(model.nv);
+  for (int bad : {0, model.nv / 2, model.nv - 1}) {
+    for (double value : {-1.0, 0.0, static_cast<double>(NAN)}) {
+      std::vector<double> packed = n.packed[0];
+      packed[model.M_begin[bad]] = value;
+      EXPECT_FALSE(factor_inertia(model, packed.data(), scratch.data())) << bad << ' ' << value;
+    }
+  }
+}
+
+// [1 1; 1 1 + gap]: the pivot left is rounding when the gap is below a few eps.
+TEST(SchurFactor, RefusesAPivotLostInCancellation) {
+  std::mt19937 rng(1);
+  const Model model = random_model(rng, {.njoints = 2, .types = {JointType::kRevolute}, .branching = 0});
+  double scratch[2];
+  for (double gap : {1e-6, 0.0, 4 * kEps}) {
+    double packed[] = {1, 1 + gap, 1};  // rows: M00; M11 M10
+    EXPECT_EQ(factor_inertia(model, packed, scratch), gap > 1e-10) << gap;
+  }
+}
+
+TEST_P(Schur, ComplementEqualsDense) {
+  for (const IslandNumbers& n : islands)
+    for (double delta : {0.0, 0.3}) {
+      const SchurPattern pattern = analyze_schur(s.scene, n.island, n.support);
+      SchurData data;
+      for (int again = 0; again < 2; ++again)
+        ASSERT_TRUE(form_schur(s.scene, n.island, n.support, pattern, n.M_spans, n.J_spans, delta, data));
+      MatrixXd S = MatrixXd::Zero(n.island.nc, n.island.nc);
+      for (int j = 0; j < n.island.nc; ++j)
+        for (int k = pattern.S.p[j]; k < pattern.S.p[j + 1]; ++k) {
+          const int i = pattern.S.i[k];
+          S(i, j) = S(j, i) = data.Sx[k];
+        }
+      const MatrixXd dense =
+          n.J * n.M.llt().solve(n.J.transpose()) + delta * MatrixXd::Identity(n.island.nc, n.island.nc);
+      EXPECT_LE(error_of(S, dense), 10 * kEps * condition_1(n.M)) << delta;
+      // contacts that share no robot do not meet in S
+      for (std::size_t c = 0; c < n.island.contacts.size(); ++c)
+        for (std::size_t d = 0; d < c; ++d) {
+          const Contact &a = s.scene.contacts[n.island.contacts[c]], &b = s.scene.contacts[n.island.contacts[d]];
+          const bool meet = a.A.robot == b.A.robot || (b.B.robot >= 0 && a.A.robot == b.B.robot) ||
+                            (a.B.robot >= 0 && (a.B.robot == b.A.robot || a.B.robot == b.B.robot));
+          if (!meet) {
+            EXPECT_EQ(pattern.S.slot(n.island.row_offset[d], n.island.row_offset[c]), -1);
+          }
+        }
+    }
+}
+
+TEST_P(Schur, ComplementSaysWhenAnInertiaIsNotPositive) {
+  IslandNumbers& n = islands[0];
+  n.packed[0][0] = -1;
+  SchurData data;
+  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support), n.M_spans,
+                          n.J_spans, 0, data));
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,75 @@
+// Orderings, and the estimate of the inverse's norm.
+
+#include "manycontact/sparse/ordering.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
+
+#include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/ldl.hpp"
+#include "sparse/symmetric.hpp"
+#include "spatial/compare.hpp"
+
+namespace manycontact::test {
+namespace {
+
+void expect_permutation(std::vector<int> perm, int n) {
+  std::sort(perm.begin(), perm.end());
+  std::vector<int> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(perm, all);
+}
+
+TEST(Camd, RespectsConstraints) {
+  std::mt19937 rng(1);
+  for (int trial = 0; trial < 10; ++trial) {
+    const Symmetric A(random_symmetric(40, 0.1, rng));
+    std::vector<int> set(40);
+    for (int& s : set) s = std::uniform_int_distribution<int>(0, 4)(rng);
+    const std::vector<int> perm = sparse::camd_order(A.pattern, set);
+    expect_permutation(perm, 40);
+    for (int k = 1; k < 40; ++k) EXPECT_LE(set[perm[k - 1]], set[perm[k]]);
+  }
+}
+
+TEST(Camd, UnconstrainedFindsTheOrderWithoutFill) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(30, 30) * 30;  // an arrow whose dense row stands first
+  A.row(0).setOnes();
+  A.col(0).setOnes();
+  const Symmetric arrow(A);
+  const std::vector<int> perm = sparse::camd_order(arrow.pattern, {});
+  expect_permutation(perm, 30);
+  EXPECT_EQ(sparse::ldl_analyze(sparse::permute(arrow.pattern, sparse::inverse(perm))).nonzeros(), 29);
+}
+
+TEST(Camd, Empty) { EXPECT_TRUE(sparse::camd_order(sparse::make_pattern(0, {}), {}).empty()); }
+
+double norm_1(const Eigen::MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
+
+TEST(InverseNorm1, IsALowerBoundWithinAFactorThree) {
+  std::mt19937 rng(2);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int n = 1 + trial % 30;
+    const Eigen::MatrixXd A = random_symmetric(n, trial % 2 ? 1 : 0.3, rng);
+    const Eigen::MatrixXd inverse = A.inverse();
+    const double truth = norm_1(inverse);
+    const double estimate = sparse::inverse_norm_1(n, [&](double* x) {
+      Eigen::Map<Eigen::VectorXd> y(x, n);
+      y = (inverse * y).eval();
+    });
+    EXPECT_LE(estimate, truth * (1 + 1e-12)) << n;
+    EXPECT_GE(estimate, truth / 3) << n;
+  }
+}
+
+TEST(InverseNorm1, OfNothingAndOfASingularMatrix) {
+  EXPECT_EQ(sparse::inverse_norm_1(0, [](double*) { FAIL(); }), 0);
+  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, INFINITY); }), INFINITY);
+  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, NAN); }), INFINITY);
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,28 @@
+#pragma once
+// Every way to solve a scene, for tests that must hold for all of them.
+
+#include <string>
+#include <vector>
+
+#include "manycontact/dynamics/options.hpp"
+
+namespace manycontact::test {
+
+struct Way {
+  std::string name;  // "sparse-ldl camd"
+  Options options;
+};
+
+/// Each method, with each order where the method takes one; the oracle only if asked for.
+inline std::vector<Way> ways(bool with_oracle = false) {
+  std::vector<Way> out;
+  for (Method method : kMethods) {
+    if (method == Method::kDense && !with_oracle) continue;
+    out.push_back({to_string(method), {method, {}}});
+    if (method != Method::kSparseLdl && method != Method::kSparseCholmod) continue;
+    for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
+  }
+  return out;
+}
+
+}  // namespace manycontact::test

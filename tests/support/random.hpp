@@ -1,0 +1,69 @@
+#pragma once
+// Seeded random robots, states and scenes: moderate numbers, so that what is well posed is well conditioned too.
+
+#include <random>
+#include <vector>
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact::test {
+
+double uniform(std::mt19937& rng, double low, double high);
+bool chance(std::mt19937& rng, double probability);
+/// Normally distributed entries, times `size`.
+Eigen::VectorXd random_vector(int n, std::mt19937& rng, double size = 1);
+Mat3<double> random_rotation(std::mt19937& rng);
+/// Any rotation; the origin within `reach` in each coordinate.
+SE3<double> random_placement(std::mt19937& rng, double reach = 0.4);
+/// Of a turned box with an off-centre centre of mass.
+Inertia<double> random_inertia(std::mt19937& rng);
+
+struct ModelOptions {
+  int njoints = 6;  // a floating base included
+  bool floating_base = false;
+  // One type is drawn for each joint; a type that stands here twice is drawn twice as often.
+  std::vector<JointType> types = {JointType::kRevolute, JointType::kRevolute,  JointType::kRevolute,
+                                  JointType::kRevolute, JointType::kPrismatic, JointType::kPlanar,
+                                  JointType::kFloating};
+  double coordinate_axes = 0.5;   // chance that an axis is +x, +y or +z
+  double plain_placements = 0.2;  // chance that a joint's placement does not turn
+  double branching = 0.3;         // chance that a joint hangs on an ancestor of the one before, not on itself
+  double armature = 0;            // the largest; each coordinate but a floating base's gets one
+};
+
+/// A tree of random joints; frame "link<i>" is the child frame of joint i.
+Model random_model(std::mt19937& rng, const ModelOptions& options = {});
+
+/// Angles within +-pi, displacements within +-0.4, any orientation (unit quaternions).
+Eigen::VectorXd random_configuration(const Model& model, std::mt19937& rng);
+
+struct SceneOptions {
+  int nrobots = 3;
+  std::vector<ModelOptions> models = {};  // of the robots, in turn; empty: each robot differs
+  double same_model = 0.2;                // chance that a robot shares the one before's model, if not given
+  int ncontacts = 8;                      // tried; those that depend on the ones before (or nearly) are left out
+  std::vector<ContactType> types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k6D};
+  std::vector<ReferenceFrame> frames = {ReferenceFrame::kLocal, ReferenceFrame::kWorld,
+                                        ReferenceFrame::kLocalWorldAligned};
+  double between_bodies = 0.5;  // chance that B' is on a body: as often of A's own robot (a loop) as of another
+  double same_link = 0.3;       // chance that A stands on the link of the contact before
+  bool errors = true;           // A is off B' by up to 0.2 and an angle of up to 1.5
+  double gains = 0.6;           // chance that a contact has gains
+  double damping = 0;
+  // Contacts added at the end that depend on others: repeated ones that agree, and ones that contradict.
+  int redundant = 0, contradicting = 0;
+};
+
+/// A scene and a state of it. u: torques of the actuated coordinates.
+struct RandomScene {
+  Scene scene;
+  Eigen::VectorXd q, v, u;  // nq, nv, nu
+};
+
+/// Robots 2 m apart in random places. Without redundant and contradicting contacts J has full rank.
+RandomScene random_scene(std::mt19937& rng, const SceneOptions& options = {});
+
+/// The contacts' J at q, all flagged `active` at the start: rows in their order, scene.nv columns.
+Eigen::MatrixXd contact_jacobian(const Scene& scene, const Eigen::VectorXd& q);
+
+}  // namespace manycontact::test

@@ -1,0 +1,97 @@
+#include "support/scenes.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+#include "manycontact/algorithm/integrate.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> scene_files(const std::string& folder) {
+  std::vector<std::string> paths;
+  if (!fs::is_directory(folder)) return paths;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".xml") paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+std::vector<std::string> model_scenes() { return scene_files(MANYCONTACT_SOURCE_DIR "/models"); }
+std::vector<std::string> golden_scenes() { return scene_files(MANYCONTACT_SHARED_DIR "/golden"); }
+
+std::string scene_name(const std::string& path) { return fs::path(path).stem().string(); }
+
+std::string readable(std::string name) {
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+namespace {
+
+std::string read(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::invalid_argument("load_edited: '" + from + "' is not in the scene");
+  for (; at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+}
+
+// Reads `xml` as if it stood in `folder`.
+SceneFile load_at(std::string xml, const std::string& folder) {
+  replace_all(xml, "urdf=\"", "urdf=\"" + folder + "/");
+  static int count = 0;
+  const fs::path path = fs::temp_directory_path() /
+                        ("manycontact_test_" + std::to_string(getpid()) + "_" + std::to_string(count++) + ".xml");
+  std::ofstream(path) << xml;
+  try {
+    SceneFile file = load_scene(path.string());
+    fs::remove(path);
+    return file;
+  } catch (...) {
+    fs::remove(path);
+    throw;
+  }
+}
+
+}  // namespace
+
+SceneFile load_edited(const std::string& path, const std::vector<Edit>& edits) {
+  std::string xml = read(path);
+  for (const Edit& edit : edits) replace_all(xml, edit.from, edit.to);
+  return load_at(std::move(xml), fs::path(path).parent_path().string());
+}
+
+SceneFile load_text(const std::string& xml) { return load_at(xml, MANYCONTACT_SOURCE_DIR "/models"); }
+
+SceneFile load_small(const std::string& path) {
+  std::smatch copies;
+  const std::string xml = read(path);
+  if (!std::regex_search(xml, copies, std::regex("copies=\"([0-9]+)\""))) return load_scene(path);
+  return load_edited(path, {{copies[0], "copies=\"" + std::to_string(std::min(4, std::stoi(copies[1]))) + "\""}});
+}
+
+void disturb(SceneFile& file, std::mt19937& rng, double size) {
+  for (const Robot& r : file.scene.robots) {
+    Eigen::VectorXd q(r.model->nq);
+    integrate<double>(*r.model, file.q.segment(r.idx_q, r.model->nq), random_vector(r.model->nv, rng, size), q);
+    file.q.segment(r.idx_q, r.model->nq) = q;
+  }
+  file.v += random_vector(file.scene.nv, rng, 0.3);
+  for (double& u : file.u) u += uniform(rng, -5, 5);
+}
+
+}  // namespace manycontact::test
