@@ -50,7 +50,8 @@ struct IslandData {
 /// The whole scene as one dense system: the baseline.
 struct DenseSchurData {
   Eigen::MatrixXd M, J, Z, S;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I
-  Eigen::LLT<Eigen::MatrixXd> llt_M, llt_S;
+  // of something from the start: Eigen leaves a part of an empty one undefined, and moving that is undefined as well
+  Eigen::LLT<Eigen::MatrixXd> llt_M{Eigen::MatrixXd::Identity(1, 1)}, llt_S = llt_M;
   Eigen::MatrixXd Kinv;        // by differentiate
   Eigen::VectorXd y, f;
 };
