@@ -28,7 +28,9 @@ struct FramesTest : testing::TestWithParam<bool> {
     model = test::random_model(rng, options);
     q = test::random_configuration(model, rng).cast<Quad>();
     std::normal_distribution<double> normal;
-    const auto random = [&] { return VecX<Quad>(VecX<double>::NullaryExpr(model.nv, [&] { return normal(rng); }).cast<Quad>()); };
+    const auto random = [&] {
+      return VecX<Quad>(VecX<double>::NullaryExpr(model.nv, [&] { return normal(rng); }).cast<Quad>());
+    };
     v = random();
     qdd = random();
     joint = model.njoints() - 1;

@@ -30,7 +30,7 @@ struct SchurPattern {
 };
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 
-/// Numbers. L: per robot, packed; Z: per robot, L^-T J^T (nv x rows); Sx: S's values.
+/// Numbers. L: per robot, packed; Z: per robot, D^-1/2 L^-T J^T (nv x rows); Sx: S's values.
 struct SchurData {
   std::vector<std::vector<double>> L;
   std::vector<Eigen::MatrixXd> Z;

@@ -66,8 +66,8 @@ int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame,
                   const SE3<double>& offset = {});
 
-/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis not zero; the axis is
-/// normalised); returns its number. Throws std::invalid_argument.
+/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis not
+/// zero; the axis is normalised); returns its number. Throws std::invalid_argument.
 int add_contact(Scene& scene, Contact contact);
 
 /// "r0/knee" for each of the nv velocity coordinates.
