@@ -45,11 +45,11 @@ Reason factor(double delta, DenseSchurData& d) {
   if (smallest_pivot(d.llt_M, d.M.diagonal()) < 16 * std::numeric_limits<double>::epsilon())
     return Reason::kSingularInertia;
   d.Z = d.J.transpose();
-  if (d.Z.cols() > 0) d.llt_M.matrixL().solveInPlace(d.Z);  // Z = L^-1 J^T
+  if (d.Z.cols() == 0) return Reason::kNone;
+  d.llt_M.matrixL().solveInPlace(d.Z);  // Z = L^-1 J^T
   d.S.setZero(d.J.rows(), d.J.rows());
   d.S.selfadjointView<Eigen::Lower>().rankUpdate(d.Z.transpose());  // S = Z^T Z + delta I
   d.S.diagonal().array() += delta;
-  if (d.S.rows() == 0) return Reason::kNone;
   d.llt_S.compute(d.S);
   if (d.llt_S.info() != Eigen::Success) return Reason::kSmallPivot;
   return smallest_pivot(d.llt_S, d.S.diagonal()) < 1e-13 ? Reason::kSmallPivot : Reason::kNone;
