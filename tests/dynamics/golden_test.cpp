@@ -8,6 +8,7 @@
 
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "support/methods.hpp"
 #include "support/terms.hpp"
 
 namespace manycontact::test {
@@ -38,7 +39,7 @@ struct Answer {
 std::vector<Answer> answers(const SceneFile& file, const Scene& scene, const Golden& golden) {
   std::vector<Answer> out;
   const Terms terms = terms_of(file, scene);
-  for (Method method : kMethods) {
+  for (Method method : methods()) {
     SceneData data(scene, {method, {}});
     const Report& report = solve(scene, file.q, file.v, file.u, data);
     const double forces = golden.forces ? error_of(data.f, *golden.forces) : terms.dynamics_error(data.a, data.f);

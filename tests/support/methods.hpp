@@ -5,8 +5,17 @@
 #include <vector>
 
 #include "manycontact/dynamics/options.hpp"
+#include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::test {
+
+/// Those of kMethods that this build has.
+inline std::vector<Method> methods() {
+  std::vector<Method> out;
+  for (Method method : kMethods)
+    if (method != Method::kSparseSupernodal || sparse::supernodal_available()) out.push_back(method);
+  return out;
+}
 
 struct Way {
   std::string name;  // "sparse-ldl camd"
@@ -16,7 +25,7 @@ struct Way {
 /// Each method, with each order where the method takes one; the oracle only if asked for.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
-  for (Method method : kMethods) {
+  for (Method method : methods()) {
     if (method == Method::kDense && !with_oracle) continue;
     out.push_back({to_string(method), {method, {}}});
     if (method != Method::kSparseLdl && method != Method::kSparseCholmod) continue;
