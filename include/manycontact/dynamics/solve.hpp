@@ -21,7 +21,4 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
 /// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse used.
 void estimate_condition(const Scene& scene, SceneData& data);
 
-/// x <- K^-1 x for an island, with the factor of the last solve; x: nv + nc in the island's order, [a; -f] from [tau; -a0].
-void apply_inverse(const Scene& scene, SceneData& data, int island, double* x);
-
 }  // namespace manycontact
