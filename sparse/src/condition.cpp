@@ -15,19 +15,22 @@ double sum_abs(const std::vector<double>& x) {
 }
 }  // namespace
 
-double inverse_norm_1(int n, const std::function<void(double*)>& solve) {
+double inverse_norm_1(int n, const std::function<void(double*)>& solve) { return norm_1_estimate(n, solve, solve); }
+
+double norm_1_estimate(int n, const std::function<void(double*)>& multiply,
+                       const std::function<void(double*)>& multiply_transposed) {
   if (n == 0) return 0;
   std::vector<double> x(n, 1.0 / n), z(n);
   double estimate = 0;
   int last = -1;
   for (int step = 0; step < 5; ++step) {
-    solve(x.data());
+    multiply(x.data());
     const double s = sum_abs(x);
     if (!std::isfinite(s)) return std::numeric_limits<double>::infinity();
     if (step > 0 && s <= estimate) break;
     estimate = s;
     for (int k = 0; k < n; ++k) z[k] = x[k] >= 0 ? 1 : -1;
-    solve(z.data());  // A is symmetric
+    multiply_transposed(z.data());
     const auto largest =
         std::max_element(z.begin(), z.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     const int j = static_cast<int>(largest - z.begin());
@@ -38,7 +41,7 @@ double inverse_norm_1(int n, const std::function<void(double*)>& solve) {
   }
   // the alternating vector guards against unlucky starts
   for (int k = 0; k < n; ++k) x[k] = (k % 2 ? -1 : 1) * (1 + (n > 1 ? static_cast<double>(k) / (n - 1) : 0));
-  solve(x.data());
+  multiply(x.data());
   return std::max(estimate, 2 * sum_abs(x) / (3 * n));
 }
 

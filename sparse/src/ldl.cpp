@@ -6,6 +6,7 @@ extern "C" {  // LDL 2.2 has no C++ guard of its own
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace manycontact::sparse {
 
@@ -45,6 +46,11 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
         s.Li[next[i]++] = k;
         flag[i] = k;
       }
+    // ascending: columns before those that depend on them
+    std::vector<std::pair<int, int>> row;
+    for (std::size_t p = s.Rp.back(); p < s.Rj.size(); ++p) row.emplace_back(s.Rj[p], s.Rk[p]);
+    std::sort(row.begin(), row.end());
+    for (std::size_t p = 0; p < row.size(); ++p) std::tie(s.Rj[s.Rp.back() + p], s.Rk[s.Rp.back() + p]) = row[p];
     s.Rp.push_back(static_cast<int>(s.Rj.size()));
   }
   return s;

@@ -4,32 +4,33 @@ namespace manycontact::sparse {
 
 namespace {
 
-// The widest chunk that leaves the machine's vector registers room.
+// A register's doubles, and the widest chunk that leaves the machine's registers room. Vectors wider than a register the
+// compiler keeps in memory.
 #if defined(__AVX512F__)
-constexpr int kWide = 64;
+constexpr int kRegister = 8, kWide = 64;
 #elif defined(__AVX__)
-constexpr int kWide = 32;
+constexpr int kRegister = 4, kWide = 32;
 #else
-constexpr int kWide = 16;
+constexpr int kRegister = 2, kWide = 16;
 #endif
 
-// N doubles held in registers; the compiler splits it as the machine needs.
+// N doubles held in registers.
 template <int N>
 struct Chunk {
-  typedef double Vector __attribute__((vector_size(64), aligned(8), may_alias));
-  static constexpr int kVectors = N / 8;
+  typedef double Vector __attribute__((vector_size(8 * kRegister), aligned(8), may_alias));
+  static constexpr int kVectors = N / kRegister;
   Vector v[kVectors];
 
   static Chunk load(const double* x) {
     Chunk c;
-    for (int k = 0; k < kVectors; ++k) c.v[k] = *reinterpret_cast<const Vector*>(x + 8 * k);
+    for (int k = 0; k < kVectors; ++k) c.v[k] = *reinterpret_cast<const Vector*>(x + kRegister * k);
     return c;
   }
   void store(double* x) const {
-    for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + 8 * k) = v[k];
+    for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kRegister * k) = v[k];
   }
   void subtract(double l, const double* x) {  // *this -= l x
-    for (int k = 0; k < kVectors; ++k) v[k] -= l * *reinterpret_cast<const Vector*>(x + 8 * k);
+    for (int k = 0; k < kVectors; ++k) v[k] -= l * *reinterpret_cast<const Vector*>(x + kRegister * k);
   }
   void scale(double s) {
     for (int k = 0; k < kVectors; ++k) v[k] *= s;

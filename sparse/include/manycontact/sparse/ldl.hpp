@@ -14,7 +14,7 @@ struct LdlSymbolic {
   int n = 0;
   std::vector<int> parent;  // elimination tree
   std::vector<int> Lp, Li;  // L without its unit diagonal, by columns, rows ascending
-  std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...], their values at Lx[Rk[...]]
+  std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...] ascending, values at Lx[Rk[...]]
   double flops = 0;         // of the numeric phase: sum of squared column counts
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }

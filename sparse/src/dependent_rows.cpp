@@ -1,0 +1,234 @@
+#include "manycontact/sparse/dependent_rows.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace manycontact::sparse {
+
+int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
+                         double nothing, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
+  w.reserve(s);
+  rows.dropped.clear();
+  rows.inverse.resize(s.n);
+  double* y = w.Y.data();
+  std::fill_n(y, s.n, 0.0);
+  for (int k = 0; k < s.n; ++k) {
+    // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
+    double size = 0;  // of J's row
+    for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
+      y[K.i[p]] = Kx[p];
+      if (K.i[p] < nv) size = std::max(size, std::abs(Kx[p]));
+    }
+    double d = y[k], terms = std::abs(d);
+    y[k] = 0;
+    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
+      const int j = s.Rj[p], end = s.Rk[p];
+      const double yj = y[j], l = yj * rows.inverse[j];
+      y[j] = 0;
+      for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
+      Lx[end] = l;
+      d -= l * yj;
+      terms += std::abs(l * yj);
+    }
+    const bool left = (k < nv || size > nothing) &&
+                      std::abs(d) > (k < nv ? 16 * std::numeric_limits<double>::epsilon() : tolerance) * terms;
+    if (k >= nv && !left && std::isfinite(terms)) {
+      rows.dropped.push_back(k);
+      D[k] = std::numeric_limits<double>::infinity();
+      rows.inverse[k] = 0;
+      continue;
+    }
+    if (!left || !(k < nv ? d > 0 : d < 0) || !std::isfinite(d)) return k;
+    D[k] = d;
+    rows.inverse[k] = 1 / d;
+  }
+  return s.n;
+}
+
+namespace {
+
+// residual <- J_k - sum_j z_j J_j for the column of N in Ni, Nx from `first`; returns its largest entry.
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const DependentRows& rows, int first, int last,
+                           std::vector<double>& residual) {
+  std::fill(residual.begin(), residual.end(), 0.0);
+  for (int p = first; p < last; ++p)
+    for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
+      if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
+  double largest = 0;
+  for (double r : residual) largest = std::max(largest, std::abs(r));
+  return largest;
+}
+
+// L^T z = l_k over the rows of J, and the column e_k - z of N.
+void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, DependentRows& rows) {
+  constexpr double kNothing = 1e-15;  // relative to 1, the entry of row k
+  double* x = rows.x.data();
+  for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
+    if (s.Rj[p] >= nv) x[s.Rj[p]] = Lx[s.Rk[p]];
+  rows.Ni.push_back(k);
+  rows.Nx.push_back(1);
+  for (int j = k - 1; j >= nv; --j) {
+    const double xj = x[j];
+    x[j] = 0;
+    if (std::abs(xj) <= kNothing) continue;
+    rows.Ni.push_back(j);
+    rows.Nx.push_back(-xj);
+    for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j] && s.Rj[p] >= nv; --p) x[s.Rj[p]] -= Lx[s.Rk[p]] * xj;
+  }
+  rows.Np.push_back(static_cast<int>(rows.Ni.size()));
+}
+
+// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate.
+void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double* D, DependentRows& rows) {
+  const int first = rows.Np[rows.Np.size() - 2];
+  double* x = rows.x.data();
+  std::copy(rows.residual.begin(), rows.residual.end(), x);
+  ldl_solve(s, Lx, D, x);
+  const int k = rows.Ni[first];
+  for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
+  rows.Ni.resize(first + 1);
+  rows.Nx.resize(first + 1);
+  for (int j = k - 1; j >= nv; --j) {
+    if (std::abs(x[j]) <= 1e-15) continue;
+    rows.Ni.push_back(j);
+    rows.Nx.push_back(-x[j]);
+  }
+  std::fill_n(x, s.n, 0.0);
+  rows.Np.back() = static_cast<int>(rows.Ni.size());
+}
+
+// Columns of N that share rows belong together.
+void make_clusters(int n, DependentRows& rows) {
+  const int d = static_cast<int>(rows.dropped.size());
+  std::vector<int>& owner = rows.owner;  // of each row of K: a column with it, -1; then of each column: its cluster's first
+  owner.assign(n + d, -1);
+  int* root = owner.data() + n;
+  const auto find = [root](int c) {
+    while (root[c] != c) c = root[c] = root[root[c]];
+    return c;
+  };
+  for (int c = 0; c < d; ++c) {
+    root[c] = c;
+    for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) {
+      int& of = owner[rows.Ni[p]];
+      if (of >= 0) {
+        const int a = find(of), b = find(c);
+        root[std::max(a, b)] = std::min(a, b);
+      }
+      of = c;
+    }
+  }
+  constexpr std::size_t kReserved = 64 * 64;  // which rows share may vary with rounding, and memory must not
+  const std::size_t most = static_cast<std::size_t>(d) * d;
+  rows.clusters.clear();
+  rows.members.clear();
+  rows.gram.clear();
+  rows.clusters.reserve(d);
+  rows.members.reserve(d);
+  rows.gram.reserve(std::min(most, kReserved));
+  rows.t.resize(d);
+  for (int c = 0; c < d; ++c) {
+    if (find(c) != c) continue;
+    const int first = static_cast<int>(rows.members.size());
+    for (int e = c; e < d; ++e)
+      if (find(e) == c) rows.members.push_back(e);
+    const int count = static_cast<int>(rows.members.size()) - first;
+    rows.clusters.push_back({first, count, rows.gram.size()});
+    rows.gram.resize(rows.gram.size() + static_cast<std::size_t>(count) * count);
+  }
+}
+
+// use(row of K, value) for each entry of the column of N of a cluster's member.
+template <class Use>
+void each_entry(const DependentRows& rows, const DependentRows::Cluster& cluster, int member, Use&& use) {
+  const int c = rows.members[cluster.first + member];
+  for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) use(rows.Ni[p], rows.Nx[p]);
+}
+
+void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster) {
+  Eigen::Map<Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.count, cluster.count);
+  std::vector<double>& x = rows.x;
+  x.assign(n, 0.0);
+  for (int a = 0; a < cluster.count; ++a) {
+    each_entry(rows, cluster, a, [&](int k, double value) { x[k] = value; });
+    for (int b = 0; b < cluster.count; ++b) {
+      double sum = 0;
+      each_entry(rows, cluster, b, [&](int k, double value) { sum += value * x[k]; });
+      G(a, b) = sum;
+    }
+    each_entry(rows, cluster, a, [&](int k, double) { x[k] = 0; });
+  }
+  Eigen::Ref<Eigen::MatrixXd> in_place(G);
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
+}
+
+// (N^T N)^-1 of a cluster's vector, or rows of vectors.
+template <class T>
+void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
+  const Eigen::Map<const Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.count, cluster.count);
+  G.triangularView<Eigen::Lower>().solveInPlace(t);
+  G.transpose().triangularView<Eigen::Upper>().solveInPlace(t);
+}
+
+}  // namespace
+
+void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double J_size,
+                     const double* Lx, const double* D, DependentRows& rows) {
+  constexpr double kAccurate = 1e-14;
+  rows.Np.assign(1, 0);
+  rows.Ni.clear();
+  rows.Nx.clear();
+  rows.x.assign(s.n, 0.0);
+  rows.residual.assign(nv, 0.0);
+  rows.largest_residual = 0;
+  rows.clusters.clear();
+  if (rows.dropped.empty()) return;
+  for (int k : rows.dropped) {
+    null_column(s, nv, Lx, k, rows);
+    const int first = rows.Np[rows.Np.size() - 2];
+    double left = dependence_residual(K, Kx, nv, rows, first, rows.Np.back(), rows.residual);
+    for (int step = 0; step < 2 && left > kAccurate * J_size; ++step) {
+      refine_column(s, nv, Lx, D, rows);
+      left = dependence_residual(K, Kx, nv, rows, first, rows.Np.back(), rows.residual);
+    }
+    rows.largest_residual = std::max(rows.largest_residual, J_size > 0 ? left / J_size : 0);
+  }
+  make_clusters(s.n, rows);
+  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
+}
+
+void project_out(DependentRows& rows, double* y, double* null_part) {
+  for (const DependentRows::Cluster& cluster : rows.clusters) {
+    Eigen::Map<Eigen::VectorXd> t(rows.t.data(), cluster.count);
+    t.setZero();
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
+    solve_gram(rows, cluster, t);
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) {
+        y[k] -= value * t[a];
+        if (null_part) null_part[k] += value * t[a];
+      });
+  }
+}
+
+void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols) {
+  using Row = Eigen::Map<Eigen::RowVectorXd>;
+  const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + first, cols); };
+  for (const DependentRows::Cluster& cluster : rows.clusters) {
+    const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
+    if (rows.panel.size() < size) rows.panel.resize(size);
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
+                                                                                          cluster.count, cols);
+    T.setZero();
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
+    solve_gram(rows, cluster, T);
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+  }
+}
+
+}  // namespace manycontact::sparse
