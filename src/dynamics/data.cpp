@@ -9,7 +9,7 @@ namespace manycontact {
 RobotData::RobotData(const Model& model)
     : kin(model), Yc(model.njoints()), f(model.njoints()), M(model.M_begin[model.nv]), h(model.nv) {}
 
-SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts), v(Eigen::VectorXd::Zero(scene.nv)), a(v) {
+SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts), v(Eigen::VectorXd::Zero(scene.nv)), tau(v), a(v) {
   robots.reserve(scene.robots.size());
   for (const Robot& robot : scene.robots) robots.emplace_back(*robot.model);
   contacts.reserve(scene.contacts.size());

@@ -61,8 +61,9 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   out.u_offset.clear();
   for (int r : island.robots) {
     out.u_offset.push_back(out.nu);
-    out.nu += scene.robots[r].model->nu();
+    out.nu += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
   }
+  out.u_offset.push_back(out.nu);
   out.q_first = 0;
   out.v_first = request.q ? out.nv : 0;
   out.u_first = out.v_first + (request.v ? out.nv : 0);
@@ -109,12 +110,13 @@ namespace {
 struct Places {
   std::vector<int> v, u, f;  // scene's coordinate of each of the island's
 };
-Places places(const Scene& scene, const SceneData& data, const Island& island) {
+Places places(const Scene& scene, const SceneData& data, const Island& island, bool tau) {
   Places p;
   for (int r : island.robots) {
     const Robot& robot = scene.robots[r];
     for (int i = 0; i < robot.model->nv; ++i) p.v.push_back(robot.idx_v + i);
-    for (int i = 0; i < robot.model->nu(); ++i) p.u.push_back(robot.idx_u + i);
+    for (int i = 0; i < (tau ? robot.model->nv : robot.model->nu()); ++i)
+      p.u.push_back((tau ? robot.idx_v : robot.idx_u) + i);
   }
   for (int c : island.contacts)
     for (int i = 0; i < scene.contacts[c].rows(); ++i) p.f.push_back(data.f_offset[c] + i);
@@ -145,13 +147,13 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
   const Eigen::Index nf = request.forces ? data.f.size() : 0;
   out.da_dq.setZero(scene.nv, request.q ? scene.nv : 0);
   out.da_dv.setZero(scene.nv, request.v ? scene.nv : 0);
-  out.da_du.setZero(scene.nv, request.u ? scene.nu : 0);
+  out.da_du.setZero(scene.nv, !request.u ? 0 : request.tau ? scene.nv : scene.nu);
   out.dforces_dq.setZero(nf, out.da_dq.cols());
   out.dforces_dv.setZero(nf, out.da_dv.cols());
   out.dforces_du.setZero(nf, out.da_du.cols());
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, data.islands[i].island);
+    const Places p = places(scene, data, data.islands[i].island, d.request.tau);
     scatter(d.da_dq(), p.v, p.v, out.da_dq);
     scatter(d.da_dv(), p.v, p.v, out.da_dv);
     scatter(d.da_du(), p.v, p.u, out.da_du);
@@ -169,10 +171,10 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
   int cols = 0, nf = 0;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, data.islands[i].island);
+    const Places p = places(scene, data, data.islands[i].island, d.request.tau);
     nf = d.request.forces ? static_cast<int>(data.f.size()) : 0;
     const int v_first = d.request.q ? scene.nv : 0, u_first = v_first + (d.request.v ? scene.nv : 0);
-    cols = u_first + (d.request.u ? scene.nu : 0);
+    cols = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);
     const auto add = [&](const auto& block, const std::vector<int>& rows, int row, const std::vector<int>& columns,
                          int column) {
       for (Eigen::Index k = 0; k < block.rows(); ++k)

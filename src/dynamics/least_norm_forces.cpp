@@ -10,8 +10,32 @@ namespace {
 
 using V6 = Vec6<double>;
 
+using RowMajor = IslandDerivatives::Panel;
+
+// A y with J y = f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.)
+Eigen::VectorXd any_motion(IslandData& d, const Eigen::VectorXd& f) {
+  if (d.factor == Factor::kDense) return d.dense->cod.transpose().solve(f);  // J^+ f
+  const int* iperm = d.system.pattern->iperm.data();
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(d.island.size()), y(d.island.nv);
+  for (int k = 0; k < d.island.nc; ++k) x[iperm[d.island.nv + k]] = f[k];
+  sparse::ldl_solve(d.system.pattern->ldl, d.Lx.data(), d.D.data(), x.data());
+  for (int k = 0; k < d.island.nv; ++k) y[k] = x[iperm[k]];
+  return y;
+}
+
+// The least-norm phi with J^T phi = G (nv x k), G in J^T's range.
+Eigen::MatrixXd forces_behind(const Scene& scene, SceneData& data, IslandData& d, const Eigen::MatrixXd& G) {
+  if (d.factor == Factor::kDense) return d.dense->cod.solve(G);
+  IslandDerivatives panel;
+  panel.cols = static_cast<int>(G.cols());
+  panel.X.setZero(d.island.size(), (panel.cols + 7) / 8 * 8);
+  panel.X.topLeftCorner(d.island.nv, G.cols()) = G;
+  solve_panel(scene, data, d, panel);  // M w + J^T phi = G, J w = 0: w = 0
+  return panel.X.bottomRows(d.island.nc).leftCols(G.cols());
+}
+
 // d(J(q) y)/dq, nc x nv.
-Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& d, const Eigen::VectorXd& y) {
+RowMajor jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& d, const Eigen::VectorXd& y) {
   const Island& island = d.island;
   std::vector<Kinematics<double>> kin;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
@@ -20,7 +44,7 @@ Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const I
     forward_accelerations<double>(*robot.model, y.segment(island.dof_offset[k], robot.model->nv), nullptr,
                                   scene.gravity, kin.back());
   }
-  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(island.nc, island.nv);
+  RowMajor D = RowMajor::Zero(island.nc, island.nv);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     const ContactSupport& support = data.supports[island.contacts[c]];
@@ -45,11 +69,9 @@ Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const I
     for (int i : support.b) column(b, i, rows.bMA, -1);
     if (!terms.turns) continue;
     for (std::size_t i = 0; i < terms.chain_a.size(); ++i) {
-      const Vec3<double> th = terms.turn.col(i);
-      V6 turned;
-      turned << th.cross(nu.head<3>()), th.cross(nu.tail<3>());
+      const V6 dnu = turned(terms.turn.col(i), nu);
       D.block(island.row_offset[c], island.dof_offset[a] + terms.chain_a[i], contact.rows(), 1).noalias() +=
-          rows.W * turned;
+          rows.W * dnu;
     }
   }
   return D;
@@ -57,20 +79,27 @@ Eigen::MatrixXd jacobian_rate(const Scene& scene, const SceneData& data, const I
 
 }  // namespace
 
-void least_norm_forces(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
-  const DenseKkt<double>& kkt = *d.dense;
+void least_norm_forces(const Scene& scene, SceneData& data, IslandData& d, IslandDerivatives& out) {
   Eigen::VectorXd f(d.island.nc);
   for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
     const int n = scene.contacts[d.island.contacts[c]].rows();
     f.segment(d.island.row_offset[c], n) = data.f.segment(data.f_offset[d.island.contacts[c]], n);
   }
-  const Eigen::VectorXd y = kkt.cod.transpose().solve(f);  // J^+ f
-  const Eigen::MatrixXd D = jacobian_rate(scene, data, d, y);
-  const Eigen::MatrixXd x = kkt.cod.transpose().solve(D);  // J^+ D
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += D - kkt.J * x;
+  RowMajor D = jacobian_rate(scene, data, d, any_motion(d, f));
+  if (d.factor == Factor::kDense) {
+    const Eigen::MatrixXd x = d.dense->cod.transpose().solve(Eigen::MatrixXd(D));  // J^+ D
+    out.X.block(out.nv, out.q_first, out.nc, out.nv) += D - d.dense->J * x;
+    return;
+  }
+  // D - (I - P) D
+  RowMajor kept = RowMajor::Zero(d.island.size(), d.island.nv);
+  kept.bottomRows(d.island.nc) = D;
+  sparse::project_out_panel(d.rows, d.system.pattern->perm.data(), kept.data(),
+                            d.island.nv, 0, d.island.nv);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) += D - kept.bottomRows(d.island.nc);
 }
 
-void add_contradiction(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
+void add_contradiction(const Scene& scene, SceneData& data, IslandData& d, IslandDerivatives& out) {
   // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is what
   // a force rho would add to -dr1.
   const DerivativeData& dd = *data.derivatives;
@@ -83,7 +112,7 @@ void add_contradiction(const Scene& scene, SceneData& data, const IslandData& d,
   data.f = f;
   derivative_terms(scene, data, d);
   const Eigen::MatrixXd G = with_rho.X.block(0, out.q_first, out.nv, out.nv) - out.X.block(0, out.q_first, out.nv, out.nv);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) -= d.dense->cod.solve(G);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) -= forces_behind(scene, data, d, G);
 }
 
 }  // namespace manycontact::internal

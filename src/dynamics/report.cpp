@@ -47,6 +47,8 @@ std::string to_string(Reason reason) {
     case Reason::kSmallPivot: return "a pivot was lost in cancellation: dependent contact rows, or nearly";
     case Reason::kLargeResidual: return "refinement did not reach a small residual";
     case Reason::kNotFinite: return "the state, the torques or the system is not finite";
+    case Reason::kDampingLost: return "the damping is lost in rounding; answered without damping";
+    case Reason::kBadDamping: return "the damping is negative or not finite";
     case Reason::kBadQuaternion: return "a quaternion is not of unit length";
     case Reason::kSingularInertia: return "the inertia is singular where no contact holds";
   }
@@ -56,7 +58,8 @@ std::string to_string(Reason reason) {
 void summarise(Report& report) {
   report.status = Status::kOk;
   report.nv = report.nc = report.rank = report.factor_nonzeros = report.refinement_steps = 0;
-  report.residual_dynamics = report.residual_contact = report.condition = 0;
+  report.residual_dynamics = report.residual_contact = report.backward_error = report.condition = 0;
+  report.error_acceleration = report.error_forces = 0;
   const auto largest = [](double a, double b) { return b <= a ? a : b; };  // keeps NaN
   for (const IslandReport& i : report.islands) {
     report.status = std::max(report.status, i.status);
@@ -67,7 +70,10 @@ void summarise(Report& report) {
     report.refinement_steps = std::max(report.refinement_steps, i.refinement_steps);
     report.residual_dynamics = largest(report.residual_dynamics, i.residual_dynamics);
     report.residual_contact = largest(report.residual_contact, i.residual_contact);
+    report.backward_error = largest(report.backward_error, i.backward_error);
     report.condition = largest(report.condition, i.condition);
+    report.error_acceleration = largest(report.error_acceleration, i.error_acceleration);
+    report.error_forces = largest(report.error_forces, i.error_forces);
   }
 }
 

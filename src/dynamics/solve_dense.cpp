@@ -25,20 +25,19 @@ void gather(const Scene& scene, const IslandData& d, DenseKkt<double>& kkt) {
   }
 }
 
-// Contradiction, by the definition of design: |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms.
-bool contradictory(const DenseKkt<double>& kkt, const Eigen::MatrixXd& a, const Eigen::MatrixXd& minus_a0) {
-  const double left = (kkt.J * a - minus_a0).cwiseAbs().maxCoeff();
-  const double scale = (kkt.J.cwiseAbs() * a.cwiseAbs()).maxCoeff() + minus_a0.cwiseAbs().maxCoeff();
-  return left > 1e-8 * scale;
+bool contradictory(const Scene& scene, const DenseKkt<double>& kkt, const Eigen::MatrixXd& a, const Eigen::MatrixXd& minus_a0) {
+  return internal::contradictory((kkt.J * a - minus_a0).cwiseAbs().maxCoeff(), (kkt.J.cwiseAbs() * a.cwiseAbs()).maxCoeff(),
+                       minus_a0.cwiseAbs().maxCoeff(), scene.gravity.norm());
 }
 
 }  // namespace
 
-void solve_dense(const Scene& scene, IslandData& d, IslandReport& report) {
+void solve_dense(const Scene& scene, const SceneData& data, IslandData& d, IslandReport& report) {
   const int nv = d.island.nv, nc = d.island.nc;
   if (!d.dense) d.dense = std::make_unique<DenseKkt<double>>();
   DenseKkt<double>& kkt = *d.dense;
   gather(scene, d, kkt);
+  kkt.J_size = motion_size(scene, data, d.island);
   factor<double>(kkt);
   report.method = Method::kDense;
   report.rank = kkt.delta > 0 ? nc : kkt.rank;
@@ -55,14 +54,15 @@ void solve_dense(const Scene& scene, IslandData& d, IslandReport& report) {
   backward_error(s);
   if (!kkt.regular || !a.allFinite() || !f.allFinite()) {
     report.status = Status::kFailed;
-    report.reason = kkt.M.allFinite() && kkt.J.allFinite() && b1.allFinite() && b2.allFinite()
-                        ? Reason::kSingularInertia
-                        : Reason::kNotFinite;
+    const bool finite = kkt.M.allFinite() && kkt.J.allFinite() && b1.allFinite() && b2.allFinite();
+    report.reason = !finite ? Reason::kNotFinite : kkt.holds ? Reason::kSmallPivot : Reason::kSingularInertia;
     return;
   }
   d.factor = Factor::kDense;
-  if (kkt.rank < nc && kkt.delta == 0)
-    report.status = contradictory(kkt, a, b2) ? Status::kInconsistent : Status::kRedundant;
+  if (kkt.rank == nc || kkt.delta > 0) return;
+  const auto& order = kkt.cod.colsPermutation().indices();
+  name_dependent_rows(data, d.island, order.tail(nc - kkt.rank), report);
+  report.status = contradictory(scene, kkt, a, b2) ? Status::kInconsistent : Status::kRedundant;
 }
 
 }  // namespace manycontact::internal

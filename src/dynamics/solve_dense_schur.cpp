@@ -52,7 +52,7 @@ Reason factor(double delta, DenseSchurData& d) {
   d.S.diagonal().array() += delta;
   d.llt_S.compute(d.S);
   if (d.llt_S.info() != Eigen::Success) return Reason::kSmallPivot;
-  return smallest_pivot(d.llt_S, d.S.diagonal()) < 1e-13 ? Reason::kSmallPivot : Reason::kNone;
+  return smallest_pivot(d.llt_S, d.S.diagonal()) < 1e-11 ? Reason::kSmallPivot : Reason::kNone;
 }
 
 }  // namespace
@@ -89,7 +89,14 @@ void solve_dense_schur(const Scene& scene, SceneData& data) {
     }
     island.factor = Factor::kDenseSchur;
     gather(scene, data, island, d.y, -d.f, island.system.x.data());
+    // Nothing is refined here: an answer that does not solve the system is none.
+    const bool vanishing = scene.damping == 0 && has_vanishing_row(scene, data, island);
     backward_error(island.system);
+    report_residuals(scene, island.system, report);
+    if (!vanishing && report.residual_dynamics <= 1e-9 && report.residual_contact <= 1e-9) continue;
+    island.factor = Factor::kNone;
+    report.status = Status::kFailed;
+    report.reason = vanishing ? Reason::kSmallPivot : Reason::kLargeResidual;
   }
 }
 

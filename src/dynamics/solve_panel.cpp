@@ -64,7 +64,7 @@ void solve_ldl(const Scene& scene, SceneData& data, const IslandData& d, const I
     };
     block(out.request.q, out.q_first + d.island.dof_offset[k], model.nv, true, true);
     block(out.request.v, out.v_first + d.island.dof_offset[k], model.nv, true, false);
-    block(out.request.u, out.u_first + out.u_offset[k], model.nu(), false, false);
+    block(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k], false, false);
   }
 }
 
@@ -90,10 +90,23 @@ void solve_dense(const IslandData& d, int cols, PanelRef X) {
   X.block(nv, 0, nc, cols) = -f;
 }
 
+// By LDL without the dependent rows, between two projections.
+void solve_dependent(SceneData& data, IslandData& d, PanelRef X) {
+  const KktPattern& p = *d.system.pattern;
+  const int ld = static_cast<int>(X.cols());
+  sparse::project_out_panel(d.rows, p.perm.data(), X.data(), ld, 0, ld);
+  std::fill_n(data.derivatives->nonzero.begin(), d.island.size(), 1);
+  sparse::ldl_solve_panel(p.ldl, d.Lx.data(), d.D.data(), p.perm.data(), X.data(), ld, 0, ld,
+                          data.derivatives->nonzero.data());
+  sparse::project_out_panel(d.rows, p.perm.data(), X.data(), ld, 0, ld);
+}
+
 void solve_once(const Scene& scene, SceneData& data, IslandData& d, const IslandDerivatives& out, PanelRef X) {
   switch (d.factor) {
     case Factor::kLdl:
       return solve_ldl(scene, data, d, out, X);
+    case Factor::kDependent:
+      return solve_dependent(data, d, X);
     case Factor::kDense:
       return solve_dense(d, out.cols, X);
     default:

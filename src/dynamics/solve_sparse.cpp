@@ -6,10 +6,6 @@ namespace manycontact::internal {
 
 namespace {
 
-// Below this, what is left of a pivot after cancellation no longer tells a small number from none.
-constexpr double kSmallestPivotRatio = 1e-11;
-constexpr int kRefinementSteps = 5;
-
 bool has_inertia(const KktPattern& p, const double* D) {
   int positive = 0;
   for (int k = 0; k < p.size(); ++k) positive += D[k] > 0;
@@ -39,11 +35,7 @@ Reason solve_refined(IslandData& d, IslandReport& report, Solve&& apply) {
 Reason solve_ldl(SceneData& data, IslandData& d, IslandReport& report) {
   KktSystem& s = d.system;
   const KktPattern& p = *s.pattern;
-  d.Lx.resize(p.ldl.nonzeros());
-  d.D.resize(p.size());
-  report.method = Method::kSparseLdl;
-  report.order = p.order;
-  report.factor_nonzeros = p.ldl.nonzeros() + p.size();
+  begin_ldl(d, report);
   if (sparse::ldl_factor(p.K, p.ldl, s.Kx.data(), data.ldl_work, d.Lx.data(), d.D.data()) != p.size())
     return Reason::kZeroPivot;
   const double ratio =

@@ -62,6 +62,10 @@ void solve_with_factor(const Scene& scene, IslandData& d, double* x) {
   switch (d.factor) {
     case Factor::kLdl:
       return sparse::ldl_solve(d.system.pattern->ldl, d.Lx.data(), d.D.data(), x);
+    case Factor::kDependent:
+      sparse::project_out(d.rows, x);
+      sparse::ldl_solve(d.system.pattern->ldl, d.Lx.data(), d.D.data(), x);
+      return sparse::project_out(d.rows, x);
     case Factor::kCholmod:
       return d.cholmod->solve(x, 1);
     case Factor::kSupernodal:

@@ -19,7 +19,7 @@ double predicted_cost_supernodal(const Scene& scene, const Island& island, const
     flops += 0.5 * rows * rows * model.nv;
   }
   const double nc = island.nc;  // S is nearly dense in its supernodes
-  return 20 + 1e-3 * (0.5 * flops + 0.1 * nc * nc + 10 * p.S.nonzeros());
+  return 20 + 1e-3 * (1.3 * flops + 0.25 * nc * nc + 25 * p.S.nonzeros());
 }
 
 double predicted_cost_dense(int nv, int nc) {

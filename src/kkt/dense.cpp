@@ -1,5 +1,6 @@
 #include "manycontact/kkt/dense.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "manycontact/sparse/condition.hpp"
@@ -80,10 +81,14 @@ template <class S>
 void factor(DenseKkt<S>& kkt) {
   const int nv = kkt.nv(), nc = kkt.nc();
   kkt.rank = 0;
-  kkt.regular = false;
+  kkt.holds = kkt.regular = false;
   if (!kkt.M.allFinite() || !kkt.J.allFinite()) return;
   if (nc > 0) {
-    kkt.cod.setThreshold(S(kRankTolerance));
+    S largest(0);  // column of J^T, which the first pivot is
+    for (int k = 0; k < nc; ++k) largest = std::max(largest, S(kkt.J.row(k).norm()));
+    S threshold(kRankTolerance);
+    if (kkt.J_size > largest) threshold *= largest > S(0) ? S(kkt.J_size / largest) : S(1);
+    kkt.cod.setThreshold(threshold);
     kkt.cod.compute(kkt.J.transpose());
     kkt.rank = static_cast<int>(kkt.cod.rank());
   }
@@ -96,6 +101,7 @@ void factor(DenseKkt<S>& kkt) {
     kkt.reduced.compute(A);
     kkt.regular = sound<S>(kkt.reduced, A);
   }
+  kkt.holds = kkt.regular;
   if (kkt.regular && kkt.delta > S(0)) {
     kkt.lu.compute(kkt_matrix(kkt));
     kkt.regular = sound<S>(kkt.lu);

@@ -1,7 +1,10 @@
 #include "manycontact/kkt/pattern.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
+#include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/sparse/ordering.hpp"
 
 namespace manycontact {
@@ -72,9 +75,36 @@ std::vector<int> camd(const Island& island, const sparse::UpperCsc& K) {
   return sparse::camd_order(K, set);
 }
 
-// A contact is ready once it finds as many eliminated coordinates of its own as it has rows; it uses them up.
+// The contacts' J at a configuration without symmetry, to see which coordinates move them in which directions.
+std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& island, const IslandSupport& support) {
+  std::vector<Kinematics<double>> kin;
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    Eigen::VectorXd step(model.nv), q(model.nq);
+    for (int i = 0; i < model.nv; ++i) step[i] = 0.3 + 0.2 * std::sin(1 + 7 * i);
+    integrate<double>(model, neutral(model), step, q);
+    kin.emplace_back(model);
+    forward_kinematics<double>(model, robot.base, q, kin.back());
+    forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
+  }
+  std::vector<Eigen::MatrixXd> J;
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    ContactData<double> data(contact, support.contacts[c]);
+    contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, contact.A.robot)],
+                         contact.B.robot < 0 ? nullptr : &kin[local_robot(island, contact.B.robot)], data);
+    J.push_back(data.J);
+  }
+  return J;
+}
+
+// A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many directions
+// as it has rows; it uses up those that do it best.
 std::vector<int> contacts_early(const Scene& scene, const Island& island, const IslandSupport& support) {
+  constexpr double kDistinct = 1e-3;  // of the largest: less is no direction of its own
   const int ncontacts = static_cast<int>(island.contacts.size());
+  const std::vector<Eigen::MatrixXd> J = sample_jacobians(scene, island, support);
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
   for (int c = 0; c < ncontacts; ++c)
     for (int i : support.columns[c]) on_dof[i].push_back(c);
@@ -90,12 +120,16 @@ std::vector<int> contacts_early(const Scene& scene, const Island& island, const 
     eliminated[i] = 1;
     for (int c : on_dof[i]) {
       if (placed[c]) continue;
-      std::vector<int> available;
-      for (int k : support.columns[c])
-        if (eliminated[k] && !used[k]) available.push_back(k);
-      const std::size_t rows = scene.contacts[island.contacts[c]].rows();
-      if (available.size() < rows) continue;
-      for (std::size_t k = 0; k < rows; ++k) used[available[k]] = 1;
+      std::vector<int> available;  // columns of J
+      for (std::size_t k = 0; k < support.columns[c].size(); ++k)
+        if (eliminated[support.columns[c][k]] && !used[support.columns[c][k]]) available.push_back(static_cast<int>(k));
+      if (static_cast<Eigen::Index>(available.size()) < J[c].rows()) continue;
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+      qr.setThreshold(kDistinct);
+      qr.compute(J[c](Eigen::all, available));
+      if (qr.rank() < J[c].rows()) continue;
+      for (Eigen::Index k = 0; k < qr.rank(); ++k)
+        used[support.columns[c][available[qr.colsPermutation().indices()[k]]]] = 1;
       place(c);
     }
   }

@@ -135,5 +135,41 @@ TEST(Truth, HasMoreDigits) {
   EXPECT_GT(error_of(data.a, truth.a), 0);
 }
 
+// Errors relative to the largest entry.
+Quad far_from(const VecX<Quad>& x, const VecX<Quad>& y) {
+  return (x - y).cwiseAbs().maxCoeff() / y.cwiseAbs().maxCoeff();
+}
+
+TEST(RefinedTruth, IsTheDenseOne) {
+  for (const char* name : {"humanoid_hands_and_feet", "feet_on_corners", "quadruped_loop", "two_humanoids_carry_beam"}) {
+    SCOPED_TRACE(name);
+    SceneFile file = load_scene(std::string(MANYCONTACT_SOURCE_DIR "/models/") + name + ".xml");
+    std::mt19937 rng(5);
+    disturb(file, rng);
+    SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
+    (void)solve(file.scene, file.q, file.v, file.u, data);
+    Eigen::VectorXd v = file.v;
+    v.array() += 1e-9;  // the factor of a state close by
+    const VecX<Quad> qq = file.q.cast<Quad>(), vq = v.cast<Quad>(), uq = file.u.cast<Quad>();
+    const Truth<Quad> dense = solve_truth<Quad>(file.scene, data.active, qq, vq, uq);
+    const Truth<Quad> refined = refine_truth<Quad>(file.scene, data, qq, vq, uq, 150);
+    ASSERT_EQ(refined.regular, dense.regular);
+    EXPECT_LT(far_from(refined.a, dense.a), 1e-24);
+    EXPECT_LT(far_from(refined.f, dense.f), 1e-24);
+    EXPECT_EQ(refined.h, dense.h);
+  }
+}
+
+// Without a factor and too large for the dense way: not known, rather than wrong.
+TEST(RefinedTruth, OwnsUpToNotKnowing) {
+  const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml");
+  SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  const Truth<Quad> truth = refine_truth<Quad>(file.scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(),
+                                               file.u.cast<Quad>(), 61);
+  EXPECT_FALSE(truth.regular[0]);
+  for (const Quad& a : truth.a) EXPECT_TRUE(a != a);
+}
+
 }  // namespace
 }  // namespace manycontact::test

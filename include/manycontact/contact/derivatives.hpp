@@ -28,6 +28,13 @@ struct ContactDerivatives {
   bool turns = false;                 // the frame is world-aligned
 };
 
+/// th x y on both parts of y: how a world-aligned frame's y turns when A turns by th (a column of `turn`).
+inline Vec6<double> turned(const Vec3<double>& th, const Vec6<double>& y) {
+  Vec6<double> out;
+  out << th.cross(y.head<3>()), th.cross(y.tail<3>());
+  return out;
+}
+
 /// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd, Sv
 /// of the same robots; f: the contact's force in its own frame. `data` gets the same accelerations.
 void contact_derivatives(const Scene& scene, const Contact& contact, const ContactSupport& support,

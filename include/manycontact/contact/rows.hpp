@@ -9,6 +9,8 @@
 // a0 = W x and J = W J_l with W selecting the rows: of A's axes (local), or of the world's (W turns them by oR_A).
 // Columns of joints above the common ancestor of A and B' are zero exactly and left out.
 
+#include <cmath>
+
 #include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
@@ -45,5 +47,18 @@ struct ContactData {
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
+
+/// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may turn out
+/// to be nothing but rounding. After contact_rows.
+template <class S>
+S motion_size(const Contact& contact, const ContactData<S>& data) {
+  using std::abs;
+  S largest(0);
+  const int rows = contact.type == ContactType::k6D ? 6 : 3;
+  for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
+    for (int i = 0; i < rows; ++i)
+      if (abs(data.Jl(i, j)) > largest) largest = abs(data.Jl(i, j));
+  return largest;
+}
 
 }  // namespace manycontact

@@ -12,6 +12,7 @@
 #include "manycontact/kkt/schur.hpp"
 #include "manycontact/kkt/system.hpp"
 #include "manycontact/sparse/cholmod.hpp"
+#include "manycontact/sparse/dependent_rows.hpp"
 
 namespace manycontact {
 
@@ -26,7 +27,7 @@ struct RobotData {
 };
 
 /// Which factor of the island's K is at hand.
-enum class Factor { kNone, kLdl, kCholmod, kSupernodal, kDense, kDenseSchur };
+enum class Factor { kNone, kLdl, kDependent, kCholmod, kSupernodal, kDense, kDenseSchur };
 
 /// One island's system and its factor.
 struct IslandData {
@@ -39,7 +40,9 @@ struct IslandData {
 
   Factor factor = Factor::kNone;               // by solve
   double first_error = 0;                      // backward error before refinement
-  std::vector<double> Lx, D;                   // kLdl
+  std::vector<double> Lx, D;                   // kLdl, kDependent
+  sparse::DependentRows rows;                  // kDependent: rows of J dropped, leaf-to-root order
+  bool was_dependent = false;                  // the last solve found rows dependent
   std::optional<sparse::Cholmod> cholmod;      // kCholmod: of K; kSupernodal: of S
   const KktPattern* cholmod_pattern = nullptr;
   std::shared_ptr<const SchurPattern> schur_pattern;  // kSupernodal
@@ -64,7 +67,7 @@ struct SceneData {
 
   // by solve
   bool solved = false;       // all of this is of the islands below
-  Eigen::VectorXd v;         // nv: the velocity solved at
+  Eigen::VectorXd v, tau;    // nv: the velocity and the torques solved at
   Eigen::VectorXd a;         // nv: accelerations
   Eigen::VectorXd f;         // rows of the active contacts, in the scene's order: forces on A in the contact's axes
   std::vector<int> f_offset; // per contact: its first row in f, -1 when not active

@@ -13,6 +13,7 @@ namespace manycontact {
 struct DerivativeRequest {
   bool q = true, v = true, u = true;
   bool forces = true;  // dforces_*; da_* always
+  bool tau = false;    // da_du, dforces_du are with respect to torques on all velocity coordinates: nv columns, not nu
   bool operator==(const DerivativeRequest&) const = default;
 };
 
@@ -24,7 +25,7 @@ struct IslandDerivatives {
   int nv = 0, nc = 0, nu = 0;
   int q_first = 0, v_first = 0, u_first = 0, cols = 0;
   DerivativeRequest request;
-  std::vector<int> u_offset;  // per robot of the island: its first torque
+  std::vector<int> u_offset;  // per robot of the island: its first torque, and the total
 
   auto da_dq() const { return X.block(0, q_first, nv, request.q ? nv : 0); }
   auto da_dv() const { return X.block(0, v_first, nv, request.v ? nv : 0); }

@@ -9,7 +9,10 @@ namespace manycontact {
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data);
 
-/// The same with the scene's own active flags.
+/// The same with torques on all velocity coordinates, floating bases included (scene.nv).
+Eigen::VectorXd quasi_static_tau(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data);
+
+/// As the first, with the scene's own active flags.
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace manycontact

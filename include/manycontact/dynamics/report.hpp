@@ -26,6 +26,8 @@ enum class Reason {
   kSmallPivot,       // a pivot was lost in cancellation: dependent rows, or nearly
   kLargeResidual,    // refinement did not reach a small residual
   kNotFinite,        // q, v or u is not finite, or K or the right-hand side overflowed
+  kDampingLost,      // regularised: the damping is below the rounding of K, the answer is the one without damping
+  kBadDamping,       // the scene's damping is negative or not finite
   kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
   kSingularInertia,  // M is singular and the contacts do not hold what it lets go
 };
@@ -39,11 +41,15 @@ struct IslandReport {
   bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
   int nv = 0, nc = 0;
   int rank = 0;                        // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
+  std::vector<int> dependent_rows;     // delta = 0: rows of data.f that depend on the others, ascending; nc - rank of them
   int factor_nonzeros = 0;             // of L (and the tree's factor), diagonals included
   int refinement_steps = 0;
   double residual_dynamics = 0;        // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;         // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
+  double backward_error = 0;           // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
   double condition = 0;                // 1-norm condition of K, by estimate_condition; 0: not asked for
+  // Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for
+  double error_acceleration = 0, error_forces = 0;
 };
 
 struct Report {
@@ -53,7 +59,8 @@ struct Report {
 
   // sums and maxima over islands
   int nv = 0, nc = 0, rank = 0, factor_nonzeros = 0, refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, condition = 0;
+  double residual_dynamics = 0, residual_contact = 0, backward_error = 0, condition = 0;
+  double error_acceleration = 0, error_forces = 0;
 };
 
 /// Sums up report.islands into the other fields but `method`.

@@ -17,8 +17,20 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
                     SceneData& data);
 
+/// The same with torques tau (nv) on every velocity coordinate, floating bases included.
+const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                        SceneData& data);
+
 /// After solve: the 1-norm condition number of each island's K, estimated by a few solves with the factor at hand
 /// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse used.
 void estimate_condition(const Scene& scene, SceneData& data);
+
+/// After solve: bounds of the errors of each island's a and f, into the report, by a few solves with the factor at hand:
+///
+///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + what K and b were computed from))
+///
+/// in the maximum norm, to first order in eps; c grows with the depth of the trees. Failed islands: infinite.
+/// Source: Higham, Accuracy and Stability (2002), 7.2 and ch. 15.
+void estimate_errors(const Scene& scene, SceneData& data);
 
 }  // namespace manycontact

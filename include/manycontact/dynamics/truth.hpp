@@ -1,6 +1,7 @@
 #pragma once
-// The dense forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that the answers in
-// double are measured against. No structure is used but the islands; nothing is kept.
+// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that the answers in double
+// are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth is for
+// islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
 
 #include "manycontact/dynamics/data.hpp"
 
@@ -19,5 +20,15 @@ struct Truth {
 template <class S>
 Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
                      const VecX<S>& u);
+
+/// The same, for the contacts of `data`, solved by sparse-ldl at this state or within 1e-8 of it: per island
+///
+///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
+///
+/// until the backward error stops falling. Islands that sparse-ldl did not answer, or where that ends above 1e4 eps of S,
+/// are solved densely up to `dense_size` unknowns; larger ones are not known: NaN, not regular. rank: nc where refined.
+template <class S>
+Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
+                      int dense_size);
 
 }  // namespace manycontact

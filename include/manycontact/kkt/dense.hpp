@@ -24,10 +24,12 @@ template <class S>
 struct DenseKkt {
   MatX<S> M, J;  // nv x nv, nc x nv
   S delta = S(0);
+  S J_size = S(0);  // rows of J count against this too (contact/rows.hpp, motion_size): all of J may be rounding
 
   // by factor
   int rank = 0;          // of J
-  bool regular = false;  // N^T M N is positive definite, whatever delta: contacts hold what M lets go
+  bool holds = false;    // N^T M N is positive definite, whatever delta: contacts hold what M lets go
+  bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
   Eigen::CompleteOrthogonalDecomposition<MatX<S>> cod;  // of J^T
   MatX<S> N;                                            // nv x (nv - rank): orthonormal basis of J's null space
   Eigen::LLT<MatX<S>> reduced;                          // of N^T M N

@@ -12,7 +12,7 @@ namespace manycontact {
 /// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
 enum class Order {
   kLeafToRoot,     // contacts last: sound whenever J has full rank
-  kContactsEarly,  // a contact as soon as enough of its joints are eliminated to give it pivots; less fill
+  kContactsEarly,  // a contact as soon as joints that move it in all its directions are eliminated; less fill
   kCamd,           // SuiteSparse CAMD, all joints before all contacts
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};

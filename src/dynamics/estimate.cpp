@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "internal.hpp"
+#include "manycontact/sparse/condition.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using Apply = std::function<void(double*)>;
+
+Eigen::MatrixXd dense_matrix(const KktSystem& s) {
+  const sparse::UpperCsc& K = s.pattern->K;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(K.n, K.n);
+  for (int j = 0; j < K.n; ++j)
+    for (int k = K.p[j]; k < K.p[j + 1]; ++k) out(K.i[k], j) = out(j, K.i[k]) = s.Kx[k];
+  return out;
+}
+
+// x <- K^-1 x (or K's generalised inverse) by the factor at hand.
+Apply inverse(const Scene& scene, IslandData& d) {
+  if (d.factor != Factor::kDenseSchur) return [&](double* x) { internal::solve_with_factor(scene, d, x); };
+  // a factor of the whole scene: here the island's own is needed
+  return [lu = dense_matrix(d.system).partialPivLu(), n = d.island.size()](double* x) {
+    Eigen::Map<Eigen::VectorXd> rhs(x, n);
+    rhs = lu.solve(rhs).eval();
+  };
+}
+
+double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
+
+// What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about the
+// robot's base.
+void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
+  double motion = 0;  // of the bodies, accelerations and what velocities make of them
+  for (int i = 0; i < model.njoints(); ++i)
+    motion = std::max(motion, largest(r.kin.a[i]) + std::pow(largest(r.kin.v[i]), 2));
+  double moved = 0;  // sum |S_j| |a_j|
+  for (int j = 0; j < model.nv; ++j) moved += largest(r.kin.J.col(j)) * std::abs(a[j]);
+  for (int i = 0; i < model.nv; ++i) {
+    const Inertia<double>& Y = r.Yc[model.dof_joint[i]];
+    const double size = std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
+    w[i] = largest(r.kin.J.col(i)) * size * (motion + moved);
+  }
+}
+
+// The same of a contact's rows, and what its J leaves in the rows of the coordinates: J's entries are as good as the motions
+// they are picked from.
+void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
+                      double f, double& of_row, std::vector<double>& w) {
+  const double size = motion_size(c, d);
+  const double v = std::max(largest(d.vA), largest(d.vB));
+  of_row = largest(d.aA) + largest(d.aB) + v * v + std::abs(c.beta) * v +
+           std::abs(c.alpha) * (1 + d.aMA.p.cwiseAbs().maxCoeff() + d.bMA.p.cwiseAbs().maxCoeff() +
+                                c.B.placement.p.cwiseAbs().maxCoeff());
+  for (int column : columns) {
+    of_row += size * std::abs(a[column]);
+    w[column] += size * f;
+  }
+}
+
+// |r| + c eps (everything the rows were computed from), in elimination order.
+std::vector<double> uncertainty(const Scene& scene, const SceneData& data, const IslandData& d) {
+  const KktSystem& s = d.system;
+  const int* iperm = s.pattern->iperm.data();
+  std::vector<double> w(d.island.size(), 0.0), a(d.island.nv);  // in the island's order
+  for (int k = 0; k < d.island.nv; ++k) a[k] = s.x[iperm[k]];
+  int depth = 0;
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Model& model = *scene.robots[d.island.robots[k]].model;
+    const int o = d.island.dof_offset[k];
+    inertia_rounding(model, data.robots[d.island.robots[k]], a.data() + o, w.data() + o);
+    for (int i : model.dof_depth) depth = std::max(depth, i);
+  }
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[d.island.contacts[k]];
+    const int first = d.island.nv + d.island.row_offset[k];
+    double f = 0, of_row = 0;
+    for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
+    contact_rounding(contact, data.contacts[d.island.contacts[k]], a.data(), d.support.columns[k], f, of_row, w);
+    for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
+  }
+  const double eps = std::numeric_limits<double>::epsilon();
+  // Where rows are dependent, rounding of J turns its null space as well, and with it the forces of least norm.
+  const double c = (8 + depth) * (internal::rank_deficient(d) ? 4 : 1);
+  std::vector<double> out(w.size());
+  for (std::size_t k = 0; k < w.size(); ++k) {
+    const int at = iperm[k];
+    out[at] = std::abs(s.r[at]) + c * eps * (s.scale[at] + w[k]);
+  }
+  return out;
+}
+
+// max over the rows kept of |K^-1| w: the 1-norm of diag(w) K^-1 restricted to their columns.
+double bound(const Apply& solve, const std::vector<double>& w, const std::vector<char>& kept) {
+  const int n = static_cast<int>(w.size());
+  const auto mask = [&](double* x) {
+    for (int k = 0; k < n; ++k) x[k] *= kept[k];
+  };
+  const auto scale = [&](double* x) {
+    for (int k = 0; k < n; ++k) x[k] *= w[k];
+  };
+  constexpr double kSure = 3;  // the estimate is a lower bound, nearly always within this
+  return kSure * sparse::norm_1_estimate(
+      n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
+}
+
+}  // namespace
+
+void estimate_errors(const Scene& scene, SceneData& data) {
+  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+    IslandData& d = data.islands[i];
+    IslandReport& report = data.report.islands[i];
+    report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
+    if (d.factor == Factor::kNone) continue;
+    const Apply solve = inverse(scene, d);
+    const std::vector<double> w = uncertainty(scene, data, d);
+    std::vector<char> kept(w.size());
+    const auto relative = [&](int first, int count) {
+      double size = 0;
+      std::fill(kept.begin(), kept.end(), 0);
+      for (int k = first; k < first + count; ++k) {
+        kept[d.system.pattern->iperm[k]] = 1;
+        size = std::max(size, std::abs(d.system.x[d.system.pattern->iperm[k]]));
+      }
+      const double error = count > 0 ? bound(solve, w, kept) : 0;
+      return error == 0 ? 0 : error / size;
+    };
+    report.error_acceleration = relative(0, d.island.nv);
+    report.error_forces = relative(d.island.nv, d.island.nc);
+  }
+  summarise(data.report);
+}
+
+void estimate_condition(const Scene& scene, SceneData& data) {
+  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+    IslandData& d = data.islands[i];
+    KktSystem& s = d.system;
+    if (d.factor == Factor::kNone) {
+      data.report.islands[i].condition = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    std::vector<double> sums(d.island.size());
+    const double norm = sparse::norm_1(s.pattern->K, s.Kx.data(), sums.data());
+    data.report.islands[i].condition = norm * sparse::inverse_norm_1(d.island.size(), inverse(scene, d));
+  }
+  summarise(data.report);
+}
+
+}  // namespace manycontact

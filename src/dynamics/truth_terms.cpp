@@ -1,0 +1,45 @@
+#include "truth_terms.hpp"
+
+#include "manycontact/algorithm/rnea.hpp"
+
+namespace manycontact::internal {
+
+template <class S>
+TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v) {
+  TruthTerms<S> t;
+  std::vector<Vec6<S>> f;
+  std::vector<Inertia<S>> Yc;
+  for (const Robot& robot : scene.robots) {
+    const Model& model = *robot.model;
+    Kinematics<S>& kin = t.kin.emplace_back(model);
+    forward_kinematics<S>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
+    forward_accelerations<S>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
+    inverse_dynamics<S>(model, kin, nullptr, {}, f, t.h.emplace_back(model.nv));
+    crba<S>(model, kin, Yc, t.M.emplace_back(model.M_begin[model.nv]).data());
+  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    const ContactSupport& support = t.supports.emplace_back(contact_support(scene, contact));
+    ContactData<S>& rows = t.contacts.emplace_back(contact, support);
+    if (active[c])
+      contact_rows<S>(scene, contact, support, t.kin[contact.A.robot],
+                      contact.B.robot < 0 ? nullptr : &t.kin[contact.B.robot], rows);
+  }
+  return t;
+}
+
+template <class S>
+VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u) {
+  const Model& model = *scene.robots[robot].model;
+  VecX<S> out = -t.h[robot];
+  out.tail(model.nu()) += u.segment(scene.robots[robot].idx_u, model.nu());
+  return out;
+}
+
+template TruthTerms<InstantiatedScalar> truth_terms<InstantiatedScalar>(const Scene&, const std::vector<char>&,
+                                                                        const VecX<InstantiatedScalar>&,
+                                                                        const VecX<InstantiatedScalar>&);
+template VecX<InstantiatedScalar> bias_torques<InstantiatedScalar>(const Scene&, const TruthTerms<InstantiatedScalar>&,
+                                                                   int, const VecX<InstantiatedScalar>&);
+
+}  // namespace manycontact::internal

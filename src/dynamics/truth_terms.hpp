@@ -1,0 +1,27 @@
+#pragma once
+// What the two truths share: the terms of a scene in S, and the dense solution of one island.
+
+#include "manycontact/dynamics/truth.hpp"
+
+namespace manycontact::internal {
+
+template <class S>
+struct TruthTerms {
+  std::vector<Kinematics<S>> kin;        // per robot
+  std::vector<VecX<S>> M, h;             // per robot, M packed
+  std::vector<ContactSupport> supports;  // per contact of the scene
+  std::vector<ContactData<S>> contacts;  // per contact of the scene; numbers of the active ones only
+};
+template <class S>
+TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v);
+
+/// S^T u - h of one robot.
+template <class S>
+VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u);
+
+/// The island's a and f into `out`, its rank and regularity to the end of the lists there.
+template <class S>
+void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& island, const std::vector<int>& f_offset,
+                 const VecX<S>& u, Truth<S>& out);
+
+}  // namespace manycontact::internal
