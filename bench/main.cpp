@@ -47,6 +47,13 @@ constexpr Claim kClaims[] = {
      "derivatives/separate/16/sparse-ldl", 1, ">= 20"},
     {"derivatives per robot, 256 / 1 separate", "derivatives/separate/256/sparse-ldl",
      "derivatives/separate/1/sparse-ldl", 256, "<= 1.3"},
+    {"feet on corners: redundant / damped by 1e-6", "redundant/feet_on_corners/undamped",
+     "redundant/feet_on_corners/damped", 1, "<= 1.5"},
+    {"anymal's loop: redundant / damped by 1e-6", "redundant/anymal_loop/undamped", "redundant/anymal_loop/damped", 1,
+     "<= 1.5"},
+    {"talos: action model's calc / ldl_numeric", "action/calc/1", "parts/talos/ldl_numeric", 1, "18.0 / 3.7 Crocoddyl"},
+    {"talos: action model's calcDiff / ldl_numeric", "action/calcDiff/1", "parts/talos/ldl_numeric", 1,
+     "55.9 / 3.7 Crocoddyl"},
     {"16 separate: vjp / solve", "vjp/separate/16", "solve/separate/16/auto", 1, "<= 3"},
 };
 

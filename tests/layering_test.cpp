@@ -39,10 +39,11 @@ const std::vector<Guarded> guarded = {
      std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
 };
 
-// The floor of a file, by its path from the top of the repository: "kkt" for src/kkt/assemble.cpp.
+// The floor of a file, by its path from the top of the repository: "kkt" for src/kkt/assemble.cpp, "action" for the
+// umbrella include/manycontact/action.hpp.
 std::optional<std::string> floor_of(const std::string& file) {
   static const std::regex place(
-      "(?:sparse/include/manycontact|include/manycontact|src)/(\\w+)/.*|(sparse)/src/.*");
+      "(?:sparse/include/manycontact|include/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
   std::smatch match;
   if (!std::regex_match(file, match, place)) return std::nullopt;
   const std::string name = match[1].matched ? match[1] : match[2];

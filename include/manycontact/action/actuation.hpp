@@ -1,0 +1,96 @@
+#pragma once
+// tau(x, u): how controls become torques on the velocity coordinates. Interface of Crocoddyl's ActuationModelAbstract; the
+// matrices are sparse, so that a scene of many robots does not pay n^2.
+
+#include <Eigen/SparseCore>
+
+#include "manycontact/action/state.hpp"
+
+namespace manycontact {
+
+class ActuationModelAbstract;
+
+struct ActuationDataAbstract {
+  explicit ActuationDataAbstract(const ActuationModelAbstract* model);
+  virtual ~ActuationDataAbstract() = default;
+
+  Eigen::VectorXd tau;                       // nv: by calc
+  Eigen::VectorXd u;                         // nu: by commands
+  Eigen::SparseMatrix<double> dtau_dx;       // nv x ndx: by calcDiff
+  Eigen::SparseMatrix<double> dtau_du;       // nv x nu: by calcDiff
+  Eigen::SparseMatrix<double> Mtau;          // nu x nv: by torqueTransform
+  std::vector<bool> tau_set;                 // nv: actuated coordinates
+};
+
+class ActuationModelAbstract {
+ public:
+  ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  virtual ~ActuationModelAbstract() = default;
+
+  /// data->tau.
+  virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                    const ConstVectorRef& u) = 0;
+  /// Without control: nothing to do.
+  void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  /// data->dtau_dx, dtau_du.
+  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                        const ConstVectorRef& u) = 0;
+  void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  /// data->u: the controls that give tau where the actuation can.
+  virtual void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                        const ConstVectorRef& tau) = 0;
+  /// data->Mtau: u = Mtau tau.
+  virtual void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                               const ConstVectorRef& u) = 0;
+  virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
+
+  /// Where each control is the torque of one coordinate: that coordinate, for each of the nu; empty otherwise. Lets the
+  /// derivatives be written in place without a product.
+  virtual const std::vector<int>& selection() const { return selection_; }
+
+  std::size_t get_nu() const { return nu_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
+  virtual void print(std::ostream& os) const;
+
+ protected:
+  void check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const;
+  std::size_t nu_;
+  std::shared_ptr<StateAbstract> state_;
+  std::vector<int> selection_;
+};
+std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);
+
+/// u is the torque of a selection of coordinates.
+class ActuationModelSelection : public ActuationModelAbstract {
+ public:
+  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ActuationModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ActuationModelAbstract::calcDiff;
+  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& tau) override;
+  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                       const ConstVectorRef& u) override;
+  std::shared_ptr<ActuationDataAbstract> createData() override;
+  void print(std::ostream& os) const override;
+
+ protected:
+  ActuationModelSelection(std::shared_ptr<StateMultibody> state, std::vector<int> selection, std::string name);
+  std::string name_;
+};
+
+/// Every coordinate, floating bases included: nu = nv.
+class ActuationModelFull : public ActuationModelSelection {
+ public:
+  explicit ActuationModelFull(std::shared_ptr<StateMultibody> state);
+};
+
+/// All but the floating bases, of every robot. Throws std::invalid_argument when no robot has one.
+class ActuationModelFloatingBase : public ActuationModelSelection {
+ public:
+  explicit ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state);
+};
+
+}  // namespace manycontact

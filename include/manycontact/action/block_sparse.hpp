@@ -1,0 +1,48 @@
+#pragma once
+// A sparse matrix that is a sum of small dense blocks, with a pattern that is laid out once.
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+namespace manycontact {
+
+class BlockSparse {
+ public:
+  /// Forgets all blocks.
+  void clear() { planned_.clear(); }
+  /// Announces a block; returns its number. rows[i], cols[j]: places of the block's rows and columns.
+  std::size_t plan(const std::vector<int>& rows, const std::vector<int>& cols);
+  std::size_t size() const { return planned_.size(); }
+  /// Makes the pattern of all blocks.
+  void finish(int rows, int cols);
+
+  void set_zero();
+  /// matrix += weight * values at the block's places. values: rows x cols of the block.
+  template <class Derived>
+  void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
+    double* A = matrix.valuePtr();
+    const int* slot = planned_[block].slots.data();
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+      for (Eigen::Index i = 0; i < values.rows(); ++i) A[*slot++] += weight * values(i, j);
+  }
+
+  /// The same of some rows of `values`, as many as the block has.
+  template <class Derived>
+  void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values, const std::vector<int>& rows) {
+    double* A = matrix.valuePtr();
+    const int* slot = planned_[block].slots.data();
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+      for (int i : rows) A[*slot++] += weight * values(i, j);
+  }
+
+  Eigen::SparseMatrix<double> matrix;
+
+ private:
+  struct Block {
+    std::vector<int> rows, cols;
+    std::vector<int> slots;  // of each entry, by columns
+  };
+  std::vector<Block> planned_;
+};
+
+}  // namespace manycontact

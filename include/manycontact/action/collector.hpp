@@ -1,0 +1,38 @@
+#pragma once
+// What residuals see of the action model: the scene, its solution, torques and contacts. What Crocoddyl calls
+// DataCollectorJointActMultibodyInContact.
+
+#include "manycontact/action/actuation.hpp"
+#include "manycontact/action/contact.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact {
+
+/// Where an island's rows and columns are in the state's and the control's vectors.
+struct IslandColumns {
+  std::vector<int> v;  // nv of the island: of the velocity coordinates; also the rows of its accelerations
+  std::vector<int> x;  // 2 nv: columns [q | v] in ndx
+  std::vector<int> u;  // in nu, ascending by robot
+};
+
+struct DataCollector {
+  DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
+
+  Scene scene;           // the state's robots, the contacts in the order of their names, damping, armature
+  SceneData solution;    // kinematics of the last calc; accelerations, forces and derivatives of the last calc(data, x, u)
+  std::shared_ptr<ActuationDataAbstract> actuation;
+  std::shared_ptr<ContactDataMultiple> contacts;
+  std::vector<IslandColumns> islands;   // of solution.islands
+  // Derivatives by the state and the control, per island [a; f] x [q | v | u]. For a custom actuation, da/dtau is multiplied
+  // out; for a selection they are the solution's own.
+  PanelView panel(std::size_t island) const;
+  std::vector<RowMajorMatrix> custom;   // per island, for a custom actuation
+
+  const Kinematics<double>& kinematics(int robot) const { return solution.robots[robot].kin; }
+  /// The contact model's data on this frame. Throws std::invalid_argument when there is none, or more than one.
+  const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who) const;
+};
+using DataCollectorAbstract = DataCollector;
+
+}  // namespace manycontact

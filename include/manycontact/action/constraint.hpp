@@ -1,0 +1,117 @@
+#pragma once
+// Constraints on residuals, and their stack. Names and interface of Crocoddyl.
+
+#include "manycontact/action/diff_action.hpp"
+#include "manycontact/action/residual.hpp"
+
+namespace manycontact {
+
+/// lower <= r(x, u) <= upper; components whose bounds are equal are equality constraints h = r - lower.
+class ConstraintModelResidual {
+ public:
+  /// In terminal nodes too, unless `T_act` is false or the residual needs controls, accelerations or forces.
+  ConstraintModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual,
+                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
+  /// r = 0.
+  ConstraintModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual,
+                          bool T_act = true);
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
+  std::size_t get_nu() const { return residual_->get_nu(); }
+  std::size_t get_ng() const { return inequalities_.size(); }
+  std::size_t get_nh() const { return equalities_.size(); }
+  bool get_T_constraint() const { return T_; }
+  const Eigen::VectorXd& get_lb() const { return lb_; }  // nr
+  const Eigen::VectorXd& get_ub() const { return ub_; }
+  /// Components of r that are inequalities, equalities; ascending.
+  const std::vector<int>& get_inequalities() const { return inequalities_; }
+  const std::vector<int>& get_equalities() const { return equalities_; }
+  void print(std::ostream& os) const;
+
+ private:
+  std::shared_ptr<StateMultibody> state_;
+  std::shared_ptr<ResidualModelAbstract> residual_;
+  Eigen::VectorXd lb_, ub_;
+  std::vector<int> inequalities_, equalities_;
+  bool T_;
+};
+std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);
+
+using ConstraintModelAbstract = ConstraintModelResidual;
+
+struct ConstraintItem {
+  std::string name;
+  std::shared_ptr<ConstraintModelAbstract> constraint;
+  bool active = true;
+};
+
+/// g, h and their Jacobians are written into the action's data.
+struct ConstraintDataManager {
+  std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
+  DataCollector* shared = nullptr;
+  std::size_t version = 0, status = 0;         // of the model when last laid out
+  bool terminal = false;
+  DifferentialActionDataAbstract* out = nullptr;
+  // Parts of the residuals' blocks that are rows of g, and of h.
+  struct Part {
+    std::size_t block = 0;          // of the residual
+    std::vector<int> from, to;      // rows of the block, rows of g (of h)
+    std::size_t xplan = 0, uplan = 0;  // in the sparse matrices
+  };
+  std::map<std::string, std::vector<Part>> g_parts, h_parts;
+};
+
+class ConstraintModelManager {
+ public:
+  using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
+
+  ConstraintModelManager(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit ConstraintModelManager(std::shared_ptr<StateMultibody> state);  // nu = nv
+
+  /// Throw std::invalid_argument for a name that is taken (unknown), a constraint of another state or nu.
+  void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
+  void removeConstraint(const std::string& name);
+  void changeConstraintStatus(const std::string& name, bool active);
+  bool getConstraintStatus(const std::string& name) const;
+
+  /// out->g, out->h (of a terminal node without u); then their Jacobians. They are resized when the active set, or the
+  /// kind of node, has changed.
+  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
+  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
+  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
+  /// Lays out the residuals' blocks again (the islands changed), and the sizes of out's vectors and matrices.
+  void lay_out(ConstraintDataManager& data, bool terminal) const;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const ConstraintModelContainer& get_constraints() const { return constraints_; }
+  std::size_t get_nu() const { return nu_; }
+  std::size_t get_ng() const { return ng_; }      // of the active constraints
+  std::size_t get_nh() const { return nh_; }
+  std::size_t get_ng_T() const { return ng_T_; }  // of those that hold in a terminal node
+  std::size_t get_nh_T() const { return nh_T_; }
+  const Eigen::VectorXd& get_lb() const { return lb_; }  // ng
+  const Eigen::VectorXd& get_ub() const { return ub_; }
+  const std::set<std::string>& get_active_set() const { return active_set_; }
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
+  std::size_t get_version() const { return version_; }  // of the set of constraints
+  std::size_t get_status() const { return status_; }    // counts switches
+  void print(std::ostream& os) const;
+
+ private:
+  void count();
+  bool holds(const ConstraintItem& item, bool terminal) const;
+  void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
+  void stack_values(ConstraintDataManager& data, bool terminal) const;
+  void stack_jacobians(ConstraintDataManager& data, bool terminal) const;
+  std::shared_ptr<StateMultibody> state_;
+  ConstraintModelContainer constraints_;
+  std::size_t nu_, ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, version_ = 0, status_ = 0;
+  Eigen::VectorXd lb_, ub_;
+  std::set<std::string> active_set_, inactive_set_;
+};
+std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);
+
+}  // namespace manycontact

@@ -1,0 +1,199 @@
+#pragma once
+// Contacts by Crocoddyl's names and constructors, sobec's for 1D and 3D, and one between two bodies; and their stack. The
+// equations are those of contact/rows.hpp, evaluated by the action model; here is only what a contact is.
+
+#include <map>
+#include <set>
+
+#include "manycontact/action/state.hpp"
+#include "manycontact/contact/rows.hpp"
+
+namespace manycontact {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
+
+/// Numbers of one contact, filled by the action model. The columns of Jc and da0_dx are those of the robots of A and B'
+/// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for v.
+/// Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
+struct ContactDataAbstract {
+  Eigen::MatrixXd Jc;       // nc x v_columns: by calc
+  Eigen::VectorXd a0;       // nc: by calc
+  Eigen::MatrixXd da0_dx;   // nc x 2 v_columns: by calcDiff; derivative of J a + a0 at the accelerations held constant
+  Eigen::VectorXd f;        // nc: by calc; force on A at its origin, in the contact's reference frame; zero when inactive
+  PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // nc x f_x_columns: by calcDiff, when force derivatives are on
+  PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // nc x f_u_columns
+  std::vector<int> v_columns;
+  const std::vector<int>* f_x_columns = nullptr;
+  const std::vector<int>* f_u_columns = nullptr;
+  FrameIndex frame = 0;
+  int index = -1;           // in the scene of the action data
+  bool active = true;
+};
+
+class ContactModelAbstract {
+ public:
+  virtual ~ContactModelAbstract() = default;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  std::size_t get_nc() const { return contact_.rows(); }
+  std::size_t get_nu() const { return nu_; }
+  FrameIndex get_id() const { return id_; }
+  ReferenceFrame get_type() const { return contact_.reference_frame; }
+  const Eigen::Vector2d& get_gains() const { return gains_; }
+  /// alpha [1/s^2], beta [1/s].
+  void set_gains(const Eigen::Vector2d& gains);
+  void set_id(FrameIndex id);
+  void set_type(ReferenceFrame type) { contact_.reference_frame = type; }
+  /// As the scene's equations need it.
+  const Contact& get_contact() const { return contact_; }
+  virtual void print(std::ostream& os) const;
+
+ protected:
+  ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id, ReferenceFrame frame,
+                       std::size_t nu, const Eigen::Vector2d& gains);
+  ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
+  std::shared_ptr<StateMultibody> state_;
+  Contact contact_;
+  Eigen::Vector2d gains_;
+  FrameIndex id_;
+  std::size_t nu_;
+};
+std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);
+
+enum class Vector3MaskType { x = 0, y = 1, z = 2 };  // sobec's
+
+/// One component of a point's position, along an axis of the reference frame.
+class ContactModel1D : public ContactModelAbstract {
+ public:
+  /// The component along rotation^T e_z, which stands at xref [m]. nu: of the action, default the state's nv.
+  ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
+                 const Eigen::Matrix3d& rotation, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// sobec's: a point xref [m, world], one axis of the reference frame.
+  ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
+                 ReferenceFrame ref = ReferenceFrame::kLocal);
+  ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal);
+
+  double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
+  void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
+  const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
+  void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
+  const Eigen::Vector3d& get_axis() const { return contact_.axis; }
+  void set_axis(const Eigen::Vector3d& axis);
+};
+
+/// The x and z components of a point's position. xref: (x, z) in the world; y = 0.
+class ContactModel2D : public ContactModelAbstract {
+ public:
+  ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  Eigen::Vector2d get_reference() const;
+  void set_reference(const Eigen::Vector2d& reference);
+};
+
+/// A point's position. xref: world, m.
+class ContactModel3D : public ContactModelAbstract {
+ public:
+  ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
+                 std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// sobec's.
+  ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
+  void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }
+};
+
+/// A frame's placement. pref: in the world.
+class ContactModel6D : public ContactModelAbstract {
+ public:
+  ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
+                 std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  const SE3<double>& get_reference() const { return contact_.B.placement; }
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
+};
+
+/// A frame A held to a frame B' = `to` times `offset`, on another body of any robot.
+class ContactModelBetweenBodies : public ContactModelAbstract {
+ public:
+  ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id, FrameIndex to,
+                            const SE3<double>& offset, ReferenceFrame type, std::size_t nu,
+                            const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(),
+                            const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
+  FrameIndex get_to() const { return to_; }
+  const SE3<double>& get_offset() const { return offset_; }
+  void set_offset(const SE3<double>& offset);
+
+ private:
+  FrameIndex to_;
+  SE3<double> offset_;
+};
+
+/// A contact as a scene file describes it: any attachment, offsets included.
+class ContactModelOfScene : public ContactModelAbstract {
+ public:
+  ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
+};
+
+struct ContactItem {
+  std::string name;
+  std::shared_ptr<ContactModelAbstract> contact;
+  bool active = true;
+};
+
+struct ContactDataMultiple {
+  std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
+};
+
+/// The contacts of an action model, by name; their rows stack in the order of names.
+class ContactModelMultiple {
+ public:
+  using ContactModelContainer = std::map<std::string, std::shared_ptr<ContactItem>>;
+
+  ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state);  // nu = nv
+
+  /// Throw std::invalid_argument for a name that is taken (unknown), a contact of another state or nu.
+  void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
+  void removeContact(const std::string& name);
+  void changeContactStatus(const std::string& name, bool active);
+  bool getContactStatus(const std::string& name) const;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const ContactModelContainer& get_contacts() const { return contacts_; }
+  std::size_t get_nc() const { return nc_; }              // rows of the active contacts
+  std::size_t get_nc_total() const { return nc_total_; }  // rows of all
+  std::size_t get_nu() const { return nu_; }
+  const std::set<std::string>& get_active_set() const { return active_set_; }
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
+  std::size_t get_version() const { return version_; }    // of the set of contacts, not of their status
+  void print(std::ostream& os) const;
+
+ private:
+  std::shared_ptr<StateMultibody> state_;
+  ContactModelContainer contacts_;
+  std::size_t nc_ = 0, nc_total_ = 0, nu_, version_ = 0;
+  std::set<std::string> active_set_, inactive_set_;
+};
+std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model);
+
+/// All contacts of a scene (those of a scene file, say) by their names.
+std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,
+                                                        std::size_t nu);
+
+}  // namespace manycontact

@@ -1,0 +1,121 @@
+#pragma once
+// Costs a(r(x, u)) and their weighted sum, with Gauss-Newton Hessians. Names and interface of Crocoddyl.
+
+#include "manycontact/action/activation.hpp"
+#include "manycontact/action/cost_derivatives.hpp"
+#include "manycontact/action/residual.hpp"
+
+namespace manycontact {
+
+class CostModelResidual;
+
+struct CostDataResidual {
+  CostDataResidual(CostModelResidual* model, DataCollector* shared);
+  double cost = 0;
+  std::shared_ptr<ActivationDataAbstract> activation;
+  std::shared_ptr<ResidualDataAbstract> residual;
+  struct Hessian {  // of one block: Rx^T Arr Rx, ...
+    Eigen::MatrixXd ARx, ARu, xx, xu, uu;
+  };
+  std::vector<Hessian> hessians;
+};
+
+class CostModelResidual {
+ public:
+  CostModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActivationModelAbstract> activation,
+                    std::shared_ptr<ResidualModelAbstract> residual);
+  /// With the activation 1/2 |r|^2.
+  CostModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual);
+
+  /// data->cost.
+  void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
+  /// Jacobians, and data->hessians of each block.
+  void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
+  std::shared_ptr<CostDataResidual> createData(DataCollector* shared);
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
+  std::size_t get_nu() const { return residual_->get_nu(); }
+  void print(std::ostream& os) const;
+
+ private:
+  void form_hessians(CostDataResidual& data) const;
+  std::shared_ptr<StateMultibody> state_;
+  std::shared_ptr<ActivationModelAbstract> activation_;
+  std::shared_ptr<ResidualModelAbstract> residual_;
+};
+std::ostream& operator<<(std::ostream& os, const CostModelResidual& model);
+
+using CostModelAbstract = CostModelResidual;
+using CostDataAbstract = CostDataResidual;
+
+struct CostItem {
+  std::string name;
+  std::shared_ptr<CostModelAbstract> cost;
+  double weight = 1;
+  bool active = true;
+};
+
+struct CostDataSum {
+  double cost = 0;                           // by calc
+  CostDerivatives* derivatives = &own;       // by calcDiff
+  std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
+  DataCollector* shared = nullptr;
+  std::size_t version = 0;                   // of the model's set of costs
+  struct Plan {
+    std::size_t xx = 0, xu = 0, uu = 0;      // the cost's first block in each sparse matrix
+  };
+  std::vector<Plan> plans;                   // per cost, in their order
+  CostDerivatives own;
+
+  CostDataSum() = default;
+  CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
+};
+
+class CostModelSum {
+ public:
+  using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
+
+  CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit CostModelSum(std::shared_ptr<StateMultibody> state);  // nu = nv
+
+  /// Throw std::invalid_argument for a name that is taken (unknown), a cost of another state or nu.
+  void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
+  void removeCost(const std::string& name);
+  void changeCostStatus(const std::string& name, bool active);
+  bool getCostStatus(const std::string& name) const;
+
+  /// data->cost and, with weights, data->derivatives of the active costs.
+  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
+  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
+  /// The derivatives go into `out` when it is given, of the right sizes.
+  std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
+  /// Lays out the residuals' blocks again (the islands changed) and the patterns of data->derivatives.
+  void lay_out(CostDataSum& data) const;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const CostModelContainer& get_costs() const { return costs_; }
+  std::size_t get_nu() const { return nu_; }
+  std::size_t get_nr() const { return nr_; }              // of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }  // of all
+  const std::set<std::string>& get_active_set() const { return active_set_; }
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
+  std::size_t get_version() const { return version_; }
+  void print(std::ostream& os) const;
+
+ private:
+  void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
+  void add_up(CostDataSum& data, bool terminal) const;
+  std::shared_ptr<StateMultibody> state_;
+  CostModelContainer costs_;
+  std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
+  std::set<std::string> active_set_, inactive_set_;
+};
+std::ostream& operator<<(std::ostream& os, const CostModelSum& model);
+
+}  // namespace manycontact

@@ -1,0 +1,58 @@
+#pragma once
+// Names that code written for Crocoddyl expects, and the checks every public member makes.
+
+#include <Eigen/Core>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+using FrameIndex = std::size_t;  // a frame of a Multibody, over all its robots
+
+inline constexpr ReferenceFrame LOCAL = ReferenceFrame::kLocal;
+inline constexpr ReferenceFrame WORLD = ReferenceFrame::kWorld;
+inline constexpr ReferenceFrame LOCAL_WORLD_ALIGNED = ReferenceFrame::kLocalWorldAligned;
+
+struct MathBase {
+  using Scalar = double;
+  using Vector2s = Eigen::Vector2d;
+  using Vector3s = Eigen::Vector3d;
+  using Vector6s = Vec6<double>;
+  using VectorXs = Eigen::VectorXd;
+  using Matrix3s = Eigen::Matrix3d;
+  using Matrix6s = Mat6<double>;
+  using MatrixXs = Eigen::MatrixXd;
+  using Quaternions = Eigen::Quaterniond;
+};
+
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
+using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
+
+/// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" when they differ.
+inline void check_size(const char* where, const char* what, Eigen::Index given, std::size_t expected) {
+  if (given != static_cast<Eigen::Index>(expected))
+    throw std::invalid_argument(std::string(where) + ": " + what + " has " + std::to_string(given) + " numbers, " +
+                                std::to_string(expected) + " expected");
+}
+
+/// Throws std::invalid_argument when there are no data.
+template <class Data>
+Data& check_data(const char* where, const std::shared_ptr<Data>& data) {
+  if (data == nullptr)
+    throw std::invalid_argument(std::string(where) + ": the data are a null pointer, data of createData() are expected");
+  return *data;
+}
+
+/// Throws std::invalid_argument "where: what" when the condition does not hold. The first allocates nothing.
+inline void require(bool condition, const char* where, const char* what) {
+  if (!condition) throw std::invalid_argument(std::string(where) + ": " + what);
+}
+inline void require(bool condition, const std::string& where, const std::string& what) {
+  if (!condition) throw std::invalid_argument(where + ": " + what);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,113 @@
+#pragma once
+// Residuals of one frame of a robot. Names and constructors of Crocoddyl; nu defaults to nv as there.
+
+#include "manycontact/action/residual.hpp"
+
+namespace manycontact {
+
+class FrameResidual : public ResidualModelAbstract {
+ public:
+  std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
+  void lay_out(ResidualDataAbstract& data) const override;
+  void print(std::ostream& os) const override;
+
+  FrameIndex get_id() const { return id_; }
+  /// For data created from now on. Throws std::invalid_argument for a frame that does not exist.
+  void set_id(FrameIndex id);
+
+ protected:
+  FrameResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr, std::size_t nu,
+                Dependence on);
+  const char* name_;
+  FrameIndex id_;
+};
+
+/// log6(pref^-1 oMf), in the reference's axes.
+class ResidualModelFramePlacement : public FrameResidual {
+ public:
+  ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                              std::size_t nu);
+  ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+
+  const SE3<double>& get_reference() const { return pref_; }
+  void set_reference(const SE3<double>& reference) { pref_ = reference; }
+
+ private:
+  SE3<double> pref_;
+};
+
+/// p - xref, m in the world.
+class ResidualModelFrameTranslation : public FrameResidual {
+ public:
+  ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                                std::size_t nu);
+  ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+
+  const Eigen::Vector3d& get_reference() const { return xref_; }
+  void set_reference(const Eigen::Vector3d& reference) { xref_ = reference; }
+
+ private:
+  Eigen::Vector3d xref_;
+};
+
+/// log3(Rref^T R).
+class ResidualModelFrameRotation : public FrameResidual {
+ public:
+  ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref,
+                             std::size_t nu);
+  ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+
+  const Eigen::Matrix3d& get_reference() const { return Rref_; }
+  void set_reference(const Eigen::Matrix3d& reference) { Rref_ = reference; }
+
+ private:
+  Eigen::Matrix3d Rref_;
+};
+
+/// The frame's spatial velocity [linear; angular] minus vref, both in `type`'s axes (as in algorithm/frames.hpp).
+class ResidualModelFrameVelocity : public FrameResidual {
+ public:
+  ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,
+                             ReferenceFrame type, std::size_t nu);
+  ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,
+                             ReferenceFrame type);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+
+  const Vec6<double>& get_reference() const { return vref_; }
+  void set_reference(const Vec6<double>& reference) { vref_ = reference; }
+  ReferenceFrame get_type() const { return type_; }
+  void set_type(ReferenceFrame type) { type_ = type; }
+
+ private:
+  Vec6<double> vref_;
+  ReferenceFrame type_;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,112 @@
+#pragma once
+// Residuals of state, control, torques and accelerations. Names and constructors of Crocoddyl; nu defaults to nv as
+// there.
+
+#include "manycontact/action/residual.hpp"
+
+namespace manycontact {
+
+/// x (-) xref (2 nv).
+class ResidualModelState : public ResidualModelAbstract {
+ public:
+  ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref, std::size_t nu);
+  ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref);
+  /// xref = state->zero().
+  ResidualModelState(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit ResidualModelState(std::shared_ptr<StateMultibody> state);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+  void lay_out(ResidualDataAbstract& data) const override;
+  void print(std::ostream& os) const override;
+
+  const Eigen::VectorXd& get_reference() const { return xref_; }
+  void set_reference(const Eigen::VectorXd& reference);
+
+ private:
+  Eigen::VectorXd xref_;
+};
+
+/// u - uref (nu).
+class ResidualModelControl : public ResidualModelAbstract {
+ public:
+  ResidualModelControl(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& uref);
+  /// uref = 0.
+  ResidualModelControl(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit ResidualModelControl(std::shared_ptr<StateMultibody> state);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+  void lay_out(ResidualDataAbstract& data) const override;
+  void print(std::ostream& os) const override;
+
+  const Eigen::VectorXd& get_reference() const { return uref_; }
+  void set_reference(const Eigen::VectorXd& reference);
+
+ private:
+  Eigen::VectorXd uref_;
+};
+
+/// Joint efforts against a reference (nu): in forward dynamics the efforts are the controls, as in Crocoddyl, u - uref.
+class ResidualModelJointEffort : public ResidualModelAbstract {
+ public:
+  /// nu must be the actuation's. fwddyn is there for Crocoddyl's signature and changes nothing.
+  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+                           const Eigen::VectorXd& uref, std::size_t nu, bool fwddyn = false);
+  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+                           const Eigen::VectorXd& uref);
+  /// uref = 0.
+  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+                           std::size_t nu);
+  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+  void lay_out(ResidualDataAbstract& data) const override;
+  void print(std::ostream& os) const override;
+
+  const Eigen::VectorXd& get_reference() const { return uref_; }
+  void set_reference(const Eigen::VectorXd& reference);
+
+ private:
+  Eigen::VectorXd uref_;
+};
+
+/// a - aref (nv).
+class ResidualModelJointAcceleration : public ResidualModelAbstract {
+ public:
+  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& aref, std::size_t nu);
+  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& aref);
+  /// aref = 0.
+  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  explicit ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state);
+
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ResidualModelAbstract::calcDiff;
+  void lay_out(ResidualDataAbstract& data) const override;
+  void print(std::ostream& os) const override;
+
+  const Eigen::VectorXd& get_reference() const { return aref_; }
+  void set_reference(const Eigen::VectorXd& reference);
+
+ private:
+  Eigen::VectorXd aref_;
+};
+
+}  // namespace manycontact

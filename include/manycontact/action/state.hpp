@@ -1,0 +1,87 @@
+#pragma once
+// The state x = [q; v] of a scene, nx = nq + nv, and its tangent dx = [dq; dv], ndx = 2 nv; dq lives in each joint's own
+// child frame. Interface of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes throw std::invalid_argument.
+
+#include "manycontact/action/multibody.hpp"
+
+namespace manycontact {
+
+enum Jcomponent { both = 0, first = 1, second = 2 };
+enum AssignmentOp { setto, addto, rmfrom };
+
+class StateAbstract {
+ public:
+  StateAbstract(std::size_t nx, std::size_t ndx);
+  virtual ~StateAbstract() = default;
+
+  virtual Eigen::VectorXd zero() const = 0;
+  virtual Eigen::VectorXd rand() const = 0;
+  /// dxout = x1 (-) x0.
+  virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
+  /// xout = x (+) dx.
+  virtual void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const = 0;
+  /// Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx); those not asked for are left alone.
+  virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
+                     Jcomponent firstsecond = both) const = 0;
+  /// Jfirst = d integrate/dx, Jsecond = d integrate/d(dx); set, added or subtracted.
+  virtual void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
+                          Jcomponent firstsecond = both, AssignmentOp op = setto) const = 0;
+  /// Jin (ndx rows) <- J Jin with J the `first` or `second` of Jintegrate.
+  virtual void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
+                                   Jcomponent firstsecond) const = 0;
+
+  Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;
+  Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;
+  std::vector<Eigen::MatrixXd> Jdiff_Js(const ConstVectorRef& x0, const ConstVectorRef& x1,
+                                        Jcomponent firstsecond = both) const;
+  std::vector<Eigen::MatrixXd> Jintegrate_Js(const ConstVectorRef& x, const ConstVectorRef& dx,
+                                             Jcomponent firstsecond = both) const;
+
+  std::size_t get_nx() const { return nx_; }
+  std::size_t get_ndx() const { return ndx_; }
+  std::size_t get_nq() const { return nq_; }
+  std::size_t get_nv() const { return nv_; }
+  const Eigen::VectorXd& get_lb() const { return lb_; }
+  const Eigen::VectorXd& get_ub() const { return ub_; }
+  bool get_has_limits() const { return has_limits_; }
+  void set_lb(const Eigen::VectorXd& lb);
+  void set_ub(const Eigen::VectorXd& ub);
+
+ protected:
+  void update_has_limits();
+  std::size_t nx_, ndx_, nq_, nv_;
+  Eigen::VectorXd lb_, ub_;  // nx
+  bool has_limits_ = false;
+};
+
+class StateMultibody : public StateAbstract {
+ public:
+  /// The bounds are the URDF's joint and velocity limits, infinite where it gives none.
+  explicit StateMultibody(std::shared_ptr<const Multibody> model);
+  explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}
+  explicit StateMultibody(std::shared_ptr<const Model> model)
+      : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
+
+  Eigen::VectorXd zero() const override;
+  /// q within the joints' limits where these are finite, else within +-pi (+-1 m), any orientation; v within +-1.
+  Eigen::VectorXd rand() const override;
+  void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
+  void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;
+  void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
+             Jcomponent firstsecond = both) const override;
+  void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
+                  Jcomponent firstsecond = both, AssignmentOp op = setto) const override;
+  void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
+                           Jcomponent firstsecond) const override;
+
+  const std::shared_ptr<const Multibody>& get_pinocchio() const { return model_; }
+  const std::shared_ptr<const Multibody>& get_model() const { return model_; }
+
+ private:
+  std::shared_ptr<const Multibody> model_;
+};
+
+/// The diagonal block of d diff/dx1 (or, `of_x0`, d diff/dx0) of one joint, from dq = diff on that joint: nv x nv.
+void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, MatrixRef J);
+
+}  // namespace manycontact

@@ -1,0 +1,96 @@
+#pragma once
+// Every class of this floor under the name that code written for Crocoddyl may spell out, StateMultibodyTpl<double>. The
+// only scalar is double.
+
+#include <concepts>
+
+#include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/action/num_diff.hpp"
+#include "manycontact/action/residuals/centroidal_residuals.hpp"
+#include "manycontact/action/residuals/contact_residuals.hpp"
+#include "manycontact/action/residuals/frame_residuals.hpp"
+#include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/state_residuals.hpp"
+
+namespace manycontact {
+
+template <std::same_as<double> Scalar> using ActivationDataAbstractTpl = ActivationDataAbstract;
+template <std::same_as<double> Scalar> using ActivationModelAbstractTpl = ActivationModelAbstract;
+template <std::same_as<double> Scalar> using ActivationModelQuadTpl = ActivationModelQuad;
+template <std::same_as<double> Scalar> using ActivationModelWeightedQuadTpl = ActivationModelWeightedQuad;
+template <std::same_as<double> Scalar> using ActivationBoundsTpl = ActivationBounds;
+template <std::same_as<double> Scalar> using ActivationModelQuadraticBarrierTpl = ActivationModelQuadraticBarrier;
+template <std::same_as<double> Scalar> using ActivationModelWeightedQuadraticBarrierTpl = ActivationModelWeightedQuadraticBarrier;
+template <std::same_as<double> Scalar> using ActivationModelSmooth1NormTpl = ActivationModelSmooth1Norm;
+
+template <std::same_as<double> Scalar> using ActuationDataAbstractTpl = ActuationDataAbstract;
+template <std::same_as<double> Scalar> using ActuationModelAbstractTpl = ActuationModelAbstract;
+template <std::same_as<double> Scalar> using ActuationModelSelectionTpl = ActuationModelSelection;
+template <std::same_as<double> Scalar> using ActuationModelFullTpl = ActuationModelFull;
+template <std::same_as<double> Scalar> using ActuationModelFloatingBaseTpl = ActuationModelFloatingBase;
+
+template <std::same_as<double> Scalar> using DataCollectorTpl = DataCollector;
+template <std::same_as<double> Scalar> using DataCollectorAbstractTpl = DataCollectorAbstract;
+
+template <std::same_as<double> Scalar> using FrictionConeTpl = FrictionCone;
+template <std::same_as<double> Scalar> using WrenchConeTpl = WrenchCone;
+template <std::same_as<double> Scalar> using CoPSupportTpl = CoPSupport;
+
+template <std::same_as<double> Scalar> using ConstraintModelResidualTpl = ConstraintModelResidual;
+template <std::same_as<double> Scalar> using ConstraintModelAbstractTpl = ConstraintModelAbstract;
+template <std::same_as<double> Scalar> using ConstraintItemTpl = ConstraintItem;
+template <std::same_as<double> Scalar> using ConstraintDataManagerTpl = ConstraintDataManager;
+template <std::same_as<double> Scalar> using ConstraintModelManagerTpl = ConstraintModelManager;
+
+template <std::same_as<double> Scalar> using ContactDataAbstractTpl = ContactDataAbstract;
+template <std::same_as<double> Scalar> using ContactModelAbstractTpl = ContactModelAbstract;
+template <std::same_as<double> Scalar> using ContactModel1DTpl = ContactModel1D;
+template <std::same_as<double> Scalar> using ContactModel2DTpl = ContactModel2D;
+template <std::same_as<double> Scalar> using ContactModel3DTpl = ContactModel3D;
+template <std::same_as<double> Scalar> using ContactModel6DTpl = ContactModel6D;
+template <std::same_as<double> Scalar> using ContactModelBetweenBodiesTpl = ContactModelBetweenBodies;
+template <std::same_as<double> Scalar> using ContactModelOfSceneTpl = ContactModelOfScene;
+template <std::same_as<double> Scalar> using ContactItemTpl = ContactItem;
+template <std::same_as<double> Scalar> using ContactDataMultipleTpl = ContactDataMultiple;
+template <std::same_as<double> Scalar> using ContactModelMultipleTpl = ContactModelMultiple;
+
+template <std::same_as<double> Scalar> using CostDataResidualTpl = CostDataResidual;
+template <std::same_as<double> Scalar> using CostModelResidualTpl = CostModelResidual;
+template <std::same_as<double> Scalar> using CostDataAbstractTpl = CostDataAbstract;
+template <std::same_as<double> Scalar> using CostModelAbstractTpl = CostModelAbstract;
+template <std::same_as<double> Scalar> using CostItemTpl = CostItem;
+template <std::same_as<double> Scalar> using CostDataSumTpl = CostDataSum;
+template <std::same_as<double> Scalar> using CostModelSumTpl = CostModelSum;
+
+template <std::same_as<double> Scalar> using DifferentialActionDataAbstractTpl = DifferentialActionDataAbstract;
+template <std::same_as<double> Scalar> using DifferentialActionModelAbstractTpl = DifferentialActionModelAbstract;
+template <std::same_as<double> Scalar> using DifferentialActionDataContactFwdDynamicsTpl = DifferentialActionDataContactFwdDynamics;
+template <std::same_as<double> Scalar> using DifferentialActionModelContactFwdDynamicsTpl = DifferentialActionModelContactFwdDynamics;
+template <std::same_as<double> Scalar> using DifferentialActionDataNumDiffTpl = DifferentialActionDataNumDiff;
+template <std::same_as<double> Scalar> using DifferentialActionModelNumDiffTpl = DifferentialActionModelNumDiff;
+
+template <std::same_as<double> Scalar> using MathBaseTpl = MathBase;
+template <std::same_as<double> Scalar> using MultibodyTpl = Multibody;
+template <std::same_as<double> Scalar> using StateAbstractTpl = StateAbstract;
+template <std::same_as<double> Scalar> using StateMultibodyTpl = StateMultibody;
+
+template <std::same_as<double> Scalar> using ResidualDataAbstractTpl = ResidualDataAbstract;
+template <std::same_as<double> Scalar> using ResidualModelAbstractTpl = ResidualModelAbstract;
+template <std::same_as<double> Scalar> using ResidualModelCoMPositionTpl = ResidualModelCoMPosition;
+template <std::same_as<double> Scalar> using ResidualModelCentroidalMomentumTpl = ResidualModelCentroidalMomentum;
+template <std::same_as<double> Scalar> using ResidualModelContactForceTpl = ResidualModelContactForce;
+template <std::same_as<double> Scalar> using ResidualModelContactFrictionConeTpl = ResidualModelContactFrictionCone;
+template <std::same_as<double> Scalar> using ResidualModelContactWrenchConeTpl = ResidualModelContactWrenchCone;
+template <std::same_as<double> Scalar> using ResidualModelContactCoPPositionTpl = ResidualModelContactCoPPosition;
+template <std::same_as<double> Scalar> using ResidualModelFramePlacementTpl = ResidualModelFramePlacement;
+template <std::same_as<double> Scalar> using ResidualModelFrameTranslationTpl = ResidualModelFrameTranslation;
+template <std::same_as<double> Scalar> using ResidualModelFrameRotationTpl = ResidualModelFrameRotation;
+template <std::same_as<double> Scalar> using ResidualModelFrameVelocityTpl = ResidualModelFrameVelocity;
+template <std::same_as<double> Scalar> using ResidualModelControlGravTpl = ResidualModelControlGrav;
+template <std::same_as<double> Scalar> using ResidualModelContactControlGravTpl = ResidualModelContactControlGrav;
+template <std::same_as<double> Scalar> using ResidualModelStateTpl = ResidualModelState;
+template <std::same_as<double> Scalar> using ResidualModelControlTpl = ResidualModelControl;
+template <std::same_as<double> Scalar> using ResidualModelJointEffortTpl = ResidualModelJointEffort;
+template <std::same_as<double> Scalar> using ResidualModelJointAccelerationTpl = ResidualModelJointAcceleration;
+
+}  // namespace manycontact

@@ -1,0 +1,99 @@
+#include "manycontact/action/actuation.hpp"
+
+#include <ostream>
+
+namespace manycontact {
+
+ActuationDataAbstract::ActuationDataAbstract(const ActuationModelAbstract* model)
+    : tau(Eigen::VectorXd::Zero(model->get_state()->get_nv())),
+      u(Eigen::VectorXd::Zero(model->get_nu())),
+      dtau_dx(model->get_state()->get_nv(), model->get_state()->get_ndx()),
+      dtau_du(model->get_state()->get_nv(), model->get_nu()),
+      Mtau(model->get_nu(), model->get_state()->get_nv()),
+      tau_set(model->get_state()->get_nv(), true) {}
+
+ActuationModelAbstract::ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
+    : nu_(nu), state_(std::move(state)) {
+  require(state_ != nullptr, "ActuationModelAbstract", "a state is expected, not a null pointer");
+}
+
+void ActuationModelAbstract::check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const {
+  check_size(where, "x", x.size(), state_->get_nx());
+  check_size(where, "u", u.size(), nu_);
+}
+
+void ActuationModelAbstract::print(std::ostream& os) const { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
+
+std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateMultibody> state, std::vector<int> selection,
+                                                 std::string name)
+    : ActuationModelAbstract(std::move(state), selection.size()), name_(std::move(name)) {
+  selection_ = std::move(selection);
+}
+
+std::shared_ptr<ActuationDataAbstract> ActuationModelSelection::createData() {
+  auto data = std::make_shared<ActuationDataAbstract>(this);
+  data->tau_set.assign(data->tau_set.size(), false);
+  for (std::size_t k = 0; k < nu_; ++k) {
+    data->dtau_du.insert(selection_[k], static_cast<int>(k)) = 1;
+    data->tau_set[selection_[k]] = true;
+  }
+  data->dtau_du.makeCompressed();
+  data->Mtau = data->dtau_du.transpose();
+  return data;
+}
+
+void ActuationModelSelection::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                   const ConstVectorRef& u) {
+  check("ActuationModel::calc", x, u);
+  check_data("ActuationModel::calc", data);
+  data->tau.setZero();
+  for (std::size_t k = 0; k < nu_; ++k) data->tau[selection_[k]] = u[k];
+}
+
+void ActuationModelSelection::calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
+                                       const ConstVectorRef& u) {
+  check("ActuationModel::calcDiff", x, u);  // constant, set in createData
+}
+
+void ActuationModelSelection::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                       const ConstVectorRef& tau) {
+  check_data("ActuationModel::commands", data);
+  check_size("ActuationModel::commands", "x", x.size(), state_->get_nx());
+  check_size("ActuationModel::commands", "tau", tau.size(), state_->get_nv());
+  for (std::size_t k = 0; k < nu_; ++k) data->u[k] = tau[selection_[k]];
+}
+
+void ActuationModelSelection::torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
+                                              const ConstVectorRef& u) {
+  check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
+}
+
+void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {nu=" << nu_ << "}"; }
+
+namespace {
+
+std::vector<int> coordinates(const StateMultibody* state, bool bases) {
+  require(state, "ActuationModel", "a state is expected, not a null pointer");
+  std::vector<int> out;
+  for (const Robot& robot : state->get_model()->scene().robots)
+    for (int i = bases ? 0 : robot.model->first_actuated(); i < robot.model->nv; ++i) out.push_back(robot.idx_v + i);
+  return out;
+}
+
+}  // namespace
+
+ActuationModelFull::ActuationModelFull(std::shared_ptr<StateMultibody> state)
+    : ActuationModelSelection(state, coordinates(state.get(), true), "ActuationModelFull") {}
+
+ActuationModelFloatingBase::ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state)
+    : ActuationModelSelection(state, coordinates(state.get(), false), "ActuationModelFloatingBase") {
+  require(nu_ < state_->get_nv(), "ActuationModelFloatingBase",
+          "no robot has a floating base, at least one is expected; use ActuationModelFull");
+}
+
+}  // namespace manycontact

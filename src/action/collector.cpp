@@ -1,0 +1,32 @@
+#include "manycontact/action/collector.hpp"
+
+namespace manycontact {
+
+DataCollector::DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act)
+    : scene(s), solution(scene, options), actuation(std::move(act)), contacts(std::make_shared<ContactDataMultiple>()) {}
+
+PanelView DataCollector::panel(std::size_t i) const {
+  if (!custom.empty()) {
+    const RowMajorMatrix& X = custom[i];
+    return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
+  }
+  const IslandDerivatives& d = solution.derivatives->islands[i];
+  return PanelView(d.X.data(), d.X.rows(), d.cols, Eigen::OuterStride<>(d.X.cols()));
+}
+
+const ContactDataAbstract& DataCollector::contact_on(FrameIndex frame, const std::string& who) const {
+  const ContactDataAbstract* found = nullptr;
+  std::string names;
+  int count = 0;
+  for (const auto& [name, contact] : contacts->contacts) {
+    if (contact->frame != frame) continue;
+    found = contact.get();
+    names += (count++ ? ", " : "") + name;
+  }
+  require(count == 1, who,
+          count == 0 ? "frame " + std::to_string(frame) + " has no contact, one is expected"
+                     : "frame " + std::to_string(frame) + " has several contacts (" + names + "), one is expected");
+  return *found;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,247 @@
+#include <ostream>
+
+#include "manycontact/action/constraint.hpp"
+#include "named.hpp"
+
+namespace manycontact {
+
+namespace {
+constexpr const char* kWho = "ConstraintModelManager";
+using Part = ConstraintDataManager::Part;
+}  // namespace
+
+ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state, std::size_t nu)
+    : state_(std::move(state)), nu_(nu) {
+  require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
+}
+
+ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state)
+    : ConstraintModelManager(state, state ? state->get_nv() : 0) {}
+
+void ConstraintModelManager::addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
+                                           bool active) {
+  internal::check_part(kWho, name, constraint, state_, nu_);
+  internal::check_new(kWho, "constraint", constraints_, name);
+  constraints_[name] = std::make_shared<ConstraintItem>(ConstraintItem{name, constraint, active});
+  ++version_;
+  count();
+}
+
+void ConstraintModelManager::removeConstraint(const std::string& name) {
+  constraints_.erase(internal::find_named(kWho, "constraint", constraints_, name));
+  ++version_;
+  count();
+}
+
+void ConstraintModelManager::changeConstraintStatus(const std::string& name, bool active) {
+  ConstraintItem& item = *internal::find_named(kWho, "constraint", constraints_, name)->second;
+  if (item.active == active) return;
+  item.active = active;
+  count();
+}
+
+bool ConstraintModelManager::getConstraintStatus(const std::string& name) const {
+  return internal::find_named(kWho, "constraint", constraints_, name)->second->active;
+}
+
+bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) const {
+  return item.active && (!terminal || item.constraint->get_T_constraint());
+}
+
+void ConstraintModelManager::count() {
+  ++status_;
+  ng_ = nh_ = ng_T_ = nh_T_ = 0;
+  active_set_.clear();
+  inactive_set_.clear();
+  std::vector<double> lower, upper;
+  for (const auto& [name, item] : constraints_) {
+    (item->active ? active_set_ : inactive_set_).insert(name);
+    if (!item->active) continue;
+    const ConstraintModelAbstract& c = *item->constraint;
+    ng_ += c.get_ng();
+    nh_ += c.get_nh();
+    if (c.get_T_constraint()) ng_T_ += c.get_ng(), nh_T_ += c.get_nh();
+    for (int i : c.get_inequalities()) lower.push_back(c.get_lb()[i]), upper.push_back(c.get_ub()[i]);
+  }
+  lb_ = Eigen::Map<Eigen::VectorXd>(lower.data(), lower.size());
+  ub_ = Eigen::Map<Eigen::VectorXd>(upper.data(), upper.size());
+}
+
+namespace {
+
+// Splits a residual's blocks by its rows of one kind, which become rows first, first + 1, ... of the stack.
+std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<int>& kept, int first, bool sparse,
+                        BlockSparse& X, BlockSparse& U) {
+  std::vector<int> place(residual.r.size(), -1);
+  for (std::size_t i = 0; i < kept.size(); ++i) place[kept[i]] = first + static_cast<int>(i);
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
+    const ResidualBlock& b = residual.blocks[k];
+    Part part;
+    part.block = k;
+    for (std::size_t i = 0; i < b.rows.size(); ++i) {
+      if (place[b.rows[i]] < 0) continue;
+      part.from.push_back(static_cast<int>(i));
+      part.to.push_back(place[b.rows[i]]);
+    }
+    if (part.from.empty()) continue;
+    if (sparse) part.xplan = X.plan(part.to, b.xcols), part.uplan = U.plan(part.to, b.ucols);
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+}  // namespace
+
+void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal) const {
+  DifferentialActionDataAbstract& out = *data.out;
+  const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
+  const Eigen::Index ng = terminal ? ng_T_ : ng_, nh = terminal ? nh_T_ : nh_;
+  const Eigen::Index ndx = state_->get_ndx(), nu = nu_;
+  out.g.setZero(ng);
+  out.h.setZero(nh);
+  out.Gx.setZero(dense ? ng : 0, dense ? ndx : 0);
+  out.Gu.setZero(dense ? ng : 0, dense ? nu : 0);
+  out.Hx.setZero(dense ? nh : 0, dense ? ndx : 0);
+  out.Hu.setZero(dense ? nh : 0, dense ? nu : 0);
+  for (BlockSparse* m : {&out.Gx_blocks, &out.Gu_blocks, &out.Hx_blocks, &out.Hu_blocks}) m->clear();
+  data.g_parts.clear();
+  data.h_parts.clear();
+  int g = 0, h = 0;
+  for (const auto& [name, item] : constraints_) {
+    ResidualDataAbstract& residual = *data.constraints.at(name);
+    const ConstraintModelAbstract& c = *item->constraint;
+    c.get_residual()->lay_out(residual);
+    if (!holds(*item, terminal)) continue;
+    data.g_parts[name] = split(residual, c.get_inequalities(), g, sparse, out.Gx_blocks, out.Gu_blocks);
+    data.h_parts[name] = split(residual, c.get_equalities(), h, sparse, out.Hx_blocks, out.Hu_blocks);
+    g += static_cast<int>(c.get_ng());
+    h += static_cast<int>(c.get_nh());
+  }
+  out.Gx_blocks.finish(static_cast<int>(ng), static_cast<int>(ndx));
+  out.Gu_blocks.finish(static_cast<int>(ng), static_cast<int>(nu));
+  out.Hx_blocks.finish(static_cast<int>(nh), static_cast<int>(ndx));
+  out.Hu_blocks.finish(static_cast<int>(nh), static_cast<int>(nu));
+  data.terminal = terminal;
+  data.status = status_;
+}
+
+std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCollector* shared,
+                                                                          DifferentialActionDataAbstract* out) {
+  auto data = std::make_shared<ConstraintDataManager>();
+  data->shared = shared;
+  data->out = out;
+  data->version = version_;
+  for (const auto& [name, item] : constraints_) data->constraints[name] = item->constraint->get_residual()->createData(shared);
+  lay_out(*data, false);
+  return data;
+}
+
+void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x,
+                                     bool terminal) const {
+  check_size(where, "x", x.size(), state_->get_nx());
+  require(data.version == version_ && data.constraints.size() == constraints_.size(), where,
+          "constraints were added or removed since the data were created, new data are expected");
+  if (data.terminal != terminal || data.status != status_) lay_out(data, terminal);
+}
+
+// g = r, h = r - lb: of the constraints that hold.
+void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool terminal) const {
+  DifferentialActionDataAbstract& out = *data.out;
+  int g = 0, h = 0;
+  auto part = data.constraints.begin();
+  for (const auto& [name, item] : constraints_) {
+    const Eigen::VectorXd& r = (part++)->second->r;
+    if (!holds(*item, terminal)) continue;
+    const ConstraintModelAbstract& c = *item->constraint;
+    for (int i : c.get_inequalities()) out.g[g++] = r[i];
+    for (int i : c.get_equalities()) out.h[h++] = r[i] - c.get_lb()[i];
+  }
+}
+
+namespace {
+
+void stack_parts(const ResidualDataAbstract& residual, const std::vector<Part>& parts, bool terminal, bool dense,
+                 bool sparse, Eigen::MatrixXd& X, Eigen::MatrixXd& U, BlockSparse& Xs, BlockSparse& Us) {
+  for (const Part& part : parts) {
+    const ResidualBlock& b = residual.blocks[part.block];
+    const auto write = [&](const Eigen::MatrixXd& J, const std::vector<int>& cols, Eigen::MatrixXd& out) {
+      for (std::size_t j = 0; j < cols.size(); ++j)
+        for (std::size_t i = 0; i < part.from.size(); ++i) out(part.to[i], cols[j]) = J(part.from[i], j);
+    };
+    if (dense) write(b.Rx, b.xcols, X);
+    if (dense && !terminal) write(b.Ru, b.ucols, U);
+    if (sparse) Xs.add(part.xplan, 1, b.Rx, part.from);
+    if (sparse && !terminal) Us.add(part.uplan, 1, b.Ru, part.from);
+  }
+}
+
+}  // namespace
+
+void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool terminal) const {
+  DifferentialActionDataAbstract& out = *data.out;
+  for (BlockSparse* m : {&out.Gx_blocks, &out.Gu_blocks, &out.Hx_blocks, &out.Hu_blocks}) m->set_zero();
+  const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
+  for (const auto& [name, parts] : data.g_parts)
+    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Gx, out.Gu, out.Gx_blocks, out.Gu_blocks);
+  for (const auto& [name, parts] : data.h_parts)
+    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Hx, out.Hu, out.Hx_blocks, out.Hu_blocks);
+}
+
+void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
+                                  const ConstVectorRef& u) {
+  prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, false);
+  check_size("ConstraintModelManager::calc", "u", u.size(), nu_);
+  auto part = data->constraints.begin();
+  for (const auto& [name, item] : constraints_) {
+    const auto& residual = (part++)->second;
+    if (holds(*item, false)) item->constraint->get_residual()->calc(residual, x, u);
+  }
+  stack_values(*data, false);
+}
+
+void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+  prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, true);
+  auto part = data->constraints.begin();
+  for (const auto& [name, item] : constraints_) {
+    const auto& residual = (part++)->second;
+    if (holds(*item, true)) item->constraint->get_residual()->calc(residual, x);
+  }
+  stack_values(*data, true);
+}
+
+void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
+                                      const ConstVectorRef& u) {
+  prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, false);
+  check_size("ConstraintModelManager::calcDiff", "u", u.size(), nu_);
+  auto part = data->constraints.begin();
+  for (const auto& [name, item] : constraints_) {
+    const auto& residual = (part++)->second;
+    if (holds(*item, false)) item->constraint->get_residual()->calcDiff(residual, x, u);
+  }
+  stack_jacobians(*data, false);
+}
+
+void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+  prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, true);
+  auto part = data->constraints.begin();
+  for (const auto& [name, item] : constraints_) {
+    const auto& residual = (part++)->second;
+    if (holds(*item, true)) item->constraint->get_residual()->calcDiff(residual, x);
+  }
+  stack_jacobians(*data, true);
+}
+
+void ConstraintModelManager::print(std::ostream& os) const {
+  os << "ConstraintModelManager:\n  Active:\n";
+  for (const std::string& name : active_set_) os << "    " << name << ": " << *constraints_.at(name)->constraint << "\n";
+  os << "  Inactive:\n";
+  for (const std::string& name : inactive_set_) os << "    " << name << ": " << *constraints_.at(name)->constraint << "\n";
+}
+
+std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model) {
+  model.print(os);
+  return os;
+}
+
+}  // namespace manycontact

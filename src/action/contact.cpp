@@ -1,0 +1,191 @@
+#include "manycontact/action/contact.hpp"
+
+#include <cmath>
+#include <ostream>
+
+namespace manycontact {
+
+namespace {
+
+Attachment attachment(const StateMultibody& state, FrameIndex id, const SE3<double>& offset = {}) {
+  const auto& frames = state.get_model()->frames;
+  require(id < frames.size(), "ContactModel",
+          "frame " + std::to_string(id) + " was given, the model has frames 0 to " + std::to_string(frames.size() - 1));
+  return {frames[id].robot, frames[id].joint, frames[id].placement * offset};
+}
+
+const char* name_of(ContactType type) {
+  constexpr const char* names[] = {"ContactModel1D", "ContactModel2D", "ContactModel3D", "ContactModel6D"};
+  return names[static_cast<int>(type)];
+}
+
+}  // namespace
+
+ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id,
+                                           ReferenceFrame frame, std::size_t nu, const Eigen::Vector2d& gains)
+    : state_(std::move(state)), id_(id), nu_(nu) {
+  require(state_ != nullptr, name_of(type), "a state is expected, not a null pointer");
+  contact_.type = type;
+  contact_.reference_frame = frame;
+  contact_.A = attachment(*state_, id);
+  set_gains(gains);
+}
+
+ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu)
+    : state_(std::move(state)), contact_(contact), gains_(contact.alpha, contact.beta), id_(0), nu_(nu) {
+  require(state_ != nullptr, name_of(contact.type), "a state is expected, not a null pointer");
+}
+
+void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
+  require(gains.allFinite(), "ContactModel::set_gains",
+          "alpha = " + std::to_string(gains[0]) + ", beta = " + std::to_string(gains[1]) + " were given, finite numbers are expected");
+  gains_ = gains;
+  contact_.alpha = gains[0];
+  contact_.beta = gains[1];
+}
+
+void ContactModelAbstract::set_id(FrameIndex id) {
+  contact_.A = attachment(*state_, id);
+  id_ = id;
+}
+
+void ContactModelAbstract::print(std::ostream& os) const {
+  os << name_of(contact_.type) << " {frame=" << (id_ < state_->get_model()->frames.size() ? state_->get_model()->frames[id_].name : "none") << ", type="
+     << (contact_.reference_frame == LOCAL ? "LOCAL" : contact_.reference_frame == WORLD ? "WORLD" : "LOCAL_WORLD_ALIGNED")
+     << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
+}
+
+std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+// ---- 1D
+
+namespace {
+std::size_t default_nu(const std::shared_ptr<StateMultibody>& state) { return state ? state->get_nv() : 0; }
+}  // namespace
+
+ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
+                               const Eigen::Matrix3d& rotation, std::size_t nu, const Eigen::Vector2d& gains)
+    : ContactModelAbstract(std::move(state), ContactType::k1D, id, type, nu, gains) {
+  set_axis(rotation.row(2).transpose());
+  set_reference(xref);
+}
+
+ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
+                               const Eigen::Vector2d& gains)
+    : ContactModel1D(state, id, xref, type, Eigen::Matrix3d::Identity(), default_nu(state), gains) {}
+
+ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
+                               const Eigen::Vector2d& gains)
+    : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
+
+ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               std::size_t nu, const Eigen::Vector2d& gains, Vector3MaskType mask, ReferenceFrame ref)
+    : ContactModelAbstract(std::move(state), ContactType::k1D, id, ref, nu, gains) {
+  set_axis(Eigen::Vector3d::Unit(static_cast<int>(mask)));
+  set_reference(xref);
+}
+
+ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               const Eigen::Vector2d& gains, ReferenceFrame ref)
+    : ContactModel1D(state, id, xref, default_nu(state), gains, Vector3MaskType::z, ref) {}
+
+void ContactModel1D::set_axis(const Eigen::Vector3d& axis) {
+  require(axis.allFinite() && axis.norm() > 0, "ContactModel1D::set_axis", "an axis that is finite and not zero is expected");
+  contact_.axis = axis.normalized();
+}
+
+// ---- 2D
+
+ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
+                               std::size_t nu, const Eigen::Vector2d& gains, ReferenceFrame type)
+    : ContactModelAbstract(std::move(state), ContactType::k2D, id, type, nu, gains) {
+  set_reference(xref);
+}
+
+ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
+                               const Eigen::Vector2d& gains)
+    : ContactModel2D(state, id, xref, default_nu(state), gains) {}
+
+Eigen::Vector2d ContactModel2D::get_reference() const { return {contact_.B.placement.p.x(), contact_.B.placement.p.z()}; }
+void ContactModel2D::set_reference(const Eigen::Vector2d& r) { contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y()); }
+
+// ---- 3D
+
+ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               ReferenceFrame type, std::size_t nu, const Eigen::Vector2d& gains)
+    : ContactModelAbstract(std::move(state), ContactType::k3D, id, type, nu, gains) {
+  set_reference(xref);
+}
+
+ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               ReferenceFrame type, const Eigen::Vector2d& gains)
+    : ContactModel3D(state, id, xref, type, default_nu(state), gains) {}
+
+ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               std::size_t nu, const Eigen::Vector2d& gains, ReferenceFrame type)
+    : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
+
+ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
+                               const Eigen::Vector2d& gains, ReferenceFrame type)
+    : ContactModel3D(state, id, xref, type, default_nu(state), gains) {}
+
+// ---- 6D
+
+ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                               ReferenceFrame type, std::size_t nu, const Eigen::Vector2d& gains)
+    : ContactModelAbstract(std::move(state), ContactType::k6D, id, type, nu, gains) {
+  set_reference(pref);
+}
+
+ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                               ReferenceFrame type, const Eigen::Vector2d& gains)
+    : ContactModel6D(state, id, pref, type, default_nu(state), gains) {}
+
+ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                               std::size_t nu, const Eigen::Vector2d& gains)
+    : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
+
+// ---- between bodies, and of a scene
+
+ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
+                                                     FrameIndex id, FrameIndex to, const SE3<double>& offset,
+                                                     ReferenceFrame type, std::size_t nu, const Eigen::Vector2d& gains,
+                                                     const Eigen::Vector3d& axis)
+    : ContactModelAbstract(std::move(state), contact_type, id, type, nu, gains), to_(to) {
+  set_offset(offset);
+  require(contact_.A.robot != contact_.B.robot || contact_.A.joint != contact_.B.joint, "ContactModelBetweenBodies",
+          "both frames are on the same body, two different bodies are expected");
+  require(axis.allFinite() && axis.norm() > 0, "ContactModelBetweenBodies", "an axis that is finite and not zero is expected");
+  contact_.axis = axis.normalized();
+}
+
+void ContactModelBetweenBodies::set_offset(const SE3<double>& offset) {
+  contact_.B = attachment(*state_, to_, offset);
+  offset_ = offset;
+}
+
+namespace {
+
+// The first frame on a body, for a contact that has an attachment of its own; one past the last when it has none.
+FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
+  const auto& frames = state.get_model()->frames;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (frames[k].robot == at.robot && frames[k].joint == at.joint) return k;
+  return frames.size();
+}
+
+}  // namespace
+
+ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu)
+    : ContactModelAbstract(std::move(state), contact, nu) {
+  const Scene& scene = state_->get_model()->scene();
+  for (const Attachment* at : {&contact.A, &contact.B})
+    require(at->robot < scene.nrobots() && (at->robot < 0 || at->joint < scene.robots[at->robot].model->njoints()),
+            "ContactModelOfScene", "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
+  id_ = frame_on(*state_, contact.A);
+}
+
+}  // namespace manycontact

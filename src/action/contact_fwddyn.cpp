@@ -1,0 +1,240 @@
+#include "manycontact/action/contact_fwddyn.hpp"
+
+#include <cmath>
+#include <ostream>
+
+#include "fwddyn_steps.hpp"
+
+namespace manycontact {
+
+using Model_ = DifferentialActionModelContactFwdDynamics;
+using Stage = DifferentialActionDataContactFwdDynamics::Stage;
+
+namespace {
+
+constexpr const char* kWho = "DifferentialActionModelContactFwdDynamics";
+const std::shared_ptr<ConstraintModelManager> kNoConstraints;
+
+template <class Part>
+const std::shared_ptr<Part>& given(const std::shared_ptr<Part>& part, const char* what) {
+  require(part != nullptr, kWho, std::string(what) + " is a null pointer");
+  return part;
+}
+
+}  // namespace
+
+Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
+                                                  std::shared_ptr<ActuationModelAbstract> actuation,
+                                                  std::shared_ptr<ContactModelMultiple> contacts,
+                                                  std::shared_ptr<CostModelSum> costs, double damping, bool enable_force)
+    : Model_(state, actuation, contacts, costs, kNoConstraints, damping, enable_force) {}
+
+Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
+                                                  std::shared_ptr<ActuationModelAbstract> actuation,
+                                                  std::shared_ptr<ContactModelMultiple> contacts,
+                                                  std::shared_ptr<CostModelSum> costs,
+                                                  std::shared_ptr<ConstraintModelManager> constraints, double damping,
+                                                  bool enable_force)
+    : Base(given(state, "the state"), given(actuation, "the actuation")->get_nu(),
+           given(costs, "the stack of costs")->get_nr(), constraints ? constraints->get_ng() : 0,
+           constraints ? constraints->get_nh() : 0),
+      multibody_(std::move(state)),
+      actuation_(std::move(actuation)),
+      contacts_(given(contacts, "the stack of contacts")),
+      costs_(std::move(costs)),
+      constraints_(std::move(constraints)),
+      armature_(multibody_->get_model()->armature),
+      enable_force_(enable_force) {
+  const auto check_part = [this](const auto& part, const char* what) {
+    require(part.get_state() == state_, kWho, std::string(what) + " of another state, this one's is expected");
+    require(part.get_nu() == nu_, kWho, std::string(what) + " of nu = " + std::to_string(part.get_nu()) +
+                                            ", the actuation's " + std::to_string(nu_) + " is expected");
+  };
+  check_part(*actuation_, "an actuation");
+  check_part(*contacts_, "contacts");
+  check_part(*costs_, "costs");
+  if (constraints_) {
+    check_part(*constraints_, "constraints");
+    g_lb_ = constraints_->get_lb();
+    g_ub_ = constraints_->get_ub();
+  }
+  set_damping_factor(damping);
+  models_ = std::make_shared<std::vector<std::shared_ptr<const Model>>>();
+  set_armature(armature_);
+  const std::vector<int>& selection = actuation_->selection();
+  for (std::size_t k = 0; k < selection.size(); ++k) {
+    u_ub_[k] = multibody_->get_model()->effortLimit[selection[k]];
+    u_lb_[k] = -u_ub_[k];
+  }
+  update_has_control_limits();
+}
+
+void Model_::set_damping_factor(double damping) {
+  require(damping >= 0 && std::isfinite(damping), std::string(kWho) + "::set_damping_factor",
+          std::to_string(damping) + " was given, a finite number that is not negative is expected");
+  damping_ = damping;
+}
+
+void Model_::set_armature(const Eigen::VectorXd& armature) {
+  check_size("set_armature", "armature", armature.size(), state_->get_nv());
+  for (double number : armature)
+    require(number >= 0 && std::isfinite(number), std::string(kWho) + "::set_armature",
+            std::to_string(number) + " was given, finite numbers that are not negative are expected");
+  armature_ = armature;
+  models_ = std::make_shared<const std::vector<std::shared_ptr<const Model>>>(
+      internal::models_with_armature(multibody_->get_model()->scene(), armature));
+}
+
+std::shared_ptr<DifferentialActionDataAbstract> Model_::createData() { return std::make_shared<Data>(this); }
+
+bool Model_::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
+  const auto own = std::dynamic_pointer_cast<Data>(data);
+  return own && own->owner == this;
+}
+
+Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const {
+  Data* d = dynamic_cast<Data*>(&check_data(where, data));
+  require(d && d->owner == this, where, "the data were created by another model, data of this one's createData() are expected");
+  return *d;
+}
+
+// Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
+Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                              const ConstVectorRef& x) const {
+  Data& d = own(where, data);
+  check_size(where, "x", x.size(), state_->get_nx());
+  require(d.contacts_version == contacts_->get_version(), where,
+          "contacts were added or removed since the data were created, new data are expected");
+  d.stage = Stage::kFresh;
+  d.x = x;
+  DataCollector& m = *d.multibody;
+  m.scene.damping = damping_;
+  if (d.models != models_) {
+    d.models = models_;
+    for (std::size_t r = 0; r < m.scene.robots.size(); ++r) m.scene.robots[r].model = (*models_)[r];
+  }
+  if (!internal::update_contacts(*contacts_, m.scene, m.solution)) {  // other coordinates: a new solution
+    m.solution = SceneData(m.scene, m.solution.options);
+    internal::update_contacts(*contacts_, m.scene, m.solution);
+    d.laid_out = false;
+  }
+  if (m.solution.islands_active != m.solution.active) {
+    prepare(m.scene, m.solution);
+    d.laid_out = false;
+  }
+  if (!internal::on_same_frames(*contacts_, *m.contacts)) d.laid_out = false;
+  if (!d.laid_out) {
+    internal::lay_out_islands(*actuation_, d);
+    internal::lay_out_contacts(*contacts_, m);
+    costs_->lay_out(*d.costs);
+    if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
+    d.laid_out = true;
+  }
+  if (d.r.size() != static_cast<Eigen::Index>(get_nr())) d.r.setZero(get_nr());
+  return d;
+}
+
+void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
+                  const ConstVectorRef& u) {
+  check_size("DifferentialActionModelContactFwdDynamics::calc", "u", u.size(), nu_);
+  Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
+  DataCollector& m = *d.multibody;
+  d.u = u;
+  actuation_->calc(m.actuation, x, u);
+  solve_tau(m.scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), m.actuation->tau, m.solution);
+  d.xout = m.solution.a;
+  internal::fill_contacts(m);
+  costs_->calc(d.costs, x, u);
+  d.cost = d.costs->cost;
+  internal::stack_residuals(*costs_, *d.costs, d.r);
+  if (constraints_) constraints_->calc(d.constraints, x, u);
+  d.stage = Stage::kRunning;
+}
+
+void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
+  Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
+  internal::update_kinematics(x, d.multibody->scene, d.multibody->solution);
+  costs_->calc(d.costs, x);
+  d.cost = d.costs->cost;
+  internal::stack_residuals(*costs_, *d.costs, d.r);
+  if (constraints_) constraints_->calc(d.constraints, x);
+  d.stage = Stage::kTerminal;
+}
+
+namespace {
+
+void check_stage(bool fits, const char* expected) {
+  if (!fits)
+    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " + expected +
+                           " is expected before it, on the same data");
+}
+
+}  // namespace
+
+void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
+                      const ConstVectorRef& u) {
+  Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
+  check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
+  check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "u", u.size(), nu_);
+  check_stage(d.stage == Stage::kRunning && d.contacts_version == contacts_->get_version(), "calc(data, x, u)");
+  DataCollector& m = *d.multibody;
+  actuation_->calcDiff(m.actuation, d.x, d.u);
+  const bool forces = needs_forces();
+  differentiate(m.scene, m.solution, {true, true, true, forces, internal::by_all_torques(*actuation_, m.scene)});
+  internal::apply_actuation(*actuation_, m);
+  internal::fill_dynamics(d);
+  internal::fill_contact_derivatives(forces, m);
+  costs_->calcDiff(d.costs, d.x, d.u);
+  if (constraints_) constraints_->calcDiff(d.constraints, d.x, d.u);
+}
+
+void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
+  Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
+  check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
+  check_stage(d.stage == Stage::kTerminal, "calc(data, x)");
+  costs_->calcDiff(d.costs, d.x);
+  if (constraints_) constraints_->calcDiff(d.constraints, d.x);
+}
+
+bool Model_::needs_forces() const {
+  if (enable_force_) return true;
+  for (const auto& [name, item] : costs_->get_costs())
+    if (item->cost->get_residual()->depends_on().forces) return true;
+  if (constraints_)
+    for (const auto& [name, item] : constraints_->get_constraints())
+      if (item->constraint->get_residual()->depends_on().forces) return true;
+  return false;
+}
+
+void Model_::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
+                         const ConstVectorRef& x, std::size_t, double) {
+  constexpr const char* kWhere = "DifferentialActionModelContactFwdDynamics::quasiStatic";
+  check_size(kWhere, "u", u.size(), nu_);
+  check_size(kWhere, "x", x.size(), state_->get_nx());
+  require(x.tail(state_->get_nv()).isZero(0), kWhere, "the velocity is not zero, a state at rest is expected");
+  Data& d = refresh(kWhere, data, x);
+  internal::quasi_static(*actuation_, x, *d.multibody, u);
+}
+
+const Eigen::VectorXd& Model_::get_g_lb() const {
+  return constraints_ && constraints_->get_status() != g_lb_status_ ? constraints_->get_lb() : g_lb_;
+}
+const Eigen::VectorXd& Model_::get_g_ub() const {
+  return constraints_ && constraints_->get_status() != g_ub_status_ ? constraints_->get_ub() : g_ub_;
+}
+void Model_::set_g_lb(const Eigen::VectorXd& g_lb) {
+  Base::set_g_lb(g_lb);
+  if (constraints_) g_lb_status_ = constraints_->get_status();
+}
+void Model_::set_g_ub(const Eigen::VectorXd& g_ub) {
+  Base::set_g_ub(g_ub);
+  if (constraints_) g_ub_status_ = constraints_->get_status();
+}
+
+void Model_::print(std::ostream& os) const {
+  os << kWho << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx() << ", nu=" << nu_
+     << ", nc=" << contacts_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh()
+     << ", damping=" << damping_ << "}";
+}
+
+}  // namespace manycontact

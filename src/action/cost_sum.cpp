@@ -1,0 +1,212 @@
+#include <ostream>
+
+#include "manycontact/action/cost.hpp"
+#include "named.hpp"
+
+namespace manycontact {
+
+namespace {
+constexpr const char* kWho = "CostModelSum";
+}
+
+CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
+  require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
+}
+
+CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
+
+void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
+                           bool active) {
+  internal::check_part(kWho, name, cost, state_, nu_);
+  internal::check_new(kWho, "cost", costs_, name);
+  costs_[name] = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
+  const std::size_t nr = cost->get_residual()->get_nr();
+  nr_total_ += nr;
+  if (active) nr_ += nr;
+  (active ? active_set_ : inactive_set_).insert(name);
+  ++version_;
+}
+
+void CostModelSum::removeCost(const std::string& name) {
+  const auto it = internal::find_named(kWho, "cost", costs_, name);
+  const std::size_t nr = it->second->cost->get_residual()->get_nr();
+  nr_total_ -= nr;
+  if (it->second->active) nr_ -= nr;
+  costs_.erase(it);
+  active_set_.erase(name);
+  inactive_set_.erase(name);
+  ++version_;
+}
+
+void CostModelSum::changeCostStatus(const std::string& name, bool active) {
+  CostItem& item = *internal::find_named(kWho, "cost", costs_, name)->second;
+  if (item.active == active) return;
+  item.active = active;
+  const std::size_t nr = item.cost->get_residual()->get_nr();
+  nr_ = active ? nr_ + nr : nr_ - nr;
+  (active ? inactive_set_ : active_set_).erase(name);
+  (active ? active_set_ : inactive_set_).insert(name);
+}
+
+bool CostModelSum::getCostStatus(const std::string& name) const {
+  return internal::find_named(kWho, "cost", costs_, name)->second->active;
+}
+
+void CostModelSum::check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const {
+  check_size(where, "x", x.size(), state_->get_nx());
+  require(data.version == version_ && data.costs.size() == costs_.size(), where,
+          "costs were added or removed since the data were created, new data are expected");
+}
+
+void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
+  check_size("CostModelSum::calc", "u", u.size(), nu_);
+  data->cost = 0;
+  auto part = data->costs.begin();
+  for (const auto& [name, item] : costs_) {
+    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
+    if (!item->active) continue;
+    item->cost->calc(d, x, u);
+    data->cost += item->weight * d->cost;
+  }
+}
+
+void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+  check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
+  data->cost = 0;
+  auto part = data->costs.begin();
+  for (const auto& [name, item] : costs_) {
+    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
+    if (!item->active) continue;
+    item->cost->calc(d, x);
+    data->cost += item->weight * d->cost;
+  }
+}
+
+void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x,
+                            const ConstVectorRef& u) {
+  check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
+  check_size("CostModelSum::calcDiff", "u", u.size(), nu_);
+  auto part = data->costs.begin();
+  for (const auto& [name, item] : costs_) {
+    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
+    if (item->active) item->cost->calcDiff(d, x, u);
+  }
+  add_up(*data, false);
+}
+
+void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+  check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
+  auto part = data->costs.begin();
+  for (const auto& [name, item] : costs_) {
+    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
+    if (item->active) item->cost->calcDiff(d, x);
+  }
+  add_up(*data, true);
+}
+
+namespace {
+
+void add_dense(const std::vector<int>& rows, const std::vector<int>& cols, double weight, const Eigen::MatrixXd& values,
+               Eigen::MatrixXd& out) {
+  for (std::size_t j = 0; j < cols.size(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i) out(rows[i], cols[j]) += weight * values(i, j);
+}
+
+// One cost's blocks.
+void add_cost(const CostDataResidual& cost, double weight, bool terminal, const CostDataSum::Plan& plan,
+              CostDerivatives& out) {
+  const Eigen::VectorXd& Ar = cost.activation->Ar;
+  for (std::size_t k = 0; k < cost.residual->blocks.size(); ++k) {
+    const ResidualBlock& b = cost.residual->blocks[k];
+    const CostDataResidual::Hessian& h = cost.hessians[k];
+    for (std::size_t i = 0; i < b.rows.size(); ++i) {
+      const double w = weight * Ar[b.rows[i]];
+      for (std::size_t j = 0; j < b.xcols.size(); ++j) out.Lx[b.xcols[j]] += w * b.Rx(i, j);
+      for (std::size_t j = 0; !terminal && j < b.ucols.size(); ++j) out.Lu[b.ucols[j]] += w * b.Ru(i, j);
+    }
+    if (out.storage != MatrixStorage::kSparse) {
+      add_dense(b.xcols, b.xcols, weight, h.xx, out.Lxx);
+      if (!terminal) add_dense(b.xcols, b.ucols, weight, h.xu, out.Lxu);
+      if (!terminal) add_dense(b.ucols, b.ucols, weight, h.uu, out.Luu);
+    }
+    if (out.storage != MatrixStorage::kDense) {
+      out.Lxx_blocks.add(plan.xx + k, weight, h.xx);
+      if (!terminal) out.Lxu_blocks.add(plan.xu + k, weight, h.xu);
+      if (!terminal) out.Luu_blocks.add(plan.uu + k, weight, h.uu);
+    }
+  }
+}
+
+}  // namespace
+
+void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
+  CostDerivatives& out = *data.derivatives;
+  out.Lx.setZero();
+  out.Lxx.setZero();
+  out.Lxx_blocks.set_zero();
+  if (!terminal) {
+    out.Lu.setZero();
+    out.Lxu.setZero();
+    out.Luu.setZero();
+    out.Lxu_blocks.set_zero();
+    out.Luu_blocks.set_zero();
+  }
+  auto part = data.costs.begin();
+  auto plan = data.plans.begin();
+  for (const auto& [name, item] : costs_) {
+    if (item->active) add_cost(*part->second, item->weight, terminal, *plan, out);
+    ++part, ++plan;
+  }
+}
+
+std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, CostDerivatives* out) {
+  auto data = std::make_shared<CostDataSum>();
+  data->shared = shared;
+  data->version = version_;
+  for (const auto& [name, item] : costs_) data->costs[name] = item->cost->createData(shared);
+  if (out)
+    data->derivatives = out;
+  else
+    data->own.resize(state_->get_ndx(), nu_, MatrixStorage::kBoth);
+  lay_out(*data);
+  return data;
+}
+
+void CostModelSum::lay_out(CostDataSum& data) const {
+  CostDerivatives& out = *data.derivatives;
+  for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
+  data.plans.clear();
+  auto part = data.costs.begin();
+  for (const auto& [name, item] : costs_) {
+    CostDataAbstract& d = *(part++)->second;
+    item->cost->get_residual()->lay_out(*d.residual);
+    data.plans.push_back({out.Lxx_blocks.size(), out.Lxu_blocks.size(), out.Luu_blocks.size()});
+    if (out.storage == MatrixStorage::kDense) continue;
+    for (const ResidualBlock& b : d.residual->blocks) {
+      out.Lxx_blocks.plan(b.xcols, b.xcols);
+      out.Lxu_blocks.plan(b.xcols, b.ucols);
+      out.Luu_blocks.plan(b.ucols, b.ucols);
+    }
+  }
+  const int ndx = static_cast<int>(state_->get_ndx()), nu = static_cast<int>(nu_);
+  out.Lxx_blocks.finish(ndx, ndx);
+  out.Lxu_blocks.finish(ndx, nu);
+  out.Luu_blocks.finish(nu, nu);
+}
+
+void CostModelSum::print(std::ostream& os) const {
+  os << "CostModelSum:\n  Active:\n";
+  for (const std::string& name : active_set_)
+    os << "    " << name << ": {w=" << costs_.at(name)->weight << ", " << *costs_.at(name)->cost << "}\n";
+  os << "  Inactive:\n";
+  for (const std::string& name : inactive_set_)
+    os << "    " << name << ": {w=" << costs_.at(name)->weight << ", " << *costs_.at(name)->cost << "}\n";
+}
+
+std::ostream& operator<<(std::ostream& os, const CostModelSum& model) {
+  model.print(os);
+  return os;
+}
+
+}  // namespace manycontact

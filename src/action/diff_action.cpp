@@ -1,0 +1,109 @@
+#include "manycontact/action/diff_action.hpp"
+
+#include <Eigen/QR>
+#include <ostream>
+
+namespace manycontact {
+
+DifferentialActionDataAbstract::DifferentialActionDataAbstract(const DifferentialActionModelAbstract* model) {
+  const Eigen::Index ndx = model->get_state()->get_ndx(), nv = model->get_state()->get_nv(), nu = model->get_nu();
+  const Eigen::Index ng = model->get_ng(), nh = model->get_nh();
+  resize(ndx, nu, model->get_storage());
+  const bool dense = storage != MatrixStorage::kSparse;
+  xout.setZero(nv);
+  Fx.setZero(dense ? nv : 0, dense ? ndx : 0);
+  Fu.setZero(dense ? nv : 0, dense ? nu : 0);
+  r.setZero(model->get_nr());
+  g.setZero(ng);
+  h.setZero(nh);
+  Gx.setZero(dense ? ng : 0, dense ? ndx : 0);
+  Gu.setZero(dense ? ng : 0, dense ? nu : 0);
+  Hx.setZero(dense ? nh : 0, dense ? ndx : 0);
+  Hu.setZero(dense ? nh : 0, dense ? nu : 0);
+}
+
+DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu,
+                                                                 std::size_t nr, std::size_t ng, std::size_t nh)
+    : nu_(nu), nr_(nr), ng_(ng), nh_(nh), state_(std::move(state)), unone_(Eigen::VectorXd::Zero(nu)) {
+  require(state_ != nullptr, "DifferentialActionModel", "a state is expected, not a null pointer");
+  const double infinity = std::numeric_limits<double>::infinity();
+  g_lb_.setConstant(ng, -infinity);
+  g_ub_.setConstant(ng, infinity);
+  u_lb_.setConstant(nu, -infinity);
+  u_ub_.setConstant(nu, infinity);
+}
+
+void DifferentialActionModelAbstract::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                           const ConstVectorRef& x) {
+  calc(data, x, unone_);
+}
+
+void DifferentialActionModelAbstract::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                               const ConstVectorRef& x) {
+  calcDiff(data, x, unone_);
+}
+
+std::shared_ptr<DifferentialActionDataAbstract> DifferentialActionModelAbstract::createData() {
+  return std::make_shared<DifferentialActionDataAbstract>(this);
+}
+
+bool DifferentialActionModelAbstract::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
+  return data != nullptr;
+}
+
+void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                                  VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
+  check_size("quasiStatic", "u", u.size(), nu_);
+  check_size("quasiStatic", "x", x.size(), state_->get_nx());
+  require(x.tail(state_->get_nv()).isZero(0), "quasiStatic", "the velocity is not zero, a state at rest is expected");
+  u.setZero();
+  for (std::size_t k = 0; k < maxiter; ++k) {
+    calc(data, x, u);
+    calcDiff(data, x, u);
+    const Eigen::VectorXd du = data->Fu.completeOrthogonalDecomposition().solve(data->xout);
+    u -= du;
+    if (du.norm() <= tol) break;
+  }
+}
+
+Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(
+    const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x, std::size_t maxiter,
+    double tol) {
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
+  quasiStatic(data, u, x, maxiter, tol);
+  return u;
+}
+
+void DifferentialActionModelAbstract::print(std::ostream& os) const {
+  os << "DifferentialActionModel {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
+}
+
+std::ostream& operator<<(std::ostream& os, const DifferentialActionModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+void DifferentialActionModelAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
+  check_size("set_g_lb", "g_lb", g_lb.size(), get_ng());
+  g_lb_ = g_lb;
+}
+void DifferentialActionModelAbstract::set_g_ub(const Eigen::VectorXd& g_ub) {
+  check_size("set_g_ub", "g_ub", g_ub.size(), get_ng());
+  g_ub_ = g_ub;
+}
+void DifferentialActionModelAbstract::set_u_lb(const Eigen::VectorXd& u_lb) {
+  check_size("set_u_lb", "u_lb", u_lb.size(), nu_);
+  u_lb_ = u_lb;
+  update_has_control_limits();
+}
+void DifferentialActionModelAbstract::set_u_ub(const Eigen::VectorXd& u_ub) {
+  check_size("set_u_ub", "u_ub", u_ub.size(), nu_);
+  u_ub_ = u_ub;
+  update_has_control_limits();
+}
+
+void DifferentialActionModelAbstract::update_has_control_limits() {
+  has_control_limits_ = u_lb_.array().isFinite().any() && u_ub_.array().isFinite().any();
+}
+
+}  // namespace manycontact

@@ -1,0 +1,177 @@
+// Data of DifferentialActionModelContactFwdDynamics, and what is laid out when the islands change.
+
+#include <map>
+#include <numeric>
+
+#include "fwddyn_steps.hpp"
+#include "manycontact/algorithm/crba.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// The scene that is solved: the state's robots, and the contacts in the order of their names.
+Scene scene_of(const DifferentialActionModelContactFwdDynamics& model) {
+  Scene scene = model.get_model().scene();
+  scene.damping = model.get_damping_factor();
+  for (const auto& [name, item] : model.get_contacts()->get_contacts()) {
+    Contact contact = item->contact->get_contact();
+    contact.name = name;
+    contact.active = item->active;
+    add_contact(scene, contact);
+  }
+  return scene;
+}
+
+}  // namespace
+
+DifferentialActionDataContactFwdDynamics::DifferentialActionDataContactFwdDynamics(
+    DifferentialActionModelContactFwdDynamics* model)
+    : DifferentialActionDataAbstract(model), owner(model), contacts_version(model->get_contacts()->get_version()) {
+  multibody = std::make_unique<DataCollector>(scene_of(*model), model->get_options(), model->get_actuation()->createData());
+  internal::lay_out_islands(*model->get_actuation(), *this);
+  for (const auto& [name, item] : model->get_contacts()->get_contacts())
+    multibody->contacts->contacts[name] = std::make_shared<ContactDataAbstract>();
+  internal::lay_out_contacts(*model->get_contacts(), *multibody);
+  costs = model->get_costs()->createData(multibody.get(), this);
+  if (model->get_constraints()) constraints = model->get_constraints()->createData(multibody.get(), this);
+}
+
+namespace internal {
+
+std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scene, const Eigen::VectorXd& armature) {
+  std::vector<std::shared_ptr<const Model>> out;
+  std::map<std::pair<const Model*, std::vector<double>>, std::shared_ptr<const Model>> made;
+  for (const Robot& robot : scene.robots) {
+    const Eigen::VectorXd wanted = armature.segment(robot.idx_v, robot.model->nv);
+    if (wanted == robot.model->armature) {
+      out.push_back(robot.model);
+      continue;
+    }
+    auto& model = made[{robot.model.get(), std::vector<double>(wanted.begin(), wanted.end())}];
+    if (!model) {
+      Model copy = *robot.model;
+      copy.armature = wanted;
+      model = std::make_shared<const Model>(std::move(copy));
+    }
+    out.push_back(model);
+  }
+  return out;
+}
+
+bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution) {
+  bool same = true;
+  std::size_t c = 0;
+  for (const auto& [name, item] : contacts.get_contacts()) {
+    const Contact& from = item->contact->get_contact();
+    Contact& to = scene.contacts[c];
+    const auto moved = [](const Attachment& a, const Attachment& b) { return a.robot != b.robot || a.joint != b.joint; };
+    same &= from.reference_frame == to.reference_frame && !moved(from.A, to.A) && !moved(from.B, to.B);
+    to.reference_frame = from.reference_frame;
+    to.A = from.A;
+    to.B = from.B;
+    to.axis = from.axis;
+    to.alpha = from.alpha;
+    to.beta = from.beta;
+    solution.active[c++] = item->active;
+  }
+  return same;
+}
+
+bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data) {
+  auto part = data.contacts.begin();
+  for (const auto& [name, item] : contacts.get_contacts())
+    if ((part++)->second->frame != item->contact->get_id()) return false;
+  return true;
+}
+
+void update_kinematics(const ConstVectorRef& x, const Scene& scene, SceneData& solution) {
+  solution.solved = false;
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    RobotData& data = solution.robots[r];
+    forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), data.kin);
+    forward_accelerations<double>(model, x.segment(scene.nq + robot.idx_v, model.nv), nullptr, scene.gravity, data.kin);
+    crba<double>(model, data.kin, data.Yc, data.M.data());
+  }
+}
+
+Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene) {
+  const std::vector<int>& selection = actuation.selection();
+  const auto is = [&](bool bases) {
+    std::size_t k = 0;
+    for (const Robot& robot : scene.robots)
+      for (int i = bases ? 0 : robot.model->first_actuated(); i < robot.model->nv; ++i, ++k)
+        if (k >= selection.size() || selection[k] != robot.idx_v + i) return false;
+    return k == selection.size();
+  };
+  if (is(false)) return Actuation::kActuated;
+  return is(true) ? Actuation::kAll : Actuation::kCustom;
+}
+
+void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data) {
+  DataCollector& m = *data.multibody;
+  const Actuation how = kind(actuation, m.scene);
+  const int nv = m.scene.nv, nu = static_cast<int>(actuation.get_nu());
+  m.islands.assign(m.solution.islands.size(), {});
+  m.custom.assign(how == Actuation::kCustom ? m.islands.size() : 0, {});
+  data.Fx.setZero();
+  data.Fu.setZero();
+  data.Fx_blocks.clear();
+  data.Fu_blocks.clear();
+  for (std::size_t i = 0; i < m.islands.size(); ++i) {
+    IslandColumns& columns = m.islands[i];
+    for (int r : m.solution.islands[i].island.robots) {
+      const Robot& robot = m.scene.robots[r];
+      for (int k = 0; k < robot.model->nv; ++k) columns.v.push_back(robot.idx_v + k);
+      for (int k = 0; how == Actuation::kActuated && k < robot.model->nu(); ++k) columns.u.push_back(robot.idx_u + k);
+    }
+    if (how == Actuation::kAll) columns.u = columns.v;
+    if (how == Actuation::kCustom) {  // a custom actuation may couple everything
+      columns.x.resize(2 * nv);
+      columns.u.resize(nu);
+      std::iota(columns.x.begin(), columns.x.end(), 0);
+      std::iota(columns.u.begin(), columns.u.end(), 0);
+    } else {
+      columns.x = columns.v;
+      for (int k : columns.v) columns.x.push_back(nv + k);
+    }
+    if (data.storage == MatrixStorage::kDense) continue;
+    data.Fx_blocks.plan(columns.v, columns.x);
+    data.Fu_blocks.plan(columns.v, columns.u);
+  }
+  data.Fx_blocks.finish(nv, 2 * nv);
+  data.Fu_blocks.finish(nv, nu);
+}
+
+void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m) {
+  int c = 0;
+  for (const auto& [name, item] : contacts.get_contacts()) {
+    ContactDataAbstract& data = *m.contacts->contacts.at(name);
+    const Contact& contact = m.scene.contacts[c];
+    data.index = c;
+    data.active = item->active;
+    data.frame = item->contact->get_id();
+    data.v_columns.clear();
+    const auto add = [&](int r) {
+      for (int i = 0; i < m.scene.robots[r].model->nv; ++i) data.v_columns.push_back(m.scene.robots[r].idx_v + i);
+    };
+    add(contact.A.robot);
+    if (contact.B.robot >= 0 && contact.B.robot != contact.A.robot) add(contact.B.robot);
+    const Eigen::Index nc = contact.rows(), n = data.v_columns.size();
+    data.Jc.setZero(nc, n);
+    data.a0.setZero(nc);
+    data.da0_dx.setZero(nc, 2 * n);
+    data.f.setZero(nc);
+    const IslandColumns& island = m.islands[m.solution.robot_island[contact.A.robot]];
+    data.f_x_columns = &island.x;
+    data.f_u_columns = &island.u;
+    new (&data.df_dx) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));
+    new (&data.df_du) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));
+    ++c;
+  }
+}
+
+}  // namespace internal
+}  // namespace manycontact

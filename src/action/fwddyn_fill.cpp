@@ -1,0 +1,126 @@
+// From the scene's solution to the action's data.
+
+#include "fwddyn_steps.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+// use(column in the contact's v_columns, column k of its support, coordinate within its robot, of A or of B') for each
+// column of a contact's support.
+template <class Use>
+void each_column(const Scene& scene, const Contact& contact, const ContactSupport& support, Use&& use) {
+  const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
+  const int second = two ? scene.robots[contact.A.robot].model->nv : 0;
+  int k = 0;
+  for (int i : support.a) use(i, k++);
+  for (int i : support.b) use(second + i, k++);
+}
+
+}  // namespace
+
+void fill_contacts(DataCollector& m) {
+  for (auto& [name, data] : m.contacts->contacts) {
+    if (!data->active) continue;
+    const Contact& contact = m.scene.contacts[data->index];
+    const ContactData<double>& rows = m.solution.contacts[data->index];
+    each_column(m.scene, contact, m.solution.supports[data->index],
+                [&](int to, int k) { data->Jc.col(to) = rows.J.col(k); });
+    data->a0 = rows.a0;
+    data->f = m.solution.f.segment(m.solution.f_offset[data->index], contact.rows());
+  }
+}
+
+void fill_contact_derivatives(bool forces, DataCollector& m) {
+  const DerivativeData& dd = *m.solution.derivatives;
+  for (auto& [name, data] : m.contacts->contacts) {
+    if (!data->active) continue;
+    const Contact& contact = m.scene.contacts[data->index];
+    const ContactData<double>& rows = dd.rows[data->index];
+    const ContactDerivatives& d = dd.contacts[data->index];
+    const Eigen::Index n = data->Jc.cols();
+    data->da0_dx.setZero();
+    each_column(m.scene, contact, m.solution.supports[data->index], [&](int to, int k) {
+      data->da0_dx.col(to).noalias() = rows.W * d.dx_dq.col(k);
+      data->da0_dx.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
+    });
+    for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
+      const Vec6<double> dx = turned(d.turn.col(i), d.x);
+      data->da0_dx.col(d.chain_a[i]).noalias() += rows.W * dx;
+    }
+    if (!forces) continue;
+    const int i = m.solution.robot_island[contact.A.robot];
+    const Island& island = m.solution.islands[i].island;
+    const std::size_t c = std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
+    const PanelView P = m.panel(i);
+    const double* first = P.data() + (island.nv + island.row_offset[c]) * P.outerStride();
+    const Eigen::Index nx = m.islands[i].x.size(), nu = m.islands[i].u.size();
+    new (&data->df_dx) PanelView(first, contact.rows(), nx, Eigen::OuterStride<>(P.outerStride()));
+    new (&data->df_du) PanelView(first + nx, contact.rows(), nu, Eigen::OuterStride<>(P.outerStride()));
+  }
+}
+
+void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
+  const DataCollector& m = *data.multibody;
+  data.Fx_blocks.set_zero();
+  data.Fu_blocks.set_zero();
+  for (std::size_t i = 0; i < m.islands.size(); ++i) {
+    const IslandColumns& columns = m.islands[i];
+    const Eigen::Index nv = columns.v.size(), nx = columns.x.size(), nu = columns.u.size();
+    const PanelView P = m.panel(i);
+    const auto da_dx = P.topLeftCorner(nv, nx), da_du = P.block(0, nx, nv, nu);
+    if (data.storage != MatrixStorage::kSparse) {
+      if (m.islands.size() == 1) {
+        data.Fx = da_dx;
+        data.Fu = da_du;
+      } else {
+        for (Eigen::Index j = 0; j < nx; ++j)
+          for (Eigen::Index k = 0; k < nv; ++k) data.Fx(columns.v[k], columns.x[j]) = da_dx(k, j);
+        for (Eigen::Index j = 0; j < nu; ++j)
+          for (Eigen::Index k = 0; k < nv; ++k) data.Fu(columns.v[k], columns.u[j]) = da_du(k, j);
+      }
+    }
+    if (data.storage != MatrixStorage::kDense) {
+      data.Fx_blocks.add(i, 1, da_dx);
+      data.Fu_blocks.add(i, 1, da_du);
+    }
+  }
+}
+
+void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r) {
+  Eigen::Index at = 0;
+  auto part = data.costs.begin();
+  for (const auto& [name, item] : model.get_costs()) {
+    const Eigen::VectorXd& of_cost = (part++)->second->residual->r;
+    if (!item->active) continue;
+    r.segment(at, of_cost.size()) = of_cost;
+    at += of_cost.size();
+  }
+}
+
+void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m) {
+  if (m.custom.empty()) return;
+  const Eigen::Index nv = m.scene.nv, nu = actuation.get_nu();
+  for (std::size_t i = 0; i < m.islands.size(); ++i) {
+    const IslandDerivatives& d = m.solution.derivatives->islands[i];
+    const std::vector<int>& v = m.islands[i].v;
+    RowMajorMatrix& out = m.custom[i];
+    out.setZero(d.X.rows(), 2 * nv + nu);
+    const auto by_tau = d.X.block(0, d.u_first, d.X.rows(), d.nu);
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      out.col(v[k]) += d.X.col(d.q_first + k);
+      out.col(nv + v[k]) += d.X.col(d.v_first + k);
+    }
+    std::vector<int> place(nv, -1);  // row of tau in the island
+    for (std::size_t k = 0; k < v.size(); ++k) place[v[k]] = static_cast<int>(k);
+    const auto add = [&](const Eigen::SparseMatrix<double>& B, Eigen::Index first) {
+      for (Eigen::Index j = 0; j < B.outerSize(); ++j)
+        for (Eigen::SparseMatrix<double>::InnerIterator it(B, j); it; ++it)
+          if (place[it.row()] >= 0) out.col(first + j) += it.value() * by_tau.col(place[it.row()]);
+    };
+    add(m.actuation->dtau_dx, 0);
+    add(m.actuation->dtau_du, 2 * nv);
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,43 @@
+#pragma once
+// Steps of DifferentialActionModelContactFwdDynamics: between its parts and the scene that is solved.
+
+#include "manycontact/action/contact_fwddyn.hpp"
+
+namespace manycontact::internal {
+
+/// The scene's models with other armatures; models whose armature stays are shared as they are.
+std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scene, const Eigen::VectorXd& armature);
+
+/// Writes the contact models' references, gains and status into the scene and the solution. False when a contact has moved
+/// to another body or turned to other axes: a new solution is needed.
+bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution);
+/// False when a contact model has been given another frame, on the same body perhaps.
+bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
+/// Kinematics and composite inertias at x, nothing else.
+void update_kinematics(const ConstVectorRef& x, const Scene& scene, SceneData& solution);
+
+/// Where the islands' rows and columns are; room for Fx and Fu.
+void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
+/// Sizes of the contacts' data.
+void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
+
+/// Jc, a0, f of each contact.
+void fill_contacts(DataCollector& m);
+/// da0_dx of each contact and, with `forces`, views on df_dx, df_du.
+void fill_contact_derivatives(bool forces, DataCollector& m);
+/// Fx, Fu and their twins from the islands' panels.
+void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
+/// The residuals of the active costs, one after the other.
+void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
+
+/// How the controls reach the scene.
+enum class Actuation { kActuated, kAll, kCustom };  // u: all but floating bases, all coordinates, any function
+Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
+inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
+  return kind(actuation, scene) != Actuation::kActuated;
+}
+/// For a custom actuation: m.custom = derivatives by x and u, from those by the torques.
+void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
+void quasi_static(ActuationModelAbstract& actuation, const ConstVectorRef& x, DataCollector& m, VectorRef u);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,79 @@
+#include "manycontact/action/residual.hpp"
+
+#include <numeric>
+#include <ostream>
+
+namespace manycontact {
+
+ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector<int> u)
+    : rows(std::move(r)), xcols(std::move(x)), ucols(std::move(u)) {
+  Rx.setZero(rows.size(), xcols.size());
+  Ru.setZero(rows.size(), ucols.size());
+}
+
+ResidualDataAbstract::ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* s)
+    : shared(s), r(Eigen::VectorXd::Zero(model->get_nr())), ndx_(model->get_state()->get_ndx()), nu_(model->get_nu()) {}
+
+namespace {
+
+Eigen::MatrixXd whole(const std::vector<ResidualBlock>& blocks, Eigen::Index nr, std::size_t n,
+                      std::vector<int> ResidualBlock::*cols, Eigen::MatrixXd ResidualBlock::*J) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(nr, n);
+  for (const ResidualBlock& b : blocks)
+    for (std::size_t i = 0; i < b.rows.size(); ++i)
+      for (std::size_t j = 0; j < (b.*cols).size(); ++j) out(b.rows[i], (b.*cols)[j]) = (b.*J)(i, j);
+  return out;
+}
+
+std::vector<int> all(std::size_t n) {
+  std::vector<int> out(n);
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+}  // namespace
+
+Eigen::MatrixXd ResidualDataAbstract::Rx() const {
+  return whole(blocks, r.size(), ndx_, &ResidualBlock::xcols, &ResidualBlock::Rx);
+}
+Eigen::MatrixXd ResidualDataAbstract::Ru() const {
+  return whole(blocks, r.size(), nu_, &ResidualBlock::ucols, &ResidualBlock::Ru);
+}
+
+ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateMultibody> state, std::size_t nr, std::size_t nu,
+                                             Dependence on)
+    : state_(std::move(state)), nr_(nr), nu_(nu), on_(on), unone_(Eigen::VectorXd::Zero(nu)) {
+  require(state_ != nullptr, "ResidualModel", "a state is expected, not a null pointer");
+}
+
+void ResidualModelAbstract::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  if (get_u_dependent())
+    data->r.setZero();
+  else
+    calc(data, x, unone_);
+}
+
+void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  if (!get_u_dependent()) return calcDiff(data, x, unone_);
+  for (ResidualBlock& block : data->blocks) block.Rx.setZero();
+}
+
+std::shared_ptr<ResidualDataAbstract> ResidualModelAbstract::createData(DataCollector* shared) {
+  auto data = std::make_shared<ResidualDataAbstract>(this, shared);
+  lay_out(*data);
+  return data;
+}
+
+void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
+  data.blocks.clear();
+  data.blocks.emplace_back(all(nr_), all(state_->get_ndx()), all(get_u_dependent() ? nu_ : 0));
+}
+
+void ResidualModelAbstract::print(std::ostream& os) const { os << "ResidualModel {nr=" << nr_ << "}"; }
+
+std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,36 @@
+#pragma once
+// Helpers of the residuals' sources.
+
+#include "manycontact/action/residual.hpp"
+
+namespace manycontact::internal {
+
+inline const StateMultibody& given(const std::shared_ptr<StateMultibody>& state) {
+  require(state != nullptr, "ResidualModel", "a state is expected, not a null pointer");
+  return *state;
+}
+
+inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultibody& state, FrameIndex id) {
+  const std::vector<Multibody::BodyFrame>& frames = state.get_model()->frames;
+  require(id < frames.size(), who,
+          "frame " + std::to_string(id) + " does not exist, a number below " + std::to_string(frames.size()) +
+              " is expected");
+  return frames[id];
+}
+
+/// first, first + 1, ... (n numbers).
+inline std::vector<int> range(int first, int n) {
+  std::vector<int> numbers(n);
+  for (int i = 0; i < n; ++i) numbers[i] = first + i;
+  return numbers;
+}
+
+/// One block per control, 1 x 1: of r = u - uref.
+inline void lay_out_controls(std::size_t nu, ResidualDataAbstract& data) {
+  data.blocks.clear();
+  data.blocks.reserve(nu);
+  for (int i = 0; i < static_cast<int>(nu); ++i)
+    data.blocks.emplace_back(std::vector<int>{i}, std::vector<int>{}, std::vector<int>{i});
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,155 @@
+#include <ostream>
+
+#include "manycontact/action/residuals/centroidal_residuals.hpp"
+#include "residual_parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+struct CentroidalData : ResidualDataAbstract {
+  using ResidualDataAbstract::ResidualDataAbstract;
+  std::vector<std::vector<Vec6<double>>> h;  // per robot and joint: momentum of the subtree, about the tree's origin
+  Eigen::Vector3d c;                         // by calc: centre of mass in the world
+};
+
+CentroidalData& own(const std::shared_ptr<ResidualDataAbstract>& data) { return static_cast<CentroidalData&>(*data); }
+
+Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last, double mass) {
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  for (int r = first; r < last; ++r) {
+    const Kinematics<double>& kin = shared.kinematics(r);
+    for (const Inertia<double>& Y : kin.Y) c += Y.m * kin.origin + Y.h;
+  }
+  return c / mass;
+}
+
+// d c / dq_i, times the mass: the linear momentum of S_i.
+Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { return (Yc * S).head<3>(); }
+
+}  // namespace
+
+CentroidalResidual::CentroidalResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nr,
+                                       std::size_t nu, Dependence on, int robot)
+    : ResidualModelAbstract(std::move(state), nr, nu, on), robot_(robot), mass_(0) {
+  const Scene& scene = state_->get_model()->scene();
+  require(robot >= -1 && robot < scene.nrobots(), name,
+          "robot " + std::to_string(robot) + " does not exist, -1 (all) to " + std::to_string(scene.nrobots() - 1) +
+              " expected");
+  first_ = robot < 0 ? 0 : robot;
+  last_ = robot < 0 ? scene.nrobots() : robot + 1;
+  for (int r = first_; r < last_; ++r)
+    for (const Joint& joint : scene.robots[r].model->joints) mass_ += joint.inertia.m;
+  require(mass_ > 0, name, "the moving bodies' mass is " + std::to_string(mass_) + ", a positive one is expected");
+}
+
+std::shared_ptr<ResidualDataAbstract> CentroidalResidual::createData(DataCollector* shared) {
+  auto data = std::make_shared<CentroidalData>(this, shared);
+  for (const Robot& robot : shared->scene.robots)
+    data->h.emplace_back(robot.model->njoints(), Vec6<double>(Vec6<double>::Zero()));
+  data->c.setZero();
+  lay_out(*data);
+  return data;
+}
+
+void CentroidalResidual::lay_out(ResidualDataAbstract& data) const {
+  const std::vector<Robot>& robots = state_->get_model()->scene().robots;
+  const int first = robots[first_].idx_v, n = robots[last_ - 1].idx_v + robots[last_ - 1].model->nv - first;
+  std::vector<int> columns = internal::range(first, n);
+  if (get_v_dependent())
+    for (int i = 0; i < n; ++i) columns.push_back(static_cast<int>(state_->get_nv()) + first + i);
+  data.blocks.clear();
+  data.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), columns, std::vector<int>{});
+}
+
+ResidualModelCoMPosition::ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
+                                                   std::size_t nu, int robot)
+    : CentroidalResidual("ResidualModelCoMPosition", std::move(state), 3, nu, {.q = true}, robot), cref_(cref) {}
+
+ResidualModelCoMPosition::ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref)
+    : ResidualModelCoMPosition(state, cref, internal::given(state).get_nv()) {}
+
+void ResidualModelCoMPosition::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                    const ConstVectorRef&) {
+  data->r = center_of_mass(*data->shared, first_, last_, mass_) - cref_;
+}
+
+void ResidualModelCoMPosition::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                        const ConstVectorRef&) {
+  const DataCollector& shared = *data->shared;
+  Eigen::Index column = 0;
+  for (int r = first_; r < last_; ++r) {
+    const Model& model = *shared.scene.robots[r].model;
+    const RobotData& robot = shared.solution.robots[r];
+    for (int i = 0; i < model.nv; ++i)
+      data->blocks[0].Rx.col(column++) = moved_mass(robot.Yc[model.dof_joint[i]], robot.kin.J.col(i)) / mass_;
+  }
+}
+
+void ResidualModelCoMPosition::print(std::ostream& os) const {
+  os << "ResidualModelCoMPosition {cref=" << cref_.transpose() << "}";
+}
+
+ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state,
+                                                                 const Vec6<double>& href, std::size_t nu, int robot)
+    : CentroidalResidual("ResidualModelCentroidalMomentum", std::move(state), 6, nu, {.q = true, .v = true}, robot),
+      href_(href) {}
+
+ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state,
+                                                                 const Vec6<double>& href)
+    : ResidualModelCentroidalMomentum(state, href, internal::given(state).get_nv()) {}
+
+void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                           const ConstVectorRef&) {
+  CentroidalData& d = own(data);
+  d.c = center_of_mass(*d.shared, first_, last_, mass_);
+  d.r = -href_;
+  for (int r = first_; r < last_; ++r) {
+    const Kinematics<double>& kin = d.shared->kinematics(r);
+    const std::vector<Joint>& joints = d.shared->scene.robots[r].model->joints;
+    std::vector<Vec6<double>>& h = d.h[r];
+    for (std::size_t j = 0; j < joints.size(); ++j) h[j] = kin.Y[j] * kin.v[j];
+    for (std::size_t j = joints.size(); j-- > 0;) {
+      if (joints[j].parent >= 0) {
+        h[joints[j].parent] += h[j];
+        continue;
+      }
+      const Eigen::Vector3d l = h[j].head<3>();
+      d.r.head<3>() += l;
+      d.r.tail<3>() += h[j].tail<3>() - (d.c - kin.origin).cross(l);  // k - c x l
+    }
+  }
+}
+
+// dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
+void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                               const ConstVectorRef&) {
+  CentroidalData& d = own(data);
+  const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
+  Eigen::MatrixXd& Rx = d.blocks[0].Rx;
+  const Eigen::Index n = Rx.cols() / 2;
+  Eigen::Index column = 0;
+  for (int r = first_; r < last_; ++r) {
+    const Model& model = *d.shared->scene.robots[r].model;
+    const RobotData& robot = d.shared->solution.robots[r];
+    const Eigen::Vector3d c = d.c - robot.kin.origin;
+    for (int i = 0; i < model.nv; ++i, ++column) {
+      const int joint = model.dof_joint[i], parent = model.joints[joint].parent;
+      const Inertia<double>& Yc = robot.Yc[joint];
+      const Vec6<double> S = robot.kin.J.col(i), dv = Yc * S;
+      Vec6<double> dq = cross_force(S, d.h[r][joint]);
+      if (parent >= 0) dq += Yc * cross_motion(robot.kin.v[parent], S);
+      const Eigen::Vector3d dc = dv.head<3>() / mass_, dl_q = dq.head<3>(), dl_v = dv.head<3>();
+      Rx.col(column) = dq;
+      Rx.col(column).tail<3>() -= dc.cross(l) + c.cross(dl_q);
+      Rx.col(n + column) = dv;
+      Rx.col(n + column).tail<3>() -= c.cross(dl_v);
+    }
+  }
+}
+
+void ResidualModelCentroidalMomentum::print(std::ostream& os) const {
+  os << "ResidualModelCentroidalMomentum {href=" << href_.transpose() << "}";
+}
+
+}  // namespace manycontact

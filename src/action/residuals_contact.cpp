@@ -1,0 +1,200 @@
+#include <ostream>
+
+#include "manycontact/action/residuals/contact_residuals.hpp"
+#include "residual_parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+struct ContactResidualData : ResidualDataAbstract {
+  using ResidualDataAbstract::ResidualDataAbstract;
+  FrameIndex id = 0;
+  const ContactDataAbstract* contact = nullptr;         // by lay_out
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // by lay_out: unit wrenches of the contact's rows
+  Eigen::MatrixXd B;                                    // by calc
+  Eigen::VectorXd b;                                    // by calc
+};
+
+ContactResidualData& own(const std::shared_ptr<ResidualDataAbstract>& data) {
+  return static_cast<ContactResidualData&>(*data);
+}
+
+template <class Wrenches>
+void unit_wrenches(const Contact& contact, Wrenches& P) {
+  P.setZero(6, contact.rows());
+  switch (contact.type) {
+    case ContactType::k1D:
+      P.template topRows<3>() = contact.axis;
+      break;
+    case ContactType::k2D:
+      P(0, 0) = P(2, 1) = 1;
+      break;
+    case ContactType::k3D:
+    case ContactType::k6D:
+      P.setIdentity();
+      break;
+  }
+}
+
+const char* name_of(ContactType type) {
+  switch (type) {
+    case ContactType::k1D:
+      return "1D";
+    case ContactType::k2D:
+      return "2D";
+    case ContactType::k3D:
+      return "3D";
+    case ContactType::k6D:
+      return "6D";
+  }
+  return "unknown";
+}
+
+std::string only_6d(ContactType type) {
+  return type == ContactType::k6D ? "" : std::string(name_of(type)) + ", a 6D contact is expected";
+}
+
+void check_facets(const char* who, std::size_t given, std::size_t expected) {
+  require(
+      given == expected, who,
+      "the reference has nf = " + std::to_string(given) + ", " + std::to_string(expected) + " as before is expected");
+}
+
+}  // namespace
+
+ContactResidual::ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
+                                 std::size_t nu, bool fwddyn)
+    : ResidualModelAbstract(std::move(state), nr, nu, {.forces = true}), name_(name) {
+  require(fwddyn, name, "fwddyn is false, true is expected: contact forces are results of the forward dynamics");
+  set_id(id);
+}
+
+void ContactResidual::set_id(FrameIndex id) {
+  internal::body_frame(name_, *state_, id);
+  id_ = id;
+}
+
+std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector* shared) {
+  auto data = std::make_shared<ContactResidualData>(this, shared);
+  data->id = id_;
+  lay_out(*data);
+  return data;
+}
+
+void ContactResidual::lay_out(ResidualDataAbstract& data) const {
+  auto& d = static_cast<ContactResidualData&>(data);
+  d.contact = &d.shared->contact_on(d.id, name_);
+  const Contact& contact = d.shared->scene.contacts[d.contact->index];
+  const std::string why = misfit(contact.type);
+  require(why.empty(), name_, "the contact on " + state_->get_model()->frames[d.id].name + " is " + why);
+  unit_wrenches(contact, d.P);
+  d.B.setZero(nr_, contact.rows());
+  d.b.setZero(nr_);
+  d.blocks.clear();
+  if (d.contact->active && d.contact->f_x_columns && d.contact->f_u_columns)
+    d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), *d.contact->f_x_columns, *d.contact->f_u_columns);
+}
+
+void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                           const ConstVectorRef&) {
+  ContactResidualData& d = own(data);
+  if (!d.contact->active) {
+    d.r.setZero();
+    return;
+  }
+  unit_wrenches(d.shared->scene.contacts[d.contact->index], d.P);  // an axis may have changed
+  form(d.P, d.B, d.b);
+  d.r.noalias() = d.B.lazyProduct(d.contact->f);
+  d.r -= d.b;
+}
+
+void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                               const ConstVectorRef&) {
+  ContactResidualData& d = own(data);
+  if (d.blocks.empty()) return;
+  d.blocks[0].Rx = d.B.lazyProduct(d.contact->df_dx);
+  d.blocks[0].Ru = d.B.lazyProduct(d.contact->df_du);
+}
+
+void ContactResidual::print(std::ostream& os) const {
+  os << name_ << " {frame=" << state_->get_model()->frames[id_].name << "}";
+}
+
+ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                     const Vec6<double>& fref, std::size_t nc, std::size_t nu,
+                                                     bool fwddyn)
+    : ContactResidual("ResidualModelContactForce", std::move(state), id, nc, nu, fwddyn), fref_(fref) {
+  require(nc == 1 || nc == 2 || nc == 3 || nc == 6, name_, "nc is " + std::to_string(nc) + ", 1, 2, 3 or 6 expected");
+}
+
+ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                     const Vec6<double>& fref, std::size_t nc)
+    : ResidualModelContactForce(state, id, fref, nc, internal::given(state).get_nv()) {}
+
+std::string ResidualModelContactForce::misfit(ContactType type) const {
+  if (contact_rows(type) == static_cast<int>(nr_)) return "";
+  return std::string(name_of(type)) + ", one with nc = " + std::to_string(nr_) + " is expected";
+}
+
+void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const {
+  B.setIdentity();
+  b.noalias() = P.transpose().lazyProduct(fref_);
+}
+
+ResidualModelContactFrictionCone::ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                                   const FrictionCone& fref, std::size_t nu,
+                                                                   bool fwddyn)
+    : ContactResidual("ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu, fwddyn),
+      fref_(fref) {}
+
+ResidualModelContactFrictionCone::ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                                   const FrictionCone& fref)
+    : ResidualModelContactFrictionCone(state, id, fref, internal::given(state).get_nv()) {}
+
+void ResidualModelContactFrictionCone::set_reference(const FrictionCone& reference) {
+  check_facets(name_, reference.get_nf(), fref_.get_nf());
+  fref_ = reference;
+}
+
+std::string ResidualModelContactFrictionCone::misfit(ContactType) const { return ""; }
+
+void ResidualModelContactFrictionCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
+  B.noalias() = fref_.get_A().lazyProduct(P.topRows<3>());
+}
+
+ResidualModelContactWrenchCone::ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                               const WrenchCone& fref, std::size_t nu, bool fwddyn)
+    : ContactResidual("ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu, fwddyn),
+      fref_(fref) {}
+
+ResidualModelContactWrenchCone::ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                               const WrenchCone& fref)
+    : ResidualModelContactWrenchCone(state, id, fref, internal::given(state).get_nv()) {}
+
+void ResidualModelContactWrenchCone::set_reference(const WrenchCone& reference) {
+  check_facets(name_, reference.get_nf(), fref_.get_nf());
+  fref_ = reference;
+}
+
+std::string ResidualModelContactWrenchCone::misfit(ContactType type) const { return only_6d(type); }
+
+void ResidualModelContactWrenchCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
+  B.noalias() = fref_.get_A().lazyProduct(P);
+}
+
+ResidualModelContactCoPPosition::ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                                 const CoPSupport& cref, std::size_t nu, bool fwddyn)
+    : ContactResidual("ResidualModelContactCoPPosition", std::move(state), id, 4, nu, fwddyn), cref_(cref) {}
+
+ResidualModelContactCoPPosition::ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                                 const CoPSupport& cref)
+    : ResidualModelContactCoPPosition(state, id, cref, internal::given(state).get_nv()) {}
+
+std::string ResidualModelContactCoPPosition::misfit(ContactType type) const { return only_6d(type); }
+
+void ResidualModelContactCoPPosition::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
+  B.noalias() = cref_.get_A().lazyProduct(P);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,214 @@
+#include <ostream>
+
+#include "manycontact/action/residuals/frame_residuals.hpp"
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/spatial/explog.hpp"
+#include "residual_parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+struct FrameResidualData : ResidualDataAbstract {
+  using ResidualDataAbstract::ResidualDataAbstract;
+  const Multibody::BodyFrame* frame = nullptr;  // by lay_out
+  std::vector<int> chain;                       // by lay_out: the robot's coordinates that move it
+
+  const Kinematics<double>& kin() const { return shared->kinematics(frame->robot); }
+  const SE3<double>& base() const { return shared->scene.robots[frame->robot].base; }
+  const Model& model() const { return *shared->scene.robots[frame->robot].model; }
+  SE3<double> oMf() const { return frame_placement<double>(kin(), base(), frame->joint, frame->placement); }
+  // In the robot's tree frame; of a frame that moves.
+  SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
+};
+
+FrameResidualData& own(const std::shared_ptr<ResidualDataAbstract>& data) {
+  return static_cast<FrameResidualData&>(*data);
+}
+
+// [linear; angular] shifted to the point p, axes unchanged.
+Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
+  Vec6<double> out = m;
+  out.head<3>() -= p.cross(m.tail<3>());
+  return out;
+}
+
+}  // namespace
+
+FrameResidual::FrameResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
+                             std::size_t nu, Dependence on)
+    : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {
+  set_id(id);
+}
+
+void FrameResidual::set_id(FrameIndex id) {
+  internal::body_frame(name_, *state_, id);
+  id_ = id;
+}
+
+std::shared_ptr<ResidualDataAbstract> FrameResidual::createData(DataCollector* shared) {
+  auto data = std::make_shared<FrameResidualData>(this, shared);
+  data->frame = &internal::body_frame(name_, *state_, id_);
+  lay_out(*data);
+  return data;
+}
+
+void FrameResidual::lay_out(ResidualDataAbstract& data) const {
+  auto& d = static_cast<FrameResidualData&>(data);
+  d.chain = dof_chain(d.model(), d.frame->joint);
+  d.blocks.clear();
+  if (d.chain.empty()) return;
+  const int q = d.shared->scene.robots[d.frame->robot].idx_v, v = static_cast<int>(state_->get_nv()) + q;
+  std::vector<int> columns;
+  for (int i : d.chain) columns.push_back(q + i);
+  if (get_v_dependent())
+    for (int i : d.chain) columns.push_back(v + i);
+  d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), columns, std::vector<int>{});
+}
+
+void FrameResidual::print(std::ostream& os) const {
+  os << name_ << " {frame=" << state_->get_model()->frames[id_].name << "}";
+}
+
+ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                         const SE3<double>& pref, std::size_t nu)
+    : FrameResidual("ResidualModelFramePlacement", std::move(state), id, 6, nu, {.q = true}), pref_(pref) {}
+
+ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                         const SE3<double>& pref)
+    : ResidualModelFramePlacement(state, id, pref, internal::given(state).get_nv()) {}
+
+void ResidualModelFramePlacement::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                       const ConstVectorRef&) {
+  data->r = log6<double>(pref_.inverse() * own(data).oMf());
+}
+
+void ResidualModelFramePlacement::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                           const ConstVectorRef&) {
+  FrameResidualData& d = own(data);
+  if (d.blocks.empty()) return;
+  const Mat6<double> J = Jlog6<double>(d.r);
+  const SE3<double> M = d.in_tree();
+  for (std::size_t k = 0; k < d.chain.size(); ++k)
+    d.blocks[0].Rx.col(k).noalias() = J * M.act_inverse(d.kin().J.col(d.chain[k]));
+}
+
+ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                             const Eigen::Vector3d& xref, std::size_t nu)
+    : FrameResidual("ResidualModelFrameTranslation", std::move(state), id, 3, nu, {.q = true}), xref_(xref) {}
+
+ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                             const Eigen::Vector3d& xref)
+    : ResidualModelFrameTranslation(state, id, xref, internal::given(state).get_nv()) {}
+
+void ResidualModelFrameTranslation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                         const ConstVectorRef&) {
+  data->r = own(data).oMf().p - xref_;
+}
+
+void ResidualModelFrameTranslation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                             const ConstVectorRef&) {
+  FrameResidualData& d = own(data);
+  if (d.blocks.empty()) return;
+  const Eigen::Vector3d p = d.in_tree().p;
+  for (std::size_t k = 0; k < d.chain.size(); ++k)
+    d.blocks[0].Rx.col(k) = at_point(p, d.kin().J.col(d.chain[k])).head<3>();
+}
+
+ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                       const Eigen::Matrix3d& Rref, std::size_t nu)
+    : FrameResidual("ResidualModelFrameRotation", std::move(state), id, 3, nu, {.q = true}), Rref_(Rref) {}
+
+ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                       const Eigen::Matrix3d& Rref)
+    : ResidualModelFrameRotation(state, id, Rref, internal::given(state).get_nv()) {}
+
+void ResidualModelFrameRotation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                      const ConstVectorRef&) {
+  data->r = log3<double>(Rref_.transpose() * own(data).oMf().R);
+}
+
+void ResidualModelFrameRotation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                          const ConstVectorRef&) {
+  FrameResidualData& d = own(data);
+  if (d.blocks.empty()) return;
+  Vec6<double> xi = Vec6<double>::Zero();
+  xi.tail<3>() = d.r;
+  const Eigen::Matrix3d J = Jlog6<double>(xi).bottomRightCorner<3, 3>() * d.in_tree().R.transpose();
+  for (std::size_t k = 0; k < d.chain.size(); ++k)
+    d.blocks[0].Rx.col(k).noalias() = J * d.kin().J.col(d.chain[k]).tail<3>();
+}
+
+ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                       const Vec6<double>& vref, ReferenceFrame type, std::size_t nu)
+    : FrameResidual("ResidualModelFrameVelocity", std::move(state), id, 6, nu, {.q = true, .v = true}),
+      vref_(vref),
+      type_(type) {}
+
+ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
+                                                       const Vec6<double>& vref, ReferenceFrame type)
+    : ResidualModelFrameVelocity(state, id, vref, type, internal::given(state).get_nv()) {}
+
+namespace {
+
+FrameAxes axes_of(ReferenceFrame type) {
+  switch (type) {
+    case ReferenceFrame::kLocal:
+      return FrameAxes::kLocal;
+    case ReferenceFrame::kWorld:
+      return FrameAxes::kWorld;
+    case ReferenceFrame::kLocalWorldAligned:
+      return FrameAxes::kLocalWorldAligned;
+  }
+  return FrameAxes::kLocal;
+}
+
+}  // namespace
+
+void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                      const ConstVectorRef&) {
+  const FrameResidualData& d = own(data);
+  const Vec6<double> v = frame_velocity<double>(d.kin(), d.base(), d.frame->joint, d.frame->placement, axes_of(type_));
+  data->r = v - vref_;
+}
+
+// In the tree frame, with S = S_i, v the body's velocity and v_p that of the parent of i's joint:
+//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
+void ResidualModelFrameVelocity::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                          const ConstVectorRef&) {
+  FrameResidualData& d = own(data);
+  if (d.blocks.empty()) return;
+  const Kinematics<double>& kin = d.kin();
+  const Model& model = d.model();
+  const SE3<double> M = d.in_tree();
+  const Vec6<double> v = kin.v[d.frame->joint], v_here = at_point(M.p, v);
+  const Eigen::Index n = d.chain.size();
+  Eigen::MatrixXd& Rx = d.blocks[0].Rx;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const int i = d.chain[k], parent = model.joints[model.dof_joint[i]].parent;
+    const Vec6<double> S = kin.J.col(i);
+    Vec6<double> dq = Vec6<double>::Zero();
+    if (parent >= 0) dq = cross_motion(kin.v[parent], S);
+    switch (type_) {
+      case ReferenceFrame::kLocal:
+        Rx.col(k) = M.act_inverse(dq);
+        Rx.col(n + k) = M.act_inverse(S);
+        break;
+      case ReferenceFrame::kLocalWorldAligned: {
+        const Eigen::Vector3d w = S.tail<3>();
+        dq = at_point(M.p, dq);
+        dq.head<3>() += w.cross(v_here.head<3>());
+        dq.tail<3>() += w.cross(v_here.tail<3>());
+        Rx.col(k) = dq;
+        Rx.col(n + k) = at_point(M.p, S);
+        break;
+      }
+      case ReferenceFrame::kWorld:
+        Rx.col(k) = at_point(-kin.origin, dq - cross_motion(v, S));
+        Rx.col(n + k) = at_point(-kin.origin, S);
+        break;
+    }
+  }
+}
+
+}  // namespace manycontact

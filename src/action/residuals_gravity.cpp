@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <ostream>
+
+#include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/dynamics/static_torque.hpp"
+#include "residual_parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+struct GravityData : ResidualDataAbstract {
+  GravityData(const ResidualModelAbstract* model, DataCollector* collector)
+      : ResidualDataAbstract(model, collector), statics(collector->scene) {}
+  StaticTorque statics;                      // by calc
+  std::vector<int> local;                    // by lay_out: of each velocity coordinate, its place in its island
+  std::vector<int> island;                   // by lay_out: and the island
+  std::vector<std::vector<int>> q_column;    // by lay_out, per island: column of each of its q in the block
+  std::vector<IslandDerivatives::Panel> dg;  // by calcDiff, per island: of the static torque, forces held
+};
+
+GravityData& own(const std::shared_ptr<ResidualDataAbstract>& data) { return static_cast<GravityData&>(*data); }
+
+void set_static_part(GravityData& d, bool contacts) {
+  for (std::size_t i = 0; i < d.blocks.size(); ++i) {
+    ResidualBlock& block = d.blocks[i];
+    static_torque_derivative(d.shared->scene, d.shared->solution, i, contacts, d.statics, d.dg[i]);
+    block.Rx.setZero();
+    block.Ru.setZero();
+    for (Eigen::Index k = 0; k < d.dg[i].cols(); ++k) block.Rx.col(d.q_column[i][k]) = -d.dg[i].col(k);
+  }
+}
+
+// out += the part of `matrix` (nv rows) in an island's rows and the columns given.
+void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double>& matrix,
+              const std::vector<int>& columns, Eigen::MatrixXd& out) {
+  if (matrix.nonZeros() == 0) return;
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, columns[j]); it; ++it)
+      if (d.island[it.row()] == island) out(d.local[it.row()], static_cast<Eigen::Index>(j)) += it.value();
+}
+
+// += J^T df, df the lower rows of the island's panel.
+void add_force_part(GravityData& d, std::size_t i) {
+  ResidualBlock& block = d.blocks[i];
+  const IslandData& of_island = d.shared->solution.islands[i];
+  const Island& island = of_island.island;
+  const PanelView panel = d.shared->panel(i);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Eigen::MatrixXd& J = d.shared->solution.contacts[island.contacts[k]].J;
+    const std::vector<int>& support = of_island.support.columns[k];
+    const auto df = panel.middleRows(island.nv + island.row_offset[k], J.rows());
+    for (Eigen::Index c = 0; c < J.cols(); ++c) {
+      const int row = support[c];
+      for (Eigen::Index m = 0; m < J.rows(); ++m) {
+        block.Rx.row(row) += J(m, c) * df.row(m).head(block.Rx.cols());
+        block.Ru.row(row) += J(m, c) * df.row(m).segment(block.Rx.cols(), block.Ru.cols());
+      }
+    }
+  }
+}
+
+}  // namespace
+
+// Of v it depends through forces or through torques, and an actuation may do that; blocks have what there is.
+GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
+    : ResidualModelAbstract(state, internal::given(state).get_nv(), nu, {.q = true, .v = true, .u = true, .forces = contacts}),
+      name_(name),
+      contacts_(contacts) {
+  require(nu > 0, name, "nu is 0, one control or more is expected");
+}
+
+std::shared_ptr<ResidualDataAbstract> GravityResidual::createData(DataCollector* shared) {
+  auto data = std::make_shared<GravityData>(this, shared);
+  lay_out(*data);
+  return data;
+}
+
+void GravityResidual::lay_out(ResidualDataAbstract& data) const {
+  auto& d = static_cast<GravityData&>(data);
+  const std::vector<IslandColumns>& islands = d.shared->islands;
+  d.blocks.clear();
+  d.dg.clear();
+  d.q_column.assign(islands.size(), {});
+  d.local.assign(nr_, -1);
+  d.island.assign(nr_, -1);
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const std::vector<int>& v = islands[i].v;
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      d.local[v[k]] = static_cast<int>(k);
+      d.island[v[k]] = static_cast<int>(i);
+    }
+    std::vector<int> x = islands[i].x;
+    if (!contacts_ && d.shared->custom.empty()) x = v;  // neither forces nor torques depend on v
+    for (int dof : v) d.q_column[i].push_back(static_cast<int>(std::find(x.begin(), x.end(), dof) - x.begin()));
+    d.blocks.emplace_back(v, std::move(x), islands[i].u);
+    d.dg.emplace_back(v.size(), v.size());
+  }
+}
+
+void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                           const ConstVectorRef&) {
+  GravityData& d = own(data);
+  static_torque(d.shared->scene, d.shared->solution, contacts_, d.statics);
+  d.r = d.shared->actuation->tau - d.statics.tau;
+}
+
+void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
+  GravityData& d = own(data);
+  static_torque(d.shared->scene, d.shared->solution, false, d.statics);
+  d.r = -d.statics.tau;
+}
+
+void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                               const ConstVectorRef&) {
+  GravityData& d = own(data);
+  set_static_part(d, contacts_);
+  for (std::size_t i = 0; i < d.blocks.size(); ++i) {
+    ResidualBlock& block = d.blocks[i];
+    add_part(d, static_cast<int>(i), d.shared->actuation->dtau_dx, block.xcols, block.Rx);
+    add_part(d, static_cast<int>(i), d.shared->actuation->dtau_du, block.ucols, block.Ru);
+    if (contacts_) add_force_part(d, i);
+  }
+}
+
+void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
+  set_static_part(own(data), false);
+}
+
+void GravityResidual::print(std::ostream& os) const { os << name_; }
+
+ResidualModelControlGrav::ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
+    : GravityResidual("ResidualModelControlGrav", std::move(state), nu, false) {}
+
+ResidualModelControlGrav::ResidualModelControlGrav(std::shared_ptr<StateMultibody> state)
+    : ResidualModelControlGrav(state, internal::given(state).get_nv()) {}
+
+ResidualModelContactControlGrav::ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
+    : GravityResidual("ResidualModelContactControlGrav", std::move(state), nu, true) {}
+
+ResidualModelContactControlGrav::ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state)
+    : ResidualModelContactControlGrav(state, internal::given(state).get_nv()) {}
+
+}  // namespace manycontact

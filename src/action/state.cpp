@@ -1,0 +1,197 @@
+#include "manycontact/action/state.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/spatial/explog.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using V6 = Vec6<double>;
+using M6 = Mat6<double>;
+
+// SE(2) inside SE(3): coordinates x, y, and the angle about z.
+constexpr int kPlane[3] = {0, 1, 5};
+V6 lift(const ConstVectorRef& m) {
+  V6 out = V6::Zero();
+  for (int i = 0; i < 3; ++i) out[kPlane[i]] = m[i];
+  return out;
+}
+void drop(const M6& J, MatrixRef out) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
+}
+
+// Writes a joint's block given the function of its tangent vector on SE(3).
+template <class Of>
+void joint_block(const Joint& joint, const ConstVectorRef& dq, double straight, Of&& of, MatrixRef J) {
+  if (joint.type == JointType::kFloating)
+    J = of(V6(dq));
+  else if (joint.type == JointType::kPlanar)
+    drop(of(lift(dq)), J);
+  else
+    J(0, 0) = straight;
+}
+
+// d integrate / dx and / d(dx) of one joint.
+void joint_jintegrate(const Joint& joint, const ConstVectorRef& dq, bool of_x, MatrixRef J) {
+  joint_block(joint, dq, 1, [of_x](const V6& m) {
+    return of_x ? M6(exp6<double>(m).inverse().action()) : M6(Jexp6<double>(m));
+  }, J);
+}
+
+void assign(MatrixRef J, const MatrixRef& block, AssignmentOp op) {
+  if (op == setto) J = block;
+  else if (op == addto) J += block;
+  else J -= block;
+}
+
+// use(joint, first coordinate in q, in v) for every joint of every robot.
+template <class Use>
+void each_joint(const Scene& scene, Use&& use) {
+  for (const Robot& robot : scene.robots)
+    for (const Joint& joint : robot.model->joints) use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v);
+}
+
+}  // namespace
+
+void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, MatrixRef J) {
+  // with xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi))
+  joint_block(joint, dq, of_x0 ? -1 : 1, [of_x0](const V6& xi) {
+    const M6 Jlog = Jlog6<double>(xi);
+    return of_x0 ? M6(-Jlog * exp6<double>(xi).inverse().action()) : Jlog;
+  }, J);
+}
+
+namespace {
+
+const Multibody& given(const std::shared_ptr<const Multibody>& model) {
+  require(model != nullptr, "StateMultibody", "a model is expected, not a null pointer");
+  return *model;
+}
+
+}  // namespace
+
+StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
+    : StateAbstract(given(model).nq + given(model).nv, 2 * given(model).nv),
+      model_(std::move(model)) {
+  each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
+    const int n = joint.nv();
+    if (joint.type != JointType::kFloating && joint.lower.size() == n && joint.upper.size() == n) {
+      lb_.segment(iq, n) = joint.lower;
+      ub_.segment(iq, n) = joint.upper;
+    }
+    if (joint.velocity_limit.size() == n) {
+      lb_.segment(nq_ + iv, n) = -joint.velocity_limit;
+      ub_.segment(nq_ + iv, n) = joint.velocity_limit;
+    }
+  });
+  update_has_limits();
+}
+
+Eigen::VectorXd StateMultibody::zero() const {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(nx_);
+  for (const Robot& robot : model_->scene().robots) x.segment(robot.idx_q, robot.model->nq) = neutral(*robot.model);
+  return x;
+}
+
+Eigen::VectorXd StateMultibody::rand() const {
+  thread_local std::mt19937 rng(1);
+  const auto draw = [](double low, double high) { return std::uniform_real_distribution<double>(low, high)(rng); };
+  Eigen::VectorXd x(nx_);
+  each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
+    const bool floating = joint.type == JointType::kFloating;
+    for (int i = 0; i < (floating ? 3 : joint.nv()); ++i) {
+      const double reach = joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && i == 2) ? M_PI : 1;
+      const double low = lb_[iq + i], high = ub_[iq + i];
+      x[iq + i] = std::isfinite(low) && std::isfinite(high) ? draw(low, high) : draw(-reach, reach);
+    }
+    if (floating) {
+      Eigen::Vector4d quat;
+      do
+        quat = Eigen::Vector4d(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
+      while (quat.norm() < 0.1 || quat.norm() > 1);  // uniform in the ball, so uniform on the sphere
+      x.segment<4>(iq + 3) = quat.normalized();
+    }
+    for (int i = 0; i < joint.nv(); ++i) x[nq_ + iv + i] = draw(-1, 1);
+  });
+  return x;
+}
+
+void StateMultibody::diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dx) const {
+  check_size("StateMultibody::diff", "x0", x0.size(), nx_);
+  check_size("StateMultibody::diff", "x1", x1.size(), nx_);
+  check_size("StateMultibody::diff", "dxout", dx.size(), ndx_);
+  for (const Robot& robot : model_->scene().robots) {
+    const Model& m = *robot.model;
+    difference<double>(m, x0.segment(robot.idx_q, m.nq), x1.segment(robot.idx_q, m.nq), dx.segment(robot.idx_v, m.nv));
+  }
+  dx.tail(nv_) = x1.tail(nv_) - x0.tail(nv_);
+}
+
+void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef out) const {
+  check_size("StateMultibody::integrate", "x", x.size(), nx_);
+  check_size("StateMultibody::integrate", "dx", dx.size(), ndx_);
+  check_size("StateMultibody::integrate", "xout", out.size(), nx_);
+  for (const Robot& robot : model_->scene().robots) {
+    const Model& m = *robot.model;
+    manycontact::integrate<double>(m, x.segment(robot.idx_q, m.nq), dx.segment(robot.idx_v, m.nv),
+                                   out.segment(robot.idx_q, m.nq));
+  }
+  out.tail(nv_) = x.tail(nv_) + dx.tail(nv_);
+}
+
+void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
+                           Jcomponent which) const {
+  const Eigen::VectorXd dx = diff_dx(x0, x1);
+  const auto fill = [&](bool of_x0, MatrixRef J) {
+    check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
+    J.setZero();
+    J.bottomRightCorner(nv_, nv_).diagonal().setConstant(of_x0 ? -1 : 1);
+    each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
+      const int n = joint.nv();
+      joint_jdiff(joint, dx.segment(iv, n), of_x0, J.block(iv, iv, n, n));
+    });
+  };
+  if (which != second) fill(true, Jfirst);
+  if (which != first) fill(false, Jsecond);
+}
+
+void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
+                                Jcomponent which, AssignmentOp op) const {
+  check_size("StateMultibody::Jintegrate", "x", x.size(), nx_);
+  check_size("StateMultibody::Jintegrate", "dx", dx.size(), ndx_);
+  const auto fill = [&](bool of_x, MatrixRef J) {
+    check_size("StateMultibody::Jintegrate", of_x ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
+    if (op == setto) J.setZero();
+    J.bottomRightCorner(nv_, nv_).diagonal().array() += op == rmfrom ? -1 : 1;
+    Eigen::MatrixXd block(6, 6);
+    each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
+      const int n = joint.nv();
+      joint_jintegrate(joint, dx.segment(iv, n), of_x, block.topLeftCorner(n, n));
+      assign(J.block(iv, iv, n, n), block.topLeftCorner(n, n), op);
+    });
+  };
+  if (which != second) fill(true, Jfirst);
+  if (which != first) fill(false, Jsecond);
+}
+
+void StateMultibody::JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
+                                         Jcomponent which) const {
+  check_size("StateMultibody::JintegrateTransport", "x", x.size(), nx_);
+  check_size("StateMultibody::JintegrateTransport", "dx", dx.size(), ndx_);
+  check_size("StateMultibody::JintegrateTransport", "a column of Jin", Jin.rows(), ndx_);
+  require(which != both, "StateMultibody::JintegrateTransport", "firstsecond is `both`, first or second is expected");
+  Eigen::MatrixXd block(6, 6);
+  each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
+    const int n = joint.nv();
+    if (n == 1) return;
+    joint_jintegrate(joint, dx.segment(iv, n), which == first, block.topLeftCorner(n, n));
+    Jin.middleRows(iv, n) = (block.topLeftCorner(n, n) * Jin.middleRows(iv, n)).eval();
+  });
+}
+
+}  // namespace manycontact
