@@ -1,0 +1,20 @@
+#pragma once
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact::internal {
+
+/// out = q (+) w for every robot. q, out: nq; w: nv.
+void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& w, Eigen::VectorXd& out);
+
+/// out = v + [w, v]/2 + [w, [w, v]]/12 on every joint. w, v, out: nv.
+void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::VectorXd& v, Eigen::VectorXd& out);
+
+/// data.dynamics at q, v; false when it failed.
+[[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                               const ConstVector& u, SimulationData& data);
+
+/// The state after a step into next_q, next_v; false when a solve failed.
+[[nodiscard]] bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& data);
+[[nodiscard]] bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& data);
+
+}  // namespace manycontact::internal

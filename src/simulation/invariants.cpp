@@ -1,0 +1,64 @@
+#include "manycontact/simulation/invariants.hpp"
+
+#include "manycontact/algorithm/energy.hpp"
+#include "manycontact/spatial/explog.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Largest magnitude; NaN when one entry is NaN.
+void raise(double& largest, double x) {
+  if (!(std::abs(x) <= largest)) largest = std::abs(x);
+}
+
+// W e: the placement error in the contact's rows.
+Vec6<double> placement_error(const Contact& contact, const ContactData<double>& d) {
+  Vec6<double> e = Vec6<double>::Zero(), rows = e;
+  if (contact.type == ContactType::k6D)
+    e = log6<double>(d.G);
+  else
+    e.head<3>() = d.G.R.transpose() * d.G.p;
+  for (Eigen::Index i = 0; i < d.W.rows(); ++i) rows[i] = d.W.row(i).dot(e);
+  return rows;
+}
+
+}  // namespace
+
+InvariantsData::InvariantsData(const Scene& scene) {
+  for (const Robot& robot : scene.robots) kin.emplace_back(*robot.model);
+  for (const Contact& contact : scene.contacts) {
+    supports.push_back(contact_support(scene, contact));
+    contacts.emplace_back(contact, supports.back());
+  }
+}
+
+Invariants invariants(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
+                      const Eigen::Ref<const Eigen::VectorXd>& v, InvariantsData& data) {
+  Invariants out;
+  for (std::size_t k = 0; k < scene.robots.size(); ++k) {
+    const Robot& robot = scene.robots[k];
+    const Model& model = *robot.model;
+    Kinematics<double>& kin = data.kin[k];
+    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
+    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
+    out.kinetic += kinetic_energy<double>(model, kin, v.segment(robot.idx_v, model.nv));
+    out.potential += potential_energy<double>(kin, scene.gravity);
+    out.momentum += momentum<double>(kin);
+  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (!active[c]) continue;
+    const Contact& contact = scene.contacts[c];
+    ContactData<double>& d = data.contacts[c];
+    contact_rows<double>(scene, contact, data.supports[c], data.kin[contact.A.robot],
+                         contact.B.robot < 0 ? nullptr : &data.kin[contact.B.robot], d);
+    const Vec6<double> e = placement_error(contact, d);
+    for (Eigen::Index i = 0; i < d.W.rows(); ++i) {
+      raise(out.position_drift, e[i]);
+      raise(out.velocity_drift, d.W.row(i).dot(d.nu));  // J v = W nu
+    }
+  }
+  return out;
+}
+
+}  // namespace manycontact

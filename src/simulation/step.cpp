@@ -1,0 +1,72 @@
+#include "manycontact/simulation/step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "internal.hpp"
+#include "manycontact/algorithm/integrate.hpp"
+
+namespace manycontact {
+
+namespace internal {
+
+void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& w, Eigen::VectorXd& out) {
+  for (const Robot& r : scene.robots)
+    integrate<double>(*r.model, q.segment(r.idx_q, r.model->nq), w.segment(r.idx_v, r.model->nv),
+                      out.segment(r.idx_q, r.model->nq));
+}
+
+bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const ConstVector& u,
+                 SimulationData& data) {
+  const Status status = solve(scene, q, v, u, data.dynamics).status;
+  data.worst = std::max(data.worst, status);
+  return status != Status::kFailed;
+}
+
+}  // namespace internal
+
+SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const ConstVector& v_, Integrator integrator_,
+                               double h_, const Options& options)
+    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options) {
+  if (q.size() != scene.nq || v.size() != scene.nv)
+    throw std::invalid_argument("SimulationData: q or v does not fit the scene");
+  if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
+  for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
+  for (Eigen::VectorXd* x : {&next_v, &stage_v, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
+}
+
+StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {
+  const bool solved = data.integrator == Integrator::kRk4 ? internal::step_rk4(scene, u, data)
+                                                          : internal::step_semi_implicit_euler(scene, u, data);
+  if (!solved) return StepStatus::kSolverFailed;
+  if (!data.next_q.allFinite() || !data.next_v.allFinite()) return StepStatus::kNotFinite;
+  if ((data.next_v.array().abs() > data.velocity_limit).any()) return StepStatus::kTooFast;
+  data.q.swap(data.next_q);
+  data.v.swap(data.next_v);
+  ++data.steps;
+  return StepStatus::kOk;
+}
+
+std::string failure(const Scene& scene, const SimulationData& data, StepStatus status) {
+  switch (status) {
+    case StepStatus::kOk:
+      return "";
+    case StepStatus::kSolverFailed:
+      for (const IslandReport& island : data.dynamics.report.islands)
+        if (island.status == Status::kFailed) return "the solver failed: " + to_string(island.reason);
+      return "the solver failed";
+    case StepStatus::kNotFinite:
+      return "the state is no longer finite";
+    case StepStatus::kTooFast:
+      break;
+  }
+  Eigen::Index fastest;
+  const double speed = data.next_v.cwiseAbs().maxCoeff(&fastest);
+  char text[64];
+  std::snprintf(text, sizeof text, " moves at %.2g, beyond %.2g m/s or rad/s", speed, data.velocity_limit);
+  return velocity_names(scene)[static_cast<std::size_t>(fastest)] + text;
+}
+
+}  // namespace manycontact
