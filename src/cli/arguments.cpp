@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace manycontact::cli {
 
@@ -47,6 +48,17 @@ int Arguments::integer(const std::string& option, int least, int most, int other
   if (error != std::errc() || end != text->data() + text->size() || number < least || number > most)
     throw UsageError("option " + option + " is '" + *text + "', expected a whole number from " + std::to_string(least) +
                      " to " + std::to_string(most));
+  return number;
+}
+
+double Arguments::positive(const std::string& option, std::optional<double> otherwise) const {
+  const std::optional<std::string> text = value(option);
+  if (!text && !otherwise) throw UsageError("option " + option + " is missing");
+  if (!text) return *otherwise;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
+  if (error != std::errc() || end != text->data() + text->size() || !std::isfinite(number) || number <= 0)
+    throw UsageError("option " + option + " is '" + *text + "', expected a number above 0");
   return number;
 }
 

@@ -19,6 +19,7 @@ struct Option {
   std::string name;   // with its dashes
   std::string value;  // what stands for its value in the usage, empty for a flag
   std::string help;
+  bool required = false;  // for the usage; the command itself refuses to do without
 };
 
 class Arguments {
@@ -31,6 +32,9 @@ class Arguments {
   std::optional<std::string> value(const std::string& option) const;
   /// Its value as a whole number from `least` to `most`, `otherwise` when it was not given. Throws UsageError.
   int integer(const std::string& option, int least, int most, int otherwise) const;
+  /// Its value as a finite number above 0, `otherwise` when it was not given. Throws UsageError, also when it was not
+  /// given and there is no `otherwise`.
+  double positive(const std::string& option, std::optional<double> otherwise = {}) const;
   const std::vector<std::string>& rest() const { return rest_; }
 
  private:

@@ -57,6 +57,8 @@ std::string why_chosen(const Options& options, const IslandData& d, const Island
 std::string why_changed(const IslandData& d, const IslandReport& report) {
   const std::string reason = to_string(report.reason);
   if (report.status == Status::kFailed) return "no answer: " + reason;
+  if (!report.dependent_rows.empty() && report.method == Method::kSparseLdl)
+    return "rows depend on each other, so sparse-ldl in leaf-to-root order answered without them";
   if (report.changed_order)
     return to_string(d.chosen->order) + " order was unsound (" + reason + "), " + to_string(report.order) + " answered";
   if (report.method != d.method)

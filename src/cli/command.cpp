@@ -14,8 +14,10 @@ std::string scene_operand(const Arguments& arguments) {
 
 std::string usage(const Command& command) {
   std::string text = "usage: manycontact " + command.name + " " + command.operands;
-  for (const Option& option : command.options)
-    text += " [" + option.name + (option.value.empty() ? "" : " " + option.value) + "]";
+  for (const Option& option : command.options) {
+    const std::string word = option.name + (option.value.empty() ? "" : " " + option.value);
+    text += option.required ? " " + word : " [" + word + "]";
+  }
   return text;
 }
 

@@ -2,6 +2,7 @@
 // A command of the program: what it takes, and what runs it.
 
 #include "arguments.hpp"
+#include "manycontact/dynamics/options.hpp"
 
 namespace manycontact::cli {
 
@@ -22,9 +23,17 @@ struct Command {
 
 const Command& solve_command();
 const Command& inspect_command();
+const Command& simulate_command();
+const Command& stability_command();
+const Command& chart_command();
 
 /// The one operand SCENE. Throws UsageError.
 std::string scene_operand(const Arguments& arguments);
+
+/// --method and --order, and what they mean. Throws UsageError.
+Option method_option();
+Option order_option();
+Options solver_options(const Arguments& arguments);
 
 /// "usage: manycontact solve SCENE [--method M] ...", one line.
 std::string usage(const Command& command);

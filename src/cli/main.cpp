@@ -13,7 +13,9 @@ namespace {
 
 constexpr char kVersion[] = "0.1.0";  // as CMakeLists.txt has it; a test holds them together
 
-std::vector<const Command*> commands() { return {&solve_command(), &inspect_command()}; }
+std::vector<const Command*> commands() {
+  return {&solve_command(), &inspect_command(), &chart_command(), &simulate_command(), &stability_command()};
+}
 
 std::string overview() {
   std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
@@ -46,7 +48,7 @@ int run(const Command& command, const std::vector<std::string>& words) {
 }
 
 int dispatch(const std::vector<std::string>& words) {
-  const std::string hint = "usage: manycontact solve|inspect SCENE [options], manycontact --help";
+  const std::string hint = "usage: manycontact solve|inspect|chart|simulate|stability SCENE [options], manycontact --help";
   if (words.empty()) return complain("a command is missing", hint, kExitUsage);
   if (words[0] == "--help" || words[0] == "-h" || words[0] == "--version") {
     if (words.size() > 1) return complain("nothing is expected after " + words[0], hint, kExitUsage);

@@ -6,7 +6,6 @@
 
 #include "command.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "table.hpp"
 
 namespace manycontact::cli {
 
@@ -24,32 +23,6 @@ double median_time(int repeat, Call&& call) {
   }
   std::sort(times.begin(), times.end());
   return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
-}
-
-template <class Values>
-std::string names_of(const Values& values) {
-  std::vector<std::string> names;
-  for (const auto& value : values) names.push_back(to_string(value));
-  return join(names, 20);
-}
-
-Options solver_options(const Arguments& arguments) {
-  Options options;
-  if (const auto name = arguments.value("--method")) {
-    const auto method = method_from_string(*name);
-    if (!method) throw UsageError("unknown method '" + *name + "', expected one of " + names_of(kMethods));
-    if (*method == Method::kSparseSupernodal && !sparse::supernodal_available())
-      throw UsageError("method sparse-supernodal is not in this build, which leaves out CHOLMOD's GPL part");
-    options.method = *method;
-  }
-  if (const auto name = arguments.value("--order")) {
-    options.order = order_from_string(*name);
-    if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
-    if (options.method != Method::kSparseLdl && options.method != Method::kSparseCholmod &&
-        options.method != Method::kAuto)
-      throw UsageError("method " + to_string(options.method) + " has no order to choose");
-  }
-  return options;
 }
 
 int run(const Arguments& arguments) {
@@ -81,6 +54,7 @@ Solution solve_scene(const SceneFile& file, const Options& options, int repeat, 
     solution.time.derivatives = median_time(repeat, again);
   }
   estimate_condition(file.scene, solution.data);
+  estimate_errors(file.scene, solution.data);
   return solution;
 }
 
@@ -89,8 +63,8 @@ const Command& solve_command() {
       "solve",
       "SCENE",
       "Accelerations and contact forces of the scene, and what they are worth.",
-      {{"--method", "M", "one of " + names_of(kMethods)},
-       {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)},
+      {method_option(),
+       order_option(),
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that hold the scene still"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},

@@ -33,9 +33,10 @@ Json times(const Solution& s) {
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
-Json island(const Scene& scene, const IslandData& d, const IslandReport& r) {
-  Json robots = Json::array();
+Json island(const Scene& scene, const IslandData& d, const IslandReport& r, const std::vector<std::string>& force_names) {
+  Json robots = Json::array(), dependent = Json::array();
   for (int k : d.island.robots) robots.push_back(scene.robots[k].name);
+  for (int row : r.dependent_rows) dependent.push_back(force_names[row]);
   return {{"robots", robots},
           {"status", to_string(r.status)},
           {"method", to_string(r.method)},
@@ -48,15 +49,20 @@ Json island(const Scene& scene, const IslandData& d, const IslandReport& r) {
           {"refinement_steps", r.refinement_steps},
           {"residual_dynamics", r.residual_dynamics},
           {"residual_contact", r.residual_contact},
-          {"condition", r.condition}};
+          {"backward_error", r.backward_error},
+          {"condition", r.condition},
+          {"error_acceleration", r.error_acceleration},
+          {"error_forces", r.error_forces},
+          {"dependent_rows", dependent}};
 }
 
 Json report(const Solution& s) {
   const Report& r = s.data.report;
   Json list = Json::array();
   std::set<std::string> answered;
+  const std::vector<std::string> names = force_names(s.file.scene, s.data);
   for (std::size_t i = 0; i < r.islands.size(); ++i) {
-    list.push_back(island(s.file.scene, s.data.islands[i], r.islands[i]));
+    list.push_back(island(s.file.scene, s.data.islands[i], r.islands[i], names));
     answered.insert(to_string(r.islands[i].method));
   }
   return {{"status", to_string(r.status)},
@@ -69,7 +75,10 @@ Json report(const Solution& s) {
           {"factor_nonzeros", r.factor_nonzeros},
           {"residual_dynamics", r.residual_dynamics},
           {"residual_contact", r.residual_contact},
+          {"backward_error", r.backward_error},
           {"condition", r.condition},
+          {"error_acceleration", r.error_acceleration},
+          {"error_forces", r.error_forces},
           {"refinement_steps", r.refinement_steps},
           {"time_us", times(s)},
           {"island_list", list}};

@@ -56,6 +56,8 @@ std::vector<Alike> alike_islands(const SceneData& data) {
     keep_larger(&IslandReport::residual_dynamics);
     keep_larger(&IslandReport::residual_contact);
     keep_larger(&IslandReport::condition);
+    keep_larger(&IslandReport::error_acceleration);
+    keep_larger(&IslandReport::error_forces);
     alike.report.refinement_steps = std::max(alike.report.refinement_steps, r.refinement_steps);
   }
   return out;
@@ -68,6 +70,17 @@ std::string why(const Solution& s, const Alike& kind) {
     text = "auto chose " + why_chosen(s.data.options, d, predict_costs(s.file.scene, d));
   const std::string changed = why_changed(d, kind.report);
   return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
+}
+
+// "left_b[0], left_b[1], ... and 4 more", empty when all rows are independent.
+std::string dependent_rows(const Solution& s, const IslandReport& r) {
+  constexpr std::size_t kShown = 6;
+  const std::vector<std::string> names = force_names(s.file.scene, s.data);
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kShown, r.dependent_rows.size()); ++k)
+    text += (k ? ", " : "") + names[r.dependent_rows[k]];
+  if (r.dependent_rows.size() > kShown) text += ", and " + std::to_string(r.dependent_rows.size() - kShown) + " more";
+  return text + (text.empty() ? "" : " follow from the other rows");
 }
 
 std::string times(const Solution& s) {
@@ -89,6 +102,7 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
   line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
                         : "not examined: with damping any will do, `inspect` shows it");
+  line("dependent", dependent_rows(s, r));
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
   line("factor",
@@ -96,6 +110,12 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   line("residuals",
        "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) + " (relative)");
   line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
+  if (std::isfinite(r.error_acceleration))
+    line("errors", (r.error_acceleration < 1 ? "at most " + scientific(r.error_acceleration) + " of the largest acceleration"
+                                             : "accelerations are rounding") +
+                       (r.nc == 0                 ? ""
+                        : r.error_forces < 1 ? ", at most " + scientific(r.error_forces) + " of the largest force"
+                                             : ", forces are rounding"));
   line("time", times(s));
 }
 

@@ -12,10 +12,11 @@ class Usage : public Program {};
 TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   const Outcome top = run({"--help"});
   EXPECT_EQ(top.status, 0);
-  for (const char* part : {"solve SCENE", "inspect SCENE", "--method M", "--order O", "--quasi-static", "--repeat N",
-                           "--json FILE", "--picture FILE.svg", "Exit status"})
+  for (const char* part :
+       {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE", "stability SCENE --out DIR", "chart SCENE... --out DIR",
+        "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
-  for (const char* command : {"solve", "inspect"}) {
+  for (const char* command : {"solve", "inspect", "chart", "simulate", "stability"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_EQ(help.err, "");
@@ -36,8 +37,11 @@ TEST_F(Usage, BadUsageIsOneLineAndAHint) {
   const std::string scene = model("humanoid_standing.xml");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{}, "a command is missing"},
-      {{"chart", scene, "--out", "x"}, "unknown command 'chart'"},
-      {{"simulate", scene}, "unknown command 'simulate'"},
+      {{"chart", "--out", "x"}, "SCENE is missing"},
+      {{"chart", scene}, "--out DIR is missing"},
+      {{"chart", scene, "--out"}, "option --out needs a value DIR"},
+      {{"chart", scene, "--out", "x", "--seconds", "long"}, "option --seconds is 'long', expected a whole number"},
+      {{"simulated", scene}, "unknown command 'simulated'"},
       {{"Solve", scene}, "unknown command 'Solve'"},
       {{"--verbose"}, "unknown option '--verbose'"},
       {{"--version", "now"}, "nothing is expected after --version"},
@@ -86,11 +90,20 @@ void expect_bad_input(const Outcome& outcome, const std::string& start) {
 }
 
 TEST_F(Usage, BadInputIsOneLineWithFileAndLine) {
-  for (const char* command : {"solve", "inspect"}) {
-    expect_bad_input(run({command, "/nowhere/scene.xml"}), "/nowhere/scene.xml:1: ");
+  const std::string out = path("out");
+  const std::vector<std::vector<std::string>> commands = {
+      {"solve"}, {"inspect"}, {"simulate", "--time=1", "--step=1", "--out=" + out}, {"stability", "--out=" + out}};
+  for (const std::vector<std::string>& command : commands) {
+    const auto on = [&](const std::string& file) {
+      std::vector<std::string> words = command;
+      words.push_back(file);
+      return run(words);
+    };
+    expect_bad_input(on("/nowhere/scene.xml"), "/nowhere/scene.xml:1: ");
     const std::string bad = scene(
         "<robot name=\"r\" urdf=\"arm.urdf\" base=\"fixed\"/>\n<contact name=\"c\" type=\"4d\" frame=\"r/tool\"/>");
-    expect_bad_input(run({command, bad}), bad + ":3: ");
+    expect_bad_input(on(bad), bad + ":3: ");
+    EXPECT_FALSE(std::filesystem::exists(out));
   }
 }
 

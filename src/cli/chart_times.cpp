@@ -1,0 +1,196 @@
+// Times of the chart's candidates.
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <numeric>
+#include <random>
+
+#include "chart.hpp"
+#include "choice.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr int kRounds = 201;
+constexpr double kTurn = 200;        // us of repeats in one turn, at least one call
+constexpr double kNoWarmUp = 300e3;  // us: a call so long is not repeated to warm up
+constexpr double kLarge = 4e6;       // bytes of derivatives not kept between turns
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+template <class Call>
+double time_of(Call&& call) {
+  const Clock::time_point start = Clock::now();
+  call();
+  return microseconds_since(start);
+}
+
+double median(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
+
+// One turn: a call to warm up, and the median of those after it.
+template <class Call>
+double take_turn(Call&& call) {
+  const double first = time_of(call);
+  if (first > kNoWarmUp) return first;
+  std::vector<double> times;
+  double sum = 0;
+  do {
+    times.push_back(time_of(call));
+    sum += times.back();
+  } while (sum < kTurn);
+  return median(std::move(times));
+}
+
+// Rounds in which each of `n` takes its turn, in an order drawn anew, as long as its share of the time lasts; turn(i)
+// is a time. Medians over the rounds; the number of rounds.
+template <class Turn>
+int take_rounds(std::size_t n, double seconds, const std::string& what, Turn&& turn, std::vector<double>& medians) {
+  std::vector<std::vector<double>> times(n);
+  std::vector<double> used(n, 0), last(n, 0);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::mt19937 rng(1);
+  const double share = 1e6 * seconds / std::max<double>(1, static_cast<double>(n));
+  int round = 0;
+  for (bool more = true; more && round < kRounds; ++round) {
+    more = false;
+    for (std::size_t k = n; k > 1; --k) std::swap(order[k - 1], order[rng() % k]);
+    for (std::size_t i : order) {
+      if (round > 0 && used[i] + last[i] > share) continue;
+      progress(what + ", round " + std::to_string(round + 1));
+      last[i] = time_of([&] { times[i].push_back(turn(i)); });
+      used[i] += last[i];
+      more = true;
+    }
+  }
+  medians.clear();
+  for (std::vector<double>& t : times) medians.push_back(median(std::move(t)));
+  return round;
+}
+
+std::string answered_by(const SceneData& data) {
+  std::vector<std::string> ways;
+  for (const IslandReport& island : data.report.islands) {
+    if (island.status == Status::kFailed) continue;
+    std::string way = to_string(island.method);
+    if (has_order(island.method)) way += " " + to_string(island.order);
+    if (std::find(ways.begin(), ways.end(), way) == ways.end()) ways.push_back(way);
+  }
+  std::string text;
+  for (const std::string& way : ways) text += (text.empty() ? "" : ", ") + way;
+  return text;
+}
+
+void note_status(const Candidate& c) {
+  ChartRow& row = *c.row;
+  row.status = c.data->report.status;
+  row.outcome = row.status == Status::kFailed ? Outcome::kFailed : Outcome::kAnswered;
+  if (row.guessed && row.outcome == Outcome::kAnswered) row.status = Status::kRegularised;
+  row.answered_by = answered_by(*c.data);
+  row.fallback.clear();
+  for (std::size_t i = 0; i < c.data->islands.size() && row.fallback.empty(); ++i)
+    if (c.data->report.islands[i].status != Status::kFailed)
+      row.fallback = why_changed(c.data->islands[i], c.data->report.islands[i]);
+}
+
+// Large derivatives of fifty candidates would not fit into memory together.
+void release(SceneData& data) {
+  double bytes = 0;
+  for (const IslandDerivatives& d : data.derivatives->islands) bytes += 8.0 * static_cast<double>(d.X.size());
+  if (bytes < kLarge) return;
+  data.derivatives.reset();
+  data.dense_schur.Kinv.resize(0, 0);
+}
+
+double cube(double x) { return x * x * x; }
+
+constexpr double kDenseFlop = 9e-5;  // us, of Eigen's and this machine's
+
+}  // namespace
+
+double predicted_solve(const Scene& scene, const SceneData& data) {
+  double us = 0;
+  if (data.options.method == Method::kDense)
+    for (const IslandData& d : data.islands) us += predicted_dense(d);
+  if (data.options.method == Method::kDenseSchur) {
+    const double n = scene.nv, m = static_cast<double>(data.f.size());
+    us = kDenseFlop * (cube(n) / 3 + n * n * m + n * m * m + cube(m) / 3);  // LLT M, Z, S, LLT S
+  }
+  return us;
+}
+
+double predicted_derivatives(const Scene& scene, const SceneData& data) {
+  double us = 0;
+  if (data.options.method == Method::kDense)
+    for (const IslandData& d : data.islands) us += 20 * kDenseFlop * cube(d.island.size());
+  if (data.options.method == Method::kDenseSchur) {
+    const double n = scene.nv + static_cast<double>(data.f.size());
+    us = kDenseFlop * (2 * cube(n) + 2 * n * n * (2 * scene.nv + scene.nu));  // K^-1, times all right-hand sides
+  }
+  return us;
+}
+
+int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits) {
+  std::vector<Candidate*> run;
+  for (Candidate& c : candidates) {
+    if (predicted_solve(c.scene, *c.data) > 1e6 * limits.longest)
+      c.row->outcome = Outcome::kSkipped;
+    else
+      run.push_back(&c);
+  }
+  std::vector<double> medians;
+  const auto turn = [&](std::size_t i) {
+    Candidate& c = *run[i];
+    return take_turn([&] { (void)solve(c.scene, file.q, file.v, file.u, *c.data); });
+  };
+  const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "solve", turn, medians);
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    run[i]->row->time = medians[i];
+    note_status(*run[i]);
+  }
+  return rounds;
+}
+
+int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
+                        const std::function<void(Candidate&)>& first) {
+  std::vector<Candidate*> run;
+  for (Candidate& c : candidates)
+    if (c.row->outcome == Outcome::kAnswered && predicted_derivatives(c.scene, *c.data) <= 1e6 * limits.longest)
+      run.push_back(&c);
+    else
+      c.data.reset();  // dense factors of large scenes
+  std::vector<char> seen(run.size(), 0);
+  std::vector<double> medians;
+  std::vector<char> gave_up(run.size(), 0);
+  const auto turn = [&](std::size_t i) {
+    Candidate& c = *run[i];
+    if (gave_up[i]) return 0.0;
+    try {
+      const double time = take_turn([&] { (void)differentiate(c.scene, *c.data); });
+      if (!seen[i]) first(c);
+      seen[i] = 1;
+      release(*c.data);
+      return time;
+    } catch (const std::exception&) {  // out of memory, as CHOLMOD has it: shown at the edge, the others go on
+      gave_up[i] = 1;
+      c.data.reset();
+      return 0.0;
+    }
+  };
+  const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "derivatives", turn, medians);
+  for (std::size_t i = 0; i < run.size(); ++i)
+    if (!gave_up[i]) run[i]->row->time_derivatives = medians[i];
+  return rounds;
+}
+
+}  // namespace manycontact::cli

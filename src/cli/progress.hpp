@@ -1,0 +1,32 @@
+#pragma once
+// A line on standard error that says how far a long run is.
+
+#include <chrono>
+#include <string>
+
+namespace manycontact::cli {
+
+class Progress {
+ public:
+  /// Silent unless standard error is a terminal, or `always`.
+  Progress(std::string label, double total, bool always = false);
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// `done` of `total`; draws at most four times a second, and not in the first quarter.
+  void update(double done);
+  /// The same under a new label.
+  void update(double done, const std::string& label);
+  /// Takes the line away.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string label_;
+  double total_;
+  bool shown_, drawn_ = false;
+  Clock::time_point start_, last_;
+};
+
+}  // namespace manycontact::cli

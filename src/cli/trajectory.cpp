@@ -1,0 +1,38 @@
+#include "simulate.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+// "q:r0/knee"; "q:r0/root[0]" for joints with several.
+void write_names(const Scene& scene, const std::string& prefix, int (Joint::*size)() const, CsvFile& csv) {
+  for (const Robot& robot : scene.robots)
+    for (const Joint& joint : robot.model->joints)
+      for (int k = 0; k < (joint.*size)(); ++k)
+        csv << prefix + robot.name + "/" + joint.name +
+                   ((joint.*size)() > 1 ? "[" + std::to_string(k) + "]" : std::string());
+}
+
+}  // namespace
+
+void write_trajectory_header(const Scene& scene, CsvFile& csv) {
+  csv << "t";
+  write_names(scene, "q:", &Joint::nq, csv);
+  write_names(scene, "v:", &Joint::nv, csv);
+  csv << "drift_position"
+      << "drift_velocity"
+      << "energy";
+  for (int k = 0; k < 6; ++k) csv << "momentum[" + std::to_string(k) + "]";
+  csv.end_row();
+}
+
+void write_trajectory_row(const SimulationData& sim, const Invariants& at, CsvFile& csv) {
+  csv << sim.time();
+  for (double x : sim.q) csv << x;
+  for (double x : sim.v) csv << x;
+  csv << at.position_drift << at.velocity_drift << at.energy();
+  for (double x : at.momentum) csv << x;
+  csv.end_row();
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,259 @@
+// simulate and stability: the trajectory, what they say, how they stop.
+
+#include <cmath>
+#include <map>
+
+#include "cli/program.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+// A CSV file without quotes: its columns by name.
+struct Csv {
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<std::string>> columns;
+  std::size_t rows = 0;
+
+  explicit Csv(const std::string& path) {
+    const auto split = [](const std::string& line) {
+      std::vector<std::string> cells;
+      std::istringstream stream(line);
+      for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+      if (line.ends_with(",")) cells.push_back("");
+      return cells;
+    };
+    const std::vector<std::string> lines = lines_of(read_text(path));
+    if (lines.empty()) return;
+    names = split(lines[0]);
+    for (std::size_t k = 1; k < lines.size(); ++k, ++rows) {
+      const std::vector<std::string> cells = split(lines[k]);
+      EXPECT_EQ(cells.size(), names.size()) << path << ":" << k + 1;
+      for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i) columns[names[i]].push_back(cells[i]);
+    }
+  }
+  double at(const std::string& name, std::size_t row) const { return std::stod(columns.at(name).at(row)); }
+  double last(const std::string& name) const { return at(name, rows - 1); }
+};
+
+class Simulate : public Program {
+ protected:
+  std::vector<std::string> words(const std::string& scene, std::vector<std::string> more = {}) const {
+    std::vector<std::string> out{"simulate", scene, "--time", "0.1", "--step", "0.001", "--out", path("t.csv")};
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+  }
+  Csv trajectory() const { return Csv(path("t.csv")); }
+};
+
+TEST_F(Simulate, WritesTheTrajectory) {
+  for (const char* integrator : {"semi-implicit-euler", "rk4"}) {
+    const Outcome outcome = run(words(model("humanoid_standing.xml"), {"--integrator", integrator, "--passive"}));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    expect_contains(outcome.out, "100 steps of 0.001 s, " + std::string(integrator) + ", to t = 0.1 s");
+    expect_contains(outcome.out, "status ok");
+    const Csv csv = trajectory();
+    EXPECT_EQ(csv.names.size(), 1u + 39 + 38 + 3 + 6);
+    EXPECT_EQ(csv.names[0], "t");
+    EXPECT_EQ(csv.names[1], "q:humanoid/root[0]");
+    EXPECT_EQ(csv.names[40], "v:humanoid/root[0]");
+    EXPECT_EQ(csv.names[78], "drift_position");
+    EXPECT_EQ(csv.names.back(), "momentum[5]");
+    ASSERT_EQ(csv.rows, 101u);
+    EXPECT_EQ(csv.at("t", 0), 0);
+    EXPECT_NEAR(csv.last("t"), 0.1, 1e-15);
+    EXPECT_LT(csv.last("q:humanoid/root[2]"), csv.at("q:humanoid/root[2]", 0) - 0.01);  // it falls
+    EXPECT_LT(csv.last("drift_position"), 0.01);
+    EXPECT_NEAR(csv.last("energy"), csv.at("energy", 0), 3);
+  }
+}
+
+// Free fall is exact: z by semi-implicit Euler is -g h^2 k (k + 1) / 2, by RK4 -g t^2 / 2.
+TEST_F(Simulate, FreeFall) {
+  const std::string falling = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>");
+  EXPECT_EQ(run(words(falling)).status, 0);
+  EXPECT_NEAR(trajectory().last("q:b/root[2]"), -9.81 * 1e-6 * 100 * 101 / 2, 1e-14);
+  EXPECT_EQ(run(words(falling, {"--integrator", "rk4"})).status, 0);
+  const Csv csv = trajectory();
+  EXPECT_NEAR(csv.last("q:b/root[2]"), -9.81 * 0.005, 1e-14);
+  EXPECT_NEAR(csv.last("v:b/root[2]"), -0.981, 1e-14);
+  EXPECT_NEAR(csv.last("momentum[2]"), -6.4 * 0.981, 1e-3);
+  EXPECT_EQ(csv.last("drift_position"), 0);
+}
+
+TEST_F(Simulate, EveryNthAndTheLast) {
+  EXPECT_EQ(run(words(model("arm_pushes_box.xml"), {"--every", "30"})).status, 0);
+  const Csv csv = trajectory();
+  ASSERT_EQ(csv.rows, 5u);
+  EXPECT_NEAR(csv.at("t", 3), 0.09, 1e-15);
+  EXPECT_NEAR(csv.at("t", 4), 0.1, 1e-15);
+}
+
+TEST_F(Simulate, GainsHoldTheContacts) {
+  const auto drift = [&](const std::string& gains) {
+    EXPECT_EQ(run(words(model("humanoid_standing.xml"), {"--passive", "--gains", gains})).status, 0);
+    return trajectory().last("drift_position");
+  };
+  const double none = drift("0 0");
+  EXPECT_LT(drift("100 20"), 0.9 * none);
+  EXPECT_LT(drift("100,20"), 0.9 * none);
+  EXPECT_LT(drift("recommended"), 0.1 * none);
+}
+
+// Also on standard output, which then holds nothing else.
+TEST_F(Simulate, TheSameBytesTwice) {
+  std::vector<std::string> out = words(model("quadruped_loop.xml"));
+  out.back() = "-";
+  const Outcome outcome = run(out);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(run(words(model("quadruped_loop.xml"))).status, 0);
+  EXPECT_EQ(outcome.out, read_text(path("t.csv")));
+  EXPECT_EQ(trajectory().rows, 101u);
+}
+
+TEST_F(Simulate, DivergenceStopsAndSaysSo) {
+  const std::string scene = model("humanoid_hands_and_feet.xml");
+  for (const char* integrator : {"semi-implicit-euler", "rk4"}) {
+    const Outcome outcome = run(words(scene, {"--gains", "1e8 2e4", "--integrator", integrator}));
+    EXPECT_EQ(outcome.status, 1);
+    ASSERT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("manycontact: " + scene + ": stopped in step ")) << outcome.err;
+    expect_contains(outcome.out, "unstable with " + std::string(integrator) + " beyond steps of");
+    const Csv csv = trajectory();
+    EXPECT_GE(csv.rows, 2u);
+    EXPECT_LT(csv.rows, 101u);
+    for (const auto& [name, column] : csv.columns) EXPECT_TRUE(std::isfinite(csv.last(name))) << name;
+    const std::string rows = std::to_string(csv.rows);  // one row per state: the start and the steps done
+    expect_contains(outcome.err, "step " + rows + " of 100");
+  }
+}
+
+// A robot without mass: the first step fails, the start is written.
+TEST_F(Simulate, SolverFailureStops) {
+  const std::string weightless =
+      "<robot name=\"b\" urdf=\"empty.urdf\" base=\"floating\"/><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/>";
+  std::ofstream(path("empty.urdf")) << "<robot name=\"empty\"><link name=\"nothing\"/></robot>";
+  const Outcome outcome = run(words(scene(weightless)));
+  EXPECT_EQ(outcome.status, 1);
+  expect_contains(outcome.err, "stopped in step 1 of 100, at t = 0 s: the solver failed: ");
+  EXPECT_EQ(trajectory().rows, 1u);
+}
+
+TEST_F(Simulate, ProgressOnlyWhenAsked) {
+  const std::vector<std::string> long_run{"simulate",     model("two_humanoids_carry_beam.xml"),
+                                          "--time",       "1",
+                                          "--step",       "2e-4",
+                                          "--integrator", "rk4",
+                                          "--every",      "1000",
+                                          "--out",        path("t.csv")};
+  EXPECT_EQ(run(long_run).err, "");
+  std::vector<std::string> shown = long_run;
+  shown.push_back("--progress");
+  expect_contains(run(shown).err, "% ");
+}
+
+TEST_F(Simulate, BadUsage) {
+  const std::string scene = model("humanoid_standing.xml"), out = path("t.csv");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"simulate"}, "SCENE is missing"},
+      {{"simulate", scene, "--step", "1", "--out", out}, "option --time is missing"},
+      {{"simulate", scene, "--time", "1", "--out", out}, "option --step is missing"},
+      {{"simulate", scene, "--time", "1", "--step", "1"}, "option --out is missing"},
+      {{"simulate", scene, "--time", "0", "--step", "1", "--out", out},
+       "option --time is '0', expected a number above 0"},
+      {{"simulate", scene, "--time", "1s", "--step", "1", "--out", out}, "option --time is '1s'"},
+      {{"simulate", scene, "--time", "inf", "--step", "1", "--out", out}, "option --time is 'inf'"},
+      {{"simulate", scene, "--time", "1", "--step", "-1", "--out", out}, "option --step is '-1'"},
+      {{"simulate", scene, "--time", "1", "--step", "1e-12", "--out", out}, "--time is more than 1e9 times --step"},
+      {words(scene, {"--integrator", "euler"}), "unknown integrator 'euler', expected semi-implicit-euler or rk4"},
+      {words(scene, {"--gains", "1"}), "option --gains is '1', expected 'alpha beta'"},
+      {words(scene, {"--gains", "1 2 3"}), "option --gains is '1 2 3'"},
+      {words(scene, {"--gains", "-1 2"}), "option --gains is '-1 2'"},
+      {words(scene, {"--gains", "1 nan"}), "option --gains is '1 nan'"},
+      {words(scene, {"--damping", "0"}), "option --damping is '0', expected a number above 0"},
+      {words(scene, {"--every", "0"}), "option --every is '0'"},
+      {words(scene, {"--method", "magic"}), "unknown method 'magic'"},
+      {{"stability", scene}, "option --out is missing"},
+      {{"stability", scene, "--out", out, "--steps", "0"}, "option --steps is '0'"},
+  };
+  for (const auto& [command, message] : cases) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.status, 2) << message;
+    EXPECT_EQ(outcome.out, "") << message;
+    const std::vector<std::string> lines = lines_of(outcome.err);
+    ASSERT_EQ(lines.size(), 2u) << outcome.err;
+    EXPECT_NE(lines[0].find(message), std::string::npos) << lines[0];
+    EXPECT_TRUE(lines[1].starts_with("usage: manycontact " + command[0] + " SCENE ")) << lines[1];
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+TEST_F(Simulate, OutputThatCannotBeWrittenIsSaid) {
+  const std::string scene = model("humanoid_standing.xml");
+  const Outcome outcome = run({"simulate", scene, "--time", "1", "--step", "1", "--out", "/nowhere/t.csv"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(outcome.err.starts_with("manycontact: /nowhere/t.csv:1: cannot be written")) << outcome.err;
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u);
+}
+
+// Short runs of the charts: every curve is there, stiff gains are lost beyond their predicted limit and not below.
+TEST_F(Simulate, StabilityMeasuresAndDraws) {
+  const std::string out = path("charts");
+  const Outcome outcome = run({"stability", model("humanoid_standing.xml"), "--out", out, "--steps", "50"});
+  const Csv drift(out + "/drift.csv"), energy(out + "/energy.csv");
+  ASSERT_GT(drift.rows, 200u);
+  int stable = 0, lost = 0;
+  for (std::size_t k = 0; k < drift.rows; ++k) {
+    if (drift.columns.at("gains")[k] == "recommended" || drift.at("alpha", k) != 1e6) continue;
+    const double h = drift.at("step_s", k), limit = drift.at("largest_stable_step_s", k);
+    const bool good = drift.columns.at("stopped")[k].empty() && drift.at("largest_position_drift", k) < 0.01;
+    if (h < limit) {
+      EXPECT_TRUE(good) << h;
+    }
+    if (h > 1.1 * limit && h < 0.03) {
+      EXPECT_FALSE(good) << h;
+    }
+    ++(good ? stable : lost);
+  }
+  EXPECT_GE(stable, 5);
+  EXPECT_GE(lost, 20);
+  EXPECT_EQ(energy.last("step"), 50);
+  EXPECT_LT(energy.last("largest_energy_error_J"), 1e-6);
+
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) {
+    EXPECT_EQ(outcome.status, 1);
+    expect_contains(outcome.err, "gnuplot is not installed");
+    return;
+  }
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "");
+  for (const char* name : {"drift", "energy"}) {
+    EXPECT_TRUE(read_text(out + "/" + name + ".png").starts_with("\x89PNG")) << name;
+    EXPECT_NE(read_text(out + "/" + name + ".svg").find("</svg>"), std::string::npos) << name;
+  }
+}
+
+// Without gnuplot: the CSV files, one line that says so, status 1.
+TEST_F(Simulate, StabilityWithoutGnuplot) {
+  const char* before = std::getenv("PATH");
+  const std::string kept = before ? before : "";
+  setenv("PATH", "/nowhere", 1);
+  const Outcome outcome =
+      run({"stability", model("arm_pushes_box.xml"), "--out", path("c"), "--steps", "10", "--time", "0.01"});
+  setenv("PATH", kept.c_str(), 1);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  expect_contains(outcome.err, "gnuplot is not installed");
+  EXPECT_TRUE(std::filesystem::exists(path("c") + "/drift.csv"));
+  EXPECT_TRUE(std::filesystem::exists(path("c") + "/energy.csv"));
+}
+
+TEST_F(Simulate, StabilityNeedsContacts) {
+  const std::string free = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>");
+  const Outcome outcome = run({"stability", free, "--out", path("c")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "manycontact: " + free + ":1: there are no contacts, expected some to drift\n");
+}
+
+}  // namespace
+}  // namespace manycontact::cli
