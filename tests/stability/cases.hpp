@@ -1,0 +1,54 @@
+#pragma once
+// The cases of the table: what makes a scene hard (its cause), and on which robot and contacts.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "stability/problem.hpp"
+
+namespace manycontact::test {
+
+struct Case {
+  std::string cause, name;
+  std::function<Problem()> make;  // may throw what the library throws at bad input
+  bool small = true;              // every method in every order; large ones: the default orders, and not the oracle
+  bool bad_input = false;         // an exception when the scene is built counts as refused; elsewhere it ends the test
+  bool demanded = false;          // by name in the issue: all but dense-schur answer it, accelerations to 1e-9
+};
+
+/// Collects the cases of one cause.
+struct Cases {
+  std::string cause;
+  std::vector<Case> list;
+
+  Case& add(std::string name, std::function<Problem()> make) {
+    return list.emplace_back(Case{cause, std::move(name), std::move(make)});
+  }
+};
+
+// One file each.
+void add_held_twice(Cases& cases);
+void add_corners(Cases& cases);
+void add_loops(Cases& cases);
+void add_conflicts(Cases& cases);
+void add_near(Cases& cases);
+void add_straight_legs(Cases& cases);
+void add_mass_ratios(Cases& cases);
+void add_singular_inertias(Cases& cases);
+void add_chains(Cases& cases);
+void add_units(Cases& cases);
+void add_velocities(Cases& cases);
+void add_half_turns(Cases& cases);
+void add_denormals(Cases& cases);
+void add_not_finite(Cases& cases);
+void add_damping(Cases& cases);
+void add_quaternions(Cases& cases);
+
+/// All causes, in the order of the page.
+const std::vector<Cases>& all_causes();
+
+/// "1e-04"
+std::string power(double x);
+
+}  // namespace manycontact::test

@@ -1,0 +1,122 @@
+#include "stability/table.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+
+namespace manycontact::test {
+
+namespace {
+
+const char* const kNames[] = {"exact",       "refined", "reordered", "fallback",    "redundant", "inconsistent",
+                              "regularised", "refused", "WRONG",     "MISLABELLED", "not tried"};
+
+const char kIntroduction[] = R"(# Stability: every case by every method
+
+What the library does where dynamics with contacts is hard. Errors are against quadruple precision; a number is right
+when its error is at most `max(1e-12, 100 eps cond)`, `cond` the 1-norm condition of K as reported, and at most 1e-2.
+Written by `test_stability` (`MANYCONTACT_WRITE_PAGE=1`), which fails when an outcome is no longer the one below, or
+when a number with a good status (ok, redundant, inconsistent) is wrong.
+
+| Letter | Outcome |
+|---|---|
+| `e` | exact: by the method and order asked for, with at most one step of refinement |
+| `r` | refined: the same with more steps |
+| `o` | reordered: the order asked for was unsound, leaf-to-root answered |
+| `f` | fallback: another method answered |
+| `D` | redundant: contacts depend on each other and agree; accelerations unique, forces of least norm |
+| `I` | inconsistent: contacts contradict each other; least squares |
+| `G` | regularised: the answer to a neighbouring problem |
+| `-` | refused: status `failed` and NaN, or an exception when the scene is built |
+| `W` | **wrong**: a good status and a wrong number, or an exception when solving |
+| `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up |
+| `.` | not tried: too large |
+
+How an answer came about (`e`, `r`, `o`, `f`) may differ on other machines; whether there is one may not.
+)";
+
+std::string number(double x) {
+  std::ostringstream out;
+  out << std::setprecision(1) << std::scientific << x;
+  return out.str();
+}
+
+double worse(double a, double b) { return b <= a ? a : b; }
+
+}  // namespace
+
+std::string counts(const std::vector<Row>& rows) {
+  int n[std::size(kNames)] = {};
+  for (const Row& row : rows)
+    for (const Cell& cell : row.cells) ++n[static_cast<int>(cell.outcome)];
+  std::ostringstream out;
+  const char* separator = "";
+  for (std::size_t k = 0; k < std::size(kNames); ++k)
+    if (n[k] > 0) out << separator << kNames[k] << " " << n[k], separator = ", ";
+  return out.str();
+}
+
+std::string text_table(const std::string& cause, const std::vector<Row>& rows) {
+  std::ostringstream out;
+  out << "\n== " << cause << ": " << rows.size() << " cases\n";
+  for (const Row& row : rows) {
+    double a = 0, f = 0, allowed = 0;
+    for (const Cell& cell : row.cells)
+      if (cell.answered) a = worse(a, cell.error_a), f = worse(f, cell.error_f), allowed = worse(allowed, cell.allowed);
+    out << "  " << std::left << std::setw(64) << row.which->name << " " << row.letters() << "  a " << number(a)
+        << "  f " << number(f) << "  allowed " << number(allowed) << (row.truth ? "" : "  no truth") << "\n";
+    for (std::size_t k = 0; k < row.cells.size(); ++k) {
+      const Cell& cell = row.cells[k];
+      if (cell.outcome == Outcome::kWrong || cell.outcome == Outcome::kMislabelled)
+        out << "      " << kNames[static_cast<int>(cell.outcome)] << " " << table_ways()[k].name << ": a "
+            << number(cell.error_a) << ", f " << number(cell.error_f) << ", allowed " << number(cell.allowed) << "; "
+            << cell.note << "\n";
+      if (cell.outcome == Outcome::kRefused && row.truth && table_ways()[k].options.method != Method::kDenseSchur)
+        out << "      refused, yet there is an answer: " << table_ways()[k].name << ": " << cell.note << "\n";
+    }
+  }
+  out << "  " << counts(rows) << "\n";
+  return out.str();
+}
+
+std::string page_path() { return MANYCONTACT_SOURCE_DIR "/tests/stability/README.md"; }
+
+std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& causes) {
+  std::ostringstream out;
+  std::vector<Row> all;
+  for (const auto& [cause, rows] : causes) all.insert(all.end(), rows.begin(), rows.end());
+  out << kIntroduction << "\n" << all.size() << " cases. The columns:\n\n";
+  for (std::size_t k = 0; k < table_ways().size(); ++k) out << k + 1 << ". " << table_ways()[k].name << "\n";
+  for (const auto& [cause, rows] : causes) {
+    out << "\n## " << cause << "\n\n| case |";
+    for (std::size_t k = 0; k < table_ways().size(); ++k) out << " " << k + 1 << " |";
+    out << "\n|---|";
+    for (std::size_t k = 0; k < table_ways().size(); ++k) out << "---|";
+    out << "\n";
+    for (const Row& row : rows) {
+      out << "| " << row.which->name << " |";
+      for (char c : row.letters()) out << " " << c << " |";
+      out << "\n";
+    }
+  }
+  return out.str();
+}
+
+std::map<std::string, std::map<std::string, std::string>> read_page() {
+  std::map<std::string, std::map<std::string, std::string>> out;
+  std::ifstream in(page_path());
+  std::string line, cause;
+  while (std::getline(in, line)) {
+    if (line.starts_with("## ")) cause = line.substr(3);
+    if (cause.empty() || !line.starts_with("| ") || line.starts_with("| case |")) continue;
+    const std::size_t end = line.find(" |", 2);
+    std::string letters;
+    for (char c : line.substr(end))
+      if (c != ' ' && c != '|') letters += c;
+    out[cause][line.substr(2, end - 2)] = letters;
+  }
+  return out;
+}
+
+}  // namespace manycontact::test
