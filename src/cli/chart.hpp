@@ -22,6 +22,11 @@ struct ChartLimits {
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
+/// Significant digits of times and errors. A chart holds them rounded: answers that differ by rounding alone are equal,
+/// and the front is that of the numbers in the CSV.
+inline constexpr int kDigits = 6;
+double as_written(double x);
+
 /// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives),
 /// against the truth of the scene as given; none where there is no answer or no truth.
 struct ChartRow {

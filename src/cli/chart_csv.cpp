@@ -16,7 +16,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string cell(const std::optional<double>& x) { return x && std::isfinite(*x) ? number(*x, 6) : ""; }
+std::string cell(const std::optional<double>& x) { return x && std::isfinite(*x) ? number(*x, kDigits) : ""; }
 
 std::string status_of(const ChartRow& row) {
   return row.outcome == Outcome::kSkipped ? "skipped" : to_string(row.status);

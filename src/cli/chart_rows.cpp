@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 
 #include "chart.hpp"
@@ -16,7 +17,7 @@ namespace manycontact::cli {
 
 namespace {
 
-std::optional<double> known(double error) { return std::isfinite(error) ? std::optional(error) : std::nullopt; }
+std::optional<double> known(double error) { return std::isfinite(error) ? std::optional(as_written(error)) : std::nullopt; }
 
 std::string title_of(const Scene& scene, const SceneData& data) {
   return count(scene.nrobots(), "robot") + ", " + count(scene.nv, "velocity coordinate") + ", " +
@@ -48,6 +49,8 @@ std::string ChartRow::regularisation() const {
   std::snprintf(text, sizeof text, "%.6ge%d", damping / std::pow(10.0, power), power);
   return text;
 }
+
+double as_written(double x) { return std::strtod(number(x, kDigits).c_str(), nullptr); }
 
 std::optional<double> panel_time(const ChartRow& row, int panel) {
   if (panel < 2 || !row.time) return row.time;

@@ -155,7 +155,7 @@ int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, con
   };
   const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "solve", turn, medians);
   for (std::size_t i = 0; i < run.size(); ++i) {
-    run[i]->row->time = medians[i];
+    run[i]->row->time = as_written(medians[i]);
     note_status(*run[i]);
   }
   return rounds;
@@ -189,7 +189,7 @@ int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& l
   };
   const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "derivatives", turn, medians);
   for (std::size_t i = 0; i < run.size(); ++i)
-    if (!gave_up[i]) run[i]->row->time_derivatives = medians[i];
+    if (!gave_up[i]) run[i]->row->time_derivatives = as_written(medians[i]);
   return rounds;
 }
 
