@@ -7,6 +7,7 @@
 #include <set>
 
 #include "command.hpp"
+#include "gnuplot.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {

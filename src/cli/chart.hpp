@@ -98,7 +98,6 @@ void progress(const std::string& text);
 
 /// chart.csv of several charts. Throws InputError when it cannot be written, as all below.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-bool gnuplot_available();
 /// base.svg and base.png.
 void draw(const Chart& chart, const std::string& base);
 /// What the rows say, in a few sentences.

@@ -1,39 +1,30 @@
-#include <cmath>
-#include <fstream>
-
 #include "chart.hpp"
-#include "table.hpp"
+#include "csv_file.hpp"
 
 namespace manycontact::cli {
 
-namespace {
-
-// As RFC 4180 has it.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
-std::string cell(const std::optional<double>& x) { return x && std::isfinite(*x) ? number(*x, kDigits) : ""; }
-
-std::string status_of(const ChartRow& row) {
-  return row.outcome == Outcome::kSkipped ? "skipped" : to_string(row.status);
-}
-
-}  // namespace
-
 void write_csv(const std::vector<Chart>& charts, const std::string& path) {
-  std::ofstream out(path);
-  out << "scene,method,order,regularisation,status,time_us,error_acceleration,error_forces,error_derivatives,front\n";
+  CsvFile csv(path);
+  for (const char* name : {"scene", "method", "order", "regularisation", "status", "time_us", "error_acceleration",
+                           "error_forces", "error_derivatives", "front"})
+    csv << name;
+  csv.end_row();
+  const auto number_or_nothing = [&csv](const std::optional<double>& x) {
+    if (x)
+      csv << *x;
+    else
+      csv << "";
+  };
   for (const Chart& chart : charts)
-    for (const ChartRow& row : chart.rows)
-      out << quoted(chart.scene) << ',' << to_string(row.method) << ',' << (row.order ? to_string(*row.order) : "none")
-          << ',' << row.regularisation() << ',' << status_of(row) << ',' << cell(row.time) << ','
-          << cell(row.error_acceleration) << ',' << cell(row.error_forces) << ',' << cell(row.error_derivatives) << ','
-          << (row.front ? "yes" : "no") << '\n';
-  if (!out.flush()) throw InputError(path, 1, "cannot be written");
+    for (const ChartRow& row : chart.rows) {
+      csv << chart.scene << to_string(row.method) << (row.order ? to_string(*row.order) : "none")
+          << row.regularisation() << (row.outcome == Outcome::kSkipped ? "skipped" : to_string(row.status));
+      for (const auto& x : {row.time, row.error_acceleration, row.error_forces, row.error_derivatives})
+        number_or_nothing(x);
+      csv << (row.front ? "yes" : "no");
+      csv.end_row();
+    }
+  csv.close();
 }
 
 }  // namespace manycontact::cli

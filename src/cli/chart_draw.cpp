@@ -1,15 +1,12 @@
 // The picture: three panels, error over time, and a legend below them, drawn by gnuplot.
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
-#include <stdexcept>
 
 #include "chart.hpp"
+#include "gnuplot.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
@@ -43,13 +40,6 @@ int point_of(const std::optional<Order>& order, bool open) {
     for (Order o : kOrders)
       if (++k; o == *order) break;
   return (open ? kOpen : kFilled)[k % std::size(kFilled)];
-}
-
-// In single quotes gnuplot runs no shell commands.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (char c : printable(text)) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
 }
 
 std::string style_of(Method method, const std::optional<Order>& order, bool guessed) {
@@ -269,44 +259,21 @@ void write_legend(std::ostream& out) {
   out << plots << "\n";
 }
 
-std::string script(const Chart& chart, const std::string& base) {
+std::string script(const Chart& chart) {
   std::ostringstream out;
-  const std::string size = std::to_string(kWidth) + "," + std::to_string(kHeight);
-  for (const char* kind : {"svg", "png"}) {
-    if (std::string(kind) == "svg")
-      out << "set terminal svg noenhanced size " << size << " font 'DejaVu Sans,12' background rgb 'white'\n";
-    else
-      out << "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) { set terminal pngcairo noenhanced size " << size
-          << " font 'DejaVu Sans,12' background rgb 'white' } else { set terminal png noenhanced size " << size
-          << " }\n";
-    out << "set encoding utf8\nset output " << quoted(base + "." + kind) << "\n"
-        << "set multiplot\nset label " << quoted(chart.scene) << " at screen 0.02, screen 0.965 font ',15'\n"
-        << "set label " << quoted(chart.title + "; condition of K " + scientific(chart.condition))
-        << " at screen 0.02, screen 0.925 tc rgb '#555555'\n"
-        << "set border 0\nunset tics\nset xrange [0:1]\nset yrange [0:1]\nplot NaN notitle\nset tics nomirror\n";
-    for (int panel = 0; panel < 3; ++panel) write_panel(out, chart, panel);
-    write_legend(out);
-    out << "unset multiplot\nunset output\nreset\n";
-  }
+  out << "set termoption noenhanced\nset multiplot\nset label " << quoted(chart.scene)
+      << " at screen 0.02, screen 0.965 font ',15'\n"
+      << "set label " << quoted(chart.title + "; condition of K " + scientific(chart.condition))
+      << " at screen 0.02, screen 0.925 tc rgb '#555555'\n"
+      << "set border 0\nunset tics\nset xrange [0:1]\nset yrange [0:1]\nplot NaN notitle\nset tics nomirror\n";
+  for (int panel = 0; panel < 3; ++panel) write_panel(out, chart, panel);
+  write_legend(out);
+  out << "unset multiplot\n";
   return out.str();
-}
-
-void check_writable(const std::string& path) {
-  if (!std::ofstream(path, std::ios::app)) throw InputError(path, 1, "cannot be written");
 }
 
 }  // namespace
 
-bool gnuplot_available() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
-
-void draw(const Chart& chart, const std::string& base) {
-  check_writable(base + ".svg");
-  check_writable(base + ".png");
-  std::FILE* pipe = popen("gnuplot", "w");
-  if (!pipe) throw std::runtime_error("gnuplot cannot be started");
-  const std::string text = script(chart, base);
-  const bool written = std::fwrite(text.data(), 1, text.size(), pipe) == text.size();
-  if (pclose(pipe) != 0 || !written) throw std::runtime_error("gnuplot could not draw " + base + ".svg");
-}
+void draw(const Chart& chart, const std::string& base) { draw(script(chart), kWidth, kHeight, base); }
 
 }  // namespace manycontact::cli

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <exception>
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "chart.hpp"
@@ -52,30 +53,40 @@ double take_turn(Call&& call) {
 }
 
 // Rounds in which each of `n` takes its turn, in an order drawn anew, as long as its share of the time lasts; turn(i)
-// is a time. Medians over the rounds; the number of rounds.
+// is a time. One whose turn throws (out of memory, as CHOLMOD has it) gives up: it has no time, the others go on.
+struct Rounds {
+  std::vector<std::optional<double>> medians;
+  int number = 0;
+};
+
 template <class Turn>
-int take_rounds(std::size_t n, double seconds, const std::string& what, Turn&& turn, std::vector<double>& medians) {
+Rounds take_rounds(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
   std::vector<std::vector<double>> times(n);
   std::vector<double> used(n, 0), last(n, 0);
+  std::vector<char> gave_up(n, 0);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::mt19937 rng(1);
   const double share = 1e6 * seconds / std::max<double>(1, static_cast<double>(n));
-  int round = 0;
-  for (bool more = true; more && round < kRounds; ++round) {
+  Rounds out;
+  for (bool more = true; more && out.number < kRounds; ++out.number) {
     more = false;
     for (std::size_t k = n; k > 1; --k) std::swap(order[k - 1], order[rng() % k]);
     for (std::size_t i : order) {
-      if (round > 0 && used[i] + last[i] > share) continue;
-      progress(what + ", round " + std::to_string(round + 1));
-      last[i] = time_of([&] { times[i].push_back(turn(i)); });
+      if (gave_up[i] || (out.number > 0 && used[i] + last[i] > share)) continue;
+      progress(what + ", round " + std::to_string(out.number + 1));
+      try {
+        last[i] = time_of([&] { times[i].push_back(turn(i)); });
+      } catch (const std::exception&) {
+        gave_up[i] = 1;
+      }
       used[i] += last[i];
       more = true;
     }
   }
-  medians.clear();
-  for (std::vector<double>& t : times) medians.push_back(median(std::move(t)));
-  return round;
+  for (std::size_t i = 0; i < n; ++i)
+    out.medians.push_back(gave_up[i] ? std::nullopt : std::optional(as_written(median(std::move(times[i])))));
+  return out;
 }
 
 std::string answered_by(const SceneData& data) {
@@ -93,6 +104,11 @@ std::string answered_by(const SceneData& data) {
 
 void note_status(const Candidate& c) {
   ChartRow& row = *c.row;
+  if (!row.time) {
+    row.outcome = Outcome::kFailed;
+    row.status = Status::kFailed;
+    return;
+  }
   row.status = c.data->report.status;
   row.outcome = row.status == Status::kFailed ? Outcome::kFailed : Outcome::kAnswered;
   if (row.guessed && row.outcome == Outcome::kAnswered) row.status = Status::kRegularised;
@@ -148,17 +164,21 @@ int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, con
     else
       run.push_back(&c);
   }
-  std::vector<double> medians;
   const auto turn = [&](std::size_t i) {
     Candidate& c = *run[i];
-    return take_turn([&] { (void)solve(c.scene, file.q, file.v, file.u, *c.data); });
+    try {
+      return take_turn([&] { (void)solve(c.scene, file.q, file.v, file.u, *c.data); });
+    } catch (...) {
+      c.data.reset();
+      throw;
+    }
   };
-  const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "solve", turn, medians);
+  const Rounds rounds = take_rounds(run.size(), 0.5 * limits.seconds, "solve", turn);
   for (std::size_t i = 0; i < run.size(); ++i) {
-    run[i]->row->time = as_written(medians[i]);
+    run[i]->row->time = rounds.medians[i];
     note_status(*run[i]);
   }
-  return rounds;
+  return rounds.number;
 }
 
 int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
@@ -170,27 +190,22 @@ int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& l
     else
       c.data.reset();  // dense factors of large scenes
   std::vector<char> seen(run.size(), 0);
-  std::vector<double> medians;
-  std::vector<char> gave_up(run.size(), 0);
   const auto turn = [&](std::size_t i) {
     Candidate& c = *run[i];
-    if (gave_up[i]) return 0.0;
     try {
       const double time = take_turn([&] { (void)differentiate(c.scene, *c.data); });
       if (!seen[i]) first(c);
       seen[i] = 1;
       release(*c.data);
       return time;
-    } catch (const std::exception&) {  // out of memory, as CHOLMOD has it: shown at the edge, the others go on
-      gave_up[i] = 1;
+    } catch (...) {
       c.data.reset();
-      return 0.0;
+      throw;
     }
   };
-  const int rounds = take_rounds(run.size(), 0.5 * limits.seconds, "derivatives", turn, medians);
-  for (std::size_t i = 0; i < run.size(); ++i)
-    if (!gave_up[i]) run[i]->row->time_derivatives = as_written(medians[i]);
-  return rounds;
+  const Rounds rounds = take_rounds(run.size(), 0.5 * limits.seconds, "derivatives", turn);
+  for (std::size_t i = 0; i < run.size(); ++i) run[i]->row->time_derivatives = rounds.medians[i];
+  return rounds.number;
 }
 
 }  // namespace manycontact::cli

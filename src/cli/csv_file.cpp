@@ -1,14 +1,15 @@
+#include "csv_file.hpp"
+
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <iostream>
 
 #include "manycontact/io/input_error.hpp"
-#include "simulate.hpp"
 
 namespace manycontact::cli {
 
-CsvFile::CsvFile(const std::string& path, const std::string& option) : path_(path), option_(option), out_(&std::cout) {
+CsvFile::CsvFile(const std::string& path) : path_(path), out_(&std::cout) {
   if (path == "-") return;
   errno = 0;
   file_.open(path);
@@ -20,18 +21,23 @@ void CsvFile::check() {
   if (*out_) return;
   throw InputError(path_, 1,
                    std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                       ", expected a file that " + option_ + " may create");
+                       ", expected a file that --out may create");
+}
+
+void CsvFile::next_cell() {
+  if (!first_) row_ += ',';
+  first_ = false;
 }
 
 CsvFile& CsvFile::operator<<(double x) {
-  if (!row_.empty()) row_ += ',';
+  next_cell();
   char text[32];
   row_.append(text, std::to_chars(text, text + sizeof text, x).ptr);
   return *this;
 }
 
 CsvFile& CsvFile::operator<<(const std::string& x) {
-  if (!row_.empty()) row_ += ',';
+  next_cell();
   if (x.find_first_of(",\"\n\r") == std::string::npos) {
     row_ += x;
     return *this;
@@ -46,6 +52,7 @@ void CsvFile::end_row() {
   row_ += '\n';
   *out_ << row_;
   row_.clear();
+  first_ = true;
   check();
 }
 

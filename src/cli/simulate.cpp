@@ -140,7 +140,7 @@ int run(const Arguments& arguments) {
   if (gains) set_gains(file.scene, *gains);
   if (damping > 0) file.scene.damping = damping;
   if (arguments.has("--passive")) file.u.setZero();
-  CsvFile csv(*out, "--out");
+  CsvFile csv(*out);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   simulate(file.scene, file.u, arguments.has("--progress"), sim, csv, run);
   if (*out != "-") print_summary(std::cout, file, sim, run);

@@ -1,20 +1,12 @@
 // The charts of `manycontact stability`, drawn by gnuplot.
 
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
+#include "gnuplot.hpp"
 #include "stability.hpp"
 #include "table.hpp"
-
-extern char** environ;
 
 namespace manycontact::cli {
 
@@ -23,31 +15,6 @@ namespace {
 // Of the drift axis; above it stands a row of marks per gains, of the runs that lost the contacts.
 constexpr double kTop = 1, kBottom = 1e-16;
 constexpr const char* kColours[] = {"#555555", "#1f77b4", "#2ca02c", "#d62728", "#000000", "#9467bd"};
-
-// Runs gnuplot on `script` in `folder`: its exit status, -1 with errno when it cannot be started.
-int run_gnuplot(const std::string& folder, const std::string& script) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1 /* O_WRONLY */, 0);
-  std::string name = "gnuplot", file = script;
-  char* argv[] = {name.data(), file.data(), nullptr};
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, argv, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error) return errno = error, -1;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-}
-
-// A text in gnuplot's single quotes.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (char c : printable(text)) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
 
 const char* title(Integrator integrator) { return integrator == Integrator::kRk4 ? "RK4" : "semi-implicit Euler"; }
 
@@ -94,29 +61,7 @@ void limit_lines(const Stability& s, Integrator integrator, double lowest, doubl
 
 }  // namespace
 
-bool draw_chart(const std::string& folder, const std::string& name, int width, int height, const std::string& script,
-                std::string& why) {
-  const std::filesystem::path path = std::filesystem::path(folder) / (name + ".gp");
-  std::ostringstream size;
-  size << width << "," << height << " enhanced font 'sans,12' background rgb 'white'\n";
-  std::ofstream file(path);
-  file << "if (strstrt(GPVAL_TERMINALS, 'pngcairo')) set terminal pngcairo size " << size.str()
-       << "if (!strstrt(GPVAL_TERMINALS, 'pngcairo')) set terminal png size " << width << "," << height << "\n"
-       << "set output '" << name << ".png'\n"
-       << script << "unset output\nreset\nset terminal svg size " << size.str() << "set output '" << name << ".svg'\n"
-       << script << "unset output\n";
-  if (!file.flush()) return why = path.string() + " cannot be written", false;
-  const int status = run_gnuplot(folder, name + ".gp");
-  if (status == 0) return true;
-  if (status < 0)
-    why = errno == ENOENT ? "gnuplot is not installed (Debian: gnuplot-nox), no charts were drawn"
-                          : std::string("gnuplot cannot be started: ") + std::strerror(errno);
-  else
-    why = "gnuplot failed on " + path.string();
-  return false;
-}
-
-bool draw_drift(const Stability& s, const std::string& folder, std::string& why) {
+void draw_drift(const Stability& s, const std::string& base) {
   const std::size_t choices = s.choices.size(), sizes = s.drift.size() / (2 * choices);
   double least = 1;
   for (const DriftPoint& p : s.drift) least = std::min(least, std::max(p.largest.position_drift, kBottom));
@@ -149,10 +94,10 @@ bool draw_drift(const Stability& s, const std::string& folder, std::string& why)
     out << "NaN with lines dt 3 lc rgb '#555555' title 'predicted limit of gains'\n";
   }
   out << "unset multiplot\n";
-  return draw_chart(folder, "drift", 1100, 640, out.str(), why);
+  draw(out.str(), 1100, 640, base);
 }
 
-bool draw_energy(const Stability& s, const std::string& folder, std::string& why) {
+void draw_energy(const Stability& s, const std::string& base) {
   std::ostringstream out;
   double kinetic = 0, h = 0;
   long steps = 1;
@@ -183,7 +128,7 @@ bool draw_energy(const Stability& s, const std::string& folder, std::string& why
         << quoted(std::string(title(run.integrator)) + (bare ? ", no gains" : ", recommended gains") + end);
   }
   out << "\n";
-  return draw_chart(folder, "energy", 900, 600, out.str(), why);
+  draw(out.str(), 900, 600, base);
 }
 
 }  // namespace manycontact::cli

@@ -49,8 +49,8 @@ struct Stability {
   double drift_time;  // s
 };
 
-/// folder/drift.{svg,png} and folder/energy.{svg,png}; as draw_chart.
-bool draw_drift(const Stability& s, const std::string& folder, std::string& why);
-bool draw_energy(const Stability& s, const std::string& folder, std::string& why);
+/// base.svg and base.png, by gnuplot.
+void draw_drift(const Stability& s, const std::string& base);
+void draw_energy(const Stability& s, const std::string& base);
 
 }  // namespace manycontact::cli
