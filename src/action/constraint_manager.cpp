@@ -1,5 +1,3 @@
-#include <ostream>
-
 #include "manycontact/action/constraint.hpp"
 #include "named.hpp"
 
@@ -51,11 +49,9 @@ bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) co
 void ConstraintModelManager::count() {
   ++status_;
   ng_ = nh_ = ng_T_ = nh_T_ = 0;
-  active_set_.clear();
-  inactive_set_.clear();
+  internal::sort_names(constraints_, active_set_, inactive_set_);
   std::vector<double> lower, upper;
   for (const auto& [name, item] : constraints_) {
-    (item->active ? active_set_ : inactive_set_).insert(name);
     if (!item->active) continue;
     const ConstraintModelAbstract& c = *item->constraint;
     ng_ += c.get_ng();
@@ -145,18 +141,21 @@ void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& d
   if (data.terminal != terminal || data.status != status_) lay_out(data, terminal);
 }
 
+template <class F>
+void ConstraintModelManager::for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const {
+  internal::for_each_part(
+      constraints_, data.constraints, [&](const ConstraintItem& item) { return holds(item, terminal); }, f);
+}
+
 // g = r, h = r - lb: of the constraints that hold.
 void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;
   int g = 0, h = 0;
-  auto part = data.constraints.begin();
-  for (const auto& [name, item] : constraints_) {
-    const Eigen::VectorXd& r = (part++)->second->r;
-    if (!holds(*item, terminal)) continue;
-    const ConstraintModelAbstract& c = *item->constraint;
-    for (int i : c.get_inequalities()) out.g[g++] = r[i];
-    for (int i : c.get_equalities()) out.h[h++] = r[i] - c.get_lb()[i];
-  }
+  for_each_holding(data, terminal, [&](const ConstraintItem& item, const auto& residual) {
+    const ConstraintModelAbstract& c = *item.constraint;
+    for (int i : c.get_inequalities()) out.g[g++] = residual->r[i];
+    for (int i : c.get_equalities()) out.h[h++] = residual->r[i] - c.get_lb()[i];
+  });
 }
 
 namespace {
@@ -192,21 +191,17 @@ void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& 
                                   const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, false);
   check_size("ConstraintModelManager::calc", "u", u.size(), nu_);
-  auto part = data->constraints.begin();
-  for (const auto& [name, item] : constraints_) {
-    const auto& residual = (part++)->second;
-    if (holds(*item, false)) item->constraint->get_residual()->calc(residual, x, u);
-  }
+  for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
+    item.constraint->get_residual()->calc(residual, x, u);
+  });
   stack_values(*data, false);
 }
 
 void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, true);
-  auto part = data->constraints.begin();
-  for (const auto& [name, item] : constraints_) {
-    const auto& residual = (part++)->second;
-    if (holds(*item, true)) item->constraint->get_residual()->calc(residual, x);
-  }
+  for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
+    item.constraint->get_residual()->calc(residual, x);
+  });
   stack_values(*data, true);
 }
 
@@ -214,29 +209,23 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
                                       const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, false);
   check_size("ConstraintModelManager::calcDiff", "u", u.size(), nu_);
-  auto part = data->constraints.begin();
-  for (const auto& [name, item] : constraints_) {
-    const auto& residual = (part++)->second;
-    if (holds(*item, false)) item->constraint->get_residual()->calcDiff(residual, x, u);
-  }
+  for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
+    item.constraint->get_residual()->calcDiff(residual, x, u);
+  });
   stack_jacobians(*data, false);
 }
 
 void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, true);
-  auto part = data->constraints.begin();
-  for (const auto& [name, item] : constraints_) {
-    const auto& residual = (part++)->second;
-    if (holds(*item, true)) item->constraint->get_residual()->calcDiff(residual, x);
-  }
+  for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
+    item.constraint->get_residual()->calcDiff(residual, x);
+  });
   stack_jacobians(*data, true);
 }
 
 void ConstraintModelManager::print(std::ostream& os) const {
-  os << "ConstraintModelManager:\n  Active:\n";
-  for (const std::string& name : active_set_) os << "    " << name << ": " << *constraints_.at(name)->constraint << "\n";
-  os << "  Inactive:\n";
-  for (const std::string& name : inactive_set_) os << "    " << name << ": " << *constraints_.at(name)->constraint << "\n";
+  internal::print_parts(os, kWho, constraints_,
+                        [](std::ostream& out, const ConstraintItem& item) { out << *item.constraint; });
 }
 
 std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model) {

@@ -1,5 +1,3 @@
-#include <ostream>
-
 #include "manycontact/action/contact.hpp"
 #include "named.hpp"
 
@@ -22,29 +20,30 @@ void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<C
   internal::check_part(kWho, name, contact, state_, nu_);
   internal::check_new(kWho, "contact", contacts_, name);
   contacts_[name] = std::make_shared<ContactItem>(ContactItem{name, contact, active});
-  nc_total_ += contact->get_nc();
-  if (active) nc_ += contact->get_nc();
-  (active ? active_set_ : inactive_set_).insert(name);
   ++version_;
+  count();
 }
 
 void ContactModelMultiple::removeContact(const std::string& name) {
-  const auto it = internal::find_named(kWho, "contact", contacts_, name);
-  nc_total_ -= it->second->contact->get_nc();
-  if (it->second->active) nc_ -= it->second->contact->get_nc();
-  contacts_.erase(it);
-  active_set_.erase(name);
-  inactive_set_.erase(name);
+  contacts_.erase(internal::find_named(kWho, "contact", contacts_, name));
   ++version_;
+  count();
 }
 
 void ContactModelMultiple::changeContactStatus(const std::string& name, bool active) {
   ContactItem& item = *internal::find_named(kWho, "contact", contacts_, name)->second;
   if (item.active == active) return;
   item.active = active;
-  nc_ = active ? nc_ + item.contact->get_nc() : nc_ - item.contact->get_nc();
-  (active ? inactive_set_ : active_set_).erase(name);
-  (active ? active_set_ : inactive_set_).insert(name);
+  count();
+}
+
+void ContactModelMultiple::count() {
+  nc_ = nc_total_ = 0;
+  for (const auto& [name, item] : contacts_) {
+    nc_total_ += item->contact->get_nc();
+    if (item->active) nc_ += item->contact->get_nc();
+  }
+  internal::sort_names(contacts_, active_set_, inactive_set_);
 }
 
 bool ContactModelMultiple::getContactStatus(const std::string& name) const {
@@ -52,10 +51,7 @@ bool ContactModelMultiple::getContactStatus(const std::string& name) const {
 }
 
 void ContactModelMultiple::print(std::ostream& os) const {
-  os << "ContactModelMultiple:\n  Active:\n";
-  for (const std::string& name : active_set_) os << "    " << name << ": " << *contacts_.at(name)->contact << "\n";
-  os << "  Inactive:\n";
-  for (const std::string& name : inactive_set_) os << "    " << name << ": " << *contacts_.at(name)->contact << "\n";
+  internal::print_parts(os, kWho, contacts_, [](std::ostream& out, const ContactItem& item) { out << *item.contact; });
 }
 
 std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model) {

@@ -1,5 +1,3 @@
-#include <ostream>
-
 #include "manycontact/action/cost.hpp"
 #include "named.hpp"
 
@@ -7,7 +5,8 @@ namespace manycontact {
 
 namespace {
 constexpr const char* kWho = "CostModelSum";
-}
+bool is_active(const CostItem& item) { return item.active; }
+}  // namespace
 
 CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
   require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
@@ -20,32 +19,31 @@ void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbs
   internal::check_part(kWho, name, cost, state_, nu_);
   internal::check_new(kWho, "cost", costs_, name);
   costs_[name] = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
-  const std::size_t nr = cost->get_residual()->get_nr();
-  nr_total_ += nr;
-  if (active) nr_ += nr;
-  (active ? active_set_ : inactive_set_).insert(name);
   ++version_;
+  count();
 }
 
 void CostModelSum::removeCost(const std::string& name) {
-  const auto it = internal::find_named(kWho, "cost", costs_, name);
-  const std::size_t nr = it->second->cost->get_residual()->get_nr();
-  nr_total_ -= nr;
-  if (it->second->active) nr_ -= nr;
-  costs_.erase(it);
-  active_set_.erase(name);
-  inactive_set_.erase(name);
+  costs_.erase(internal::find_named(kWho, "cost", costs_, name));
   ++version_;
+  count();
 }
 
 void CostModelSum::changeCostStatus(const std::string& name, bool active) {
   CostItem& item = *internal::find_named(kWho, "cost", costs_, name)->second;
   if (item.active == active) return;
   item.active = active;
-  const std::size_t nr = item.cost->get_residual()->get_nr();
-  nr_ = active ? nr_ + nr : nr_ - nr;
-  (active ? inactive_set_ : active_set_).erase(name);
-  (active ? active_set_ : inactive_set_).insert(name);
+  count();
+}
+
+void CostModelSum::count() {
+  nr_ = nr_total_ = 0;
+  for (const auto& [name, item] : costs_) {
+    const std::size_t nr = item->cost->get_residual()->get_nr();
+    nr_total_ += nr;
+    if (item->active) nr_ += nr;
+  }
+  internal::sort_names(costs_, active_set_, inactive_set_);
 }
 
 bool CostModelSum::getCostStatus(const std::string& name) const {
@@ -62,46 +60,34 @@ void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVec
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   check_size("CostModelSum::calc", "u", u.size(), nu_);
   data->cost = 0;
-  auto part = data->costs.begin();
-  for (const auto& [name, item] : costs_) {
-    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
-    if (!item->active) continue;
-    item->cost->calc(d, x, u);
-    data->cost += item->weight * d->cost;
-  }
+  internal::for_each_part(costs_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
+    item.cost->calc(d, x, u);
+    data->cost += item.weight * d->cost;
+  });
 }
 
 void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   data->cost = 0;
-  auto part = data->costs.begin();
-  for (const auto& [name, item] : costs_) {
-    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
-    if (!item->active) continue;
-    item->cost->calc(d, x);
-    data->cost += item->weight * d->cost;
-  }
+  internal::for_each_part(costs_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
+    item.cost->calc(d, x);
+    data->cost += item.weight * d->cost;
+  });
 }
 
 void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x,
                             const ConstVectorRef& u) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
   check_size("CostModelSum::calcDiff", "u", u.size(), nu_);
-  auto part = data->costs.begin();
-  for (const auto& [name, item] : costs_) {
-    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
-    if (item->active) item->cost->calcDiff(d, x, u);
-  }
+  internal::for_each_part(costs_, data->costs, is_active,
+                          [&](const CostItem& item, const auto& d) { item.cost->calcDiff(d, x, u); });
   add_up(*data, false);
 }
 
 void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
-  auto part = data->costs.begin();
-  for (const auto& [name, item] : costs_) {
-    const std::shared_ptr<CostDataAbstract>& d = (part++)->second;
-    if (item->active) item->cost->calcDiff(d, x);
-  }
+  internal::for_each_part(costs_, data->costs, is_active,
+                          [&](const CostItem& item, const auto& d) { item.cost->calcDiff(d, x); });
   add_up(*data, true);
 }
 
@@ -196,12 +182,9 @@ void CostModelSum::lay_out(CostDataSum& data) const {
 }
 
 void CostModelSum::print(std::ostream& os) const {
-  os << "CostModelSum:\n  Active:\n";
-  for (const std::string& name : active_set_)
-    os << "    " << name << ": {w=" << costs_.at(name)->weight << ", " << *costs_.at(name)->cost << "}\n";
-  os << "  Inactive:\n";
-  for (const std::string& name : inactive_set_)
-    os << "    " << name << ": {w=" << costs_.at(name)->weight << ", " << *costs_.at(name)->cost << "}\n";
+  internal::print_parts(os, kWho, costs_, [](std::ostream& out, const CostItem& item) {
+    out << "{w=" << item.weight << ", " << *item.cost << "}";
+  });
 }
 
 std::ostream& operator<<(std::ostream& os, const CostModelSum& model) {

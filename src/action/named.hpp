@@ -1,6 +1,8 @@
 #pragma once
 // What the stacks of contacts, costs and constraints have in common: parts by name.
 
+#include <ostream>
+
 #include "manycontact/action/fwd.hpp"
 
 namespace manycontact::internal {
@@ -29,6 +31,39 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
   require(part->get_state() == state, who, "\"" + name + "\" belongs to another state, this one's is expected");
   require(part->get_nu() == nu, who, "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " +
                                          std::to_string(nu) + " is expected");
+}
+
+/// The names of the active parts, and of the others.
+template <class Map>
+void sort_names(const Map& parts, std::set<std::string>& active, std::set<std::string>& inactive) {
+  active.clear();
+  inactive.clear();
+  for (const auto& [name, item] : parts) (item->active ? active : inactive).insert(name);
+}
+
+/// f(item, data of the part) for each part that keep(item): data are by name too.
+template <class Map, class Data, class Keep, class F>
+void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
+  auto d = data.begin();
+  for (const auto& [name, item] : parts) {
+    const auto& part = (d++)->second;
+    if (keep(*item)) f(*item, part);
+  }
+}
+
+/// "who:", then the active and the inactive parts: their names, and what text(os, item) writes.
+template <class Map, class Text>
+void print_parts(std::ostream& os, const char* who, const Map& parts, Text&& text) {
+  os << who << ":\n";
+  for (const bool active : {true, false}) {
+    os << (active ? "  Active:\n" : "  Inactive:\n");
+    for (const auto& [name, item] : parts) {
+      if (item->active != active) continue;
+      os << "    " << name << ": ";
+      text(os, *item);
+      os << "\n";
+    }
+  }
 }
 
 }  // namespace manycontact::internal

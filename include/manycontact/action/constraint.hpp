@@ -103,6 +103,8 @@ class ConstraintModelManager {
  private:
   void count();
   bool holds(const ConstraintItem& item, bool terminal) const;
+  template <class F>
+  void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;
   void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
   void stack_values(ConstraintDataManager& data, bool terminal) const;
   void stack_jacobians(ConstraintDataManager& data, bool terminal) const;

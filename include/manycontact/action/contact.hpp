@@ -185,6 +185,7 @@ class ContactModelMultiple {
   void print(std::ostream& os) const;
 
  private:
+  void count();
   std::shared_ptr<StateMultibody> state_;
   ContactModelContainer contacts_;
   std::size_t nc_ = 0, nc_total_ = 0, nu_, version_ = 0;

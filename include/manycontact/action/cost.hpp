@@ -109,6 +109,7 @@ class CostModelSum {
   void print(std::ostream& os) const;
 
  private:
+  void count();
   void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
   void add_up(CostDataSum& data, bool terminal) const;
   std::shared_ptr<StateMultibody> state_;
