@@ -164,12 +164,19 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
-// (N^T N)^-1 of a cluster's vector, or rows of vectors.
+// T's rows times (N^T N)^-1, with its factor.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
-  const Eigen::Map<const Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.count, cluster.count);
-  G.triangularView<Eigen::Lower>().solveInPlace(t);
-  G.transpose().triangularView<Eigen::Upper>().solveInPlace(t);
+  const int n = cluster.count;
+  const Eigen::Map<const Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, n, n);
+  for (int a = 0; a < n; ++a) {
+    for (int b = 0; b < a; ++b) t.row(a) -= G(a, b) * t.row(b);
+    t.row(a) /= G(a, a);
+  }
+  for (int a = n - 1; a >= 0; --a) {
+    for (int b = a + 1; b < n; ++b) t.row(a) -= G(b, a) * t.row(b);
+    t.row(a) /= G(a, a);
+  }
 }
 
 }  // namespace

@@ -50,6 +50,8 @@ DerivativeData& prepare_derivatives(const Scene& scene, SceneData& data) {
   dd.pool.clear();
   dd.assign_slots(scene, robots);
   dd.islands.assign(data.islands.size(), {});
+  dd.dependent.clear();
+  dd.dependent.resize(data.islands.size());
   return dd;
 }
 
@@ -81,10 +83,12 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
   derivative_rhs(scene, data, d, out);
   if (d.factor == Factor::kDenseSchur) return;
   const bool deficient = rank_deficient(d) && out.request.q;
-  if (deficient && data.report.islands[i].status == Status::kInconsistent) add_contradiction(scene, data, d, out);
+  DependentDerivatives& dependent = data.derivatives->dependent[i];
+  if (deficient && data.report.islands[i].status == Status::kInconsistent)
+    add_contradiction(scene, data, d, dependent, out);
   solve_panel(scene, data, d, out);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);
+  if (deficient && out.request.forces) least_norm_forces(scene, data, d, dependent, out);
 }
 
 }  // namespace internal

@@ -58,7 +58,8 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 /// All of an island's derivatives into `out`, by the factor at hand (dense-schur: the right-hand sides only).
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
 /// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.
-void add_contradiction(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
+void add_contradiction(const Scene& scene, SceneData& data, IslandData& island, DependentDerivatives& work,
+                       IslandDerivatives& out);
 /// Whether the island's contact rows were found dependent.
 inline bool rank_deficient(const IslandData& d) {
   if (d.factor == Factor::kDependent) return !d.rows.dropped.empty();
@@ -93,7 +94,8 @@ inline double motion_size(const Scene& scene, const SceneData& data, const Islan
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand.
 void solve_panel(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
 /// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent.
-void least_norm_forces(const Scene& scene, SceneData& data, IslandData& island, IslandDerivatives& out);
+void least_norm_forces(const Scene& scene, SceneData& data, IslandData& island, DependentDerivatives& work,
+                       IslandDerivatives& out);
 /// dense-schur: explicit inverse of the whole scene's K, times all right-hand sides, as Crocoddyl does.
 void differentiate_dense_schur(const Scene& scene, SceneData& data);
 

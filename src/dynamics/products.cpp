@@ -147,11 +147,14 @@ void pull_back_island(const Scene& scene, SceneData& data, const IslandData& d, 
 }
 
 // The derivatives of an island with dependent rows, in full.
-const IslandDerivatives& dense_island(const Scene& scene, SceneData& data, std::size_t i) {
+ProductData::Dense& dense_island(const Scene& scene, SceneData& data, std::size_t i) {
   internal::prepare_derivatives(scene, data);
-  IslandDerivatives& out = data.products->dense;
-  internal::lay_out(scene, data.islands[i].island, {}, out);
-  internal::differentiate_island(scene, data, i, out);
+  data.products->dense.resize(data.islands.size());
+  ProductData::Dense& out = data.products->dense[i];
+  internal::lay_out(scene, data.islands[i].island, {}, out.D);
+  internal::differentiate_island(scene, data, i, out.D);
+  out.rows.resize(out.D.X.rows());
+  out.columns.resize(out.D.cols);
   return out;
 }
 
@@ -181,22 +184,22 @@ struct Part {
   }
 };
 
-void dense_jvp(const Part& part, const IslandDerivatives& D, const ConstVector& dq, const ConstVector& dv,
+void dense_jvp(const Part& part, ProductData::Dense& dense, const ConstVector& dq, const ConstVector& dv,
                const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
-  Eigen::VectorXd in(D.cols);
+  auto& [D, out, in] = dense;
   part.velocities([&](int s, int k) { in[D.q_first + k] = dq[s], in[D.v_first + k] = dv[s]; });
   part.torques([&](int s, int k) { in[D.u_first + k] = du[s]; });
-  const Eigen::VectorXd out = D.X.leftCols(D.cols) * in;
+  out.noalias() = D.X.leftCols(D.cols) * in;
   part.velocities([&](int s, int k) { da[s] = out[k]; });
   part.forces([&](int s, int k) { df[s] = out[D.nv + k]; });
 }
 
-void dense_vjp(const Part& part, const IslandDerivatives& D, const ConstVector& wa, const ConstVector& wf,
+void dense_vjp(const Part& part, ProductData::Dense& dense, const ConstVector& wa, const ConstVector& wf,
                Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
-  Eigen::VectorXd in(D.nv + D.nc);
+  auto& [D, in, out] = dense;
   part.velocities([&](int s, int k) { in[k] = wa[s]; });
   part.forces([&](int s, int k) { in[D.nv + k] = wf[s]; });
-  const Eigen::VectorXd out = D.X.leftCols(D.cols).transpose() * in;
+  out.noalias() = D.X.leftCols(D.cols).transpose() * in;
   part.velocities([&](int s, int k) { wq[s] = out[D.q_first + k], wv[s] = out[D.v_first + k]; });
   part.torques([&](int s, int k) { wu[s] = out[D.u_first + k]; });
 }

@@ -1,71 +1,61 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 
-#include <Eigen/QR>
-
 #include "internal.hpp"
+#include "manycontact/sparse/least_norm.hpp"
 
 namespace manycontact {
 
 namespace {
 
-// The torques of one island into tau (scene.nv); with `bases`, floating bases are actuated too.
-void hold_island(const Scene& scene, const SceneData& data, const IslandData& d, bool bases, Eigen::VectorXd& tau) {
-  const Island& island = d.island;
-  const auto first = [&](int r) { return bases ? 0 : scene.robots[r].model->first_actuated(); };
-  int nu = 0;
-  for (int r : island.robots) nu += scene.robots[r].model->nv - first(r);
-  if (nu + island.nc == 0) return;  // a free object: nothing to choose
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(island.nv, nu + island.nc);  // [S^T J^T]
-  Eigen::VectorXd h(island.nv);
-  int column = 0;
-  for (std::size_t k = 0; k < island.robots.size(); ++k) {
-    const Model& model = *scene.robots[island.robots[k]].model;
-    h.segment(island.dof_offset[k], model.nv) = data.robots[island.robots[k]].h;
-    for (int i = first(island.robots[k]); i < model.nv; ++i) A(island.dof_offset[k] + i, column++) = 1;
-  }
-  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    const Eigen::MatrixXd& J = data.contacts[island.contacts[c]].J;
-    for (int j = 0; j < J.cols(); ++j)
-      A.row(d.support.columns[c][j]).segment(nu + island.row_offset[c], J.rows()) = J.col(j).transpose();
-  }
-  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(h);
-  column = 0;
-  for (int r : island.robots) {
-    const int n = scene.robots[r].model->nv - first(r);
-    tau.segment(scene.robots[r].idx_v + first(r), n) = x.segment(column, n);
-    column += n;
-  }
-}
-
-Eigen::VectorXd hold(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool bases, SceneData& data) {
-  if (q.size() != scene.nq)
-    throw std::invalid_argument("quasi_static: q has " + std::to_string(q.size()) + " numbers, the scene expects " +
-                                std::to_string(scene.nq));
-  prepare(scene, data);
-  data.solved = false;  // its kinematics are overwritten
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
-  Eigen::VectorXd tau = rest;
-  for (IslandData& d : data.islands) {
-    d.factor = Factor::kNone;
-    internal::evaluate(scene, q, rest, data, d.island);
-    if (d.island.nv > 0) hold_island(scene, data, d, bases, tau);
-  }
-  return tau;
+void check_size(const char* what, Eigen::Index given, Eigen::Index expected) {
+  if (given != expected)
+    throw std::invalid_argument(std::string("quasi_static: ") + what + " has " + std::to_string(given) +
+                                " numbers, the scene expects " + std::to_string(expected));
 }
 
 }  // namespace
 
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
-  const Eigen::VectorXd tau = hold(scene, q, false, data);
-  Eigen::VectorXd u(scene.nu);
-  for (const Robot& robot : scene.robots)
-    u.segment(robot.idx_u, robot.model->nu()) =
-        tau.segment(robot.idx_v + robot.model->first_actuated(), robot.model->nu());
-  return u;
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                             const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
+                             SceneData& data) {
+  check_size("q", q.size(), scene.nq);
+  check_size("tau0", tau0.size(), scene.nv);
+  check_size("a column of B", B.rows(), scene.nv);
+  prepare(scene, data);
+  data.solved = false;  // its kinematics are overwritten
+  const int nu = static_cast<int>(B.cols());
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
+  Eigen::VectorXd h = -tau0;
+  std::vector<Eigen::Triplet<double>> A;  // [B J^T]
+  for (int u = 0; u < nu; ++u)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(B, u); it; ++it) A.emplace_back(it.row(), u, it.value());
+  for (IslandData& d : data.islands) {
+    d.factor = Factor::kNone;
+    internal::evaluate(scene, q, rest, data, d.island);
+    for (int r : d.island.robots)
+      h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) += data.robots[r].h;
+    for (int c : d.island.contacts) {
+      const Contact& contact = scene.contacts[c];
+      const Eigen::MatrixXd& J = data.contacts[c].J;
+      int column = 0;
+      const auto add = [&](int robot, int i) {
+        for (Eigen::Index row = 0; row < J.rows(); ++row)
+          A.emplace_back(scene.robots[robot].idx_v + i, nu + data.f_offset[c] + row, J(row, column));
+        ++column;
+      };
+      for (int i : data.supports[c].a) add(contact.A.robot, i);
+      for (int i : data.supports[c].b) add(contact.B.robot, i);
+    }
+  }
+  return sparse::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h).head(nu);
 }
 
-Eigen::VectorXd quasi_static_tau(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
-  return hold(scene, q, true, data);
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
+  Eigen::SparseMatrix<double> S(scene.nv, scene.nu);
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k)
+      S.insert(robot.idx_v + robot.model->first_actuated() + k, robot.idx_u + k) = 1;
+  return quasi_static(scene, q, Eigen::VectorXd::Zero(scene.nv), S, data);
 }
 
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {

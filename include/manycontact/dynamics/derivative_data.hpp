@@ -35,6 +35,14 @@ struct IslandDerivatives {
   auto dforces_du() const { return X.block(nv, u_first, nc, request.u ? nu : 0); }
 };
 
+/// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
+struct DependentDerivatives {
+  std::vector<Kinematics<double>> kin;  // per robot of the island, moving with y
+  Eigen::VectorXd f, x, y;              // nc, size, nv
+  IslandDerivatives::Panel D, kept;     // nc x nv, size x nv
+  IslandDerivatives with_rho;           // nv columns
+};
+
 /// Everything `differentiate` computes and keeps.
 struct DerivativeData {
   DerivativeData(const Scene& scene, const std::vector<ContactSupport>& supports);
@@ -53,6 +61,7 @@ struct DerivativeData {
   std::vector<ContactData<double>> rows;        // per contact, at the solution's accelerations
   std::vector<ContactDerivatives> contacts;     // per contact
   std::vector<IslandDerivatives> islands;
+  std::vector<DependentDerivatives> dependent;  // per island
   std::vector<char> nonzero;                    // scratch of the panel solve
   Eigen::VectorXd rhs;                          // scratch of refinement: room for the largest panel
 };
@@ -69,7 +78,11 @@ struct ProductData {
   };
   std::vector<OfRobot> robots;
   std::vector<ContactData<double>> rows;  // per contact, at the solution's accelerations
-  IslandDerivatives dense;                // of an island with dependent rows
+  struct Dense {
+    IslandDerivatives D;
+    Eigen::VectorXd rows, columns;  // of D.X: what it gives, what it is applied to; or the other way round
+  };
+  std::vector<Dense> dense;  // per island: all its derivatives, where contact rows are dependent
 };
 
 }  // namespace manycontact

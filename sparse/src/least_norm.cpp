@@ -1,0 +1,140 @@
+#include "manycontact/sparse/least_norm.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/sparse/ordering.hpp"
+
+namespace manycontact::sparse {
+
+namespace {
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+// K's pattern in CAMD's order, x before y.
+UpperCsc augmented_pattern(int rows, int cols, const Entries& A, std::vector<int>& iperm) {
+  std::vector<std::pair<int, int>> entries;
+  for (const auto& a : A) entries.emplace_back(cols + a.row(), a.col());
+  const UpperCsc K = make_pattern(cols + rows, std::move(entries));
+  std::vector<int> set(cols + rows, 0);
+  std::fill(set.begin() + cols, set.end(), 1);
+  iperm = inverse(camd_order(K, set));
+  return permute(K, iperm);
+}
+
+std::vector<double> augmented_values(const UpperCsc& K, int cols, const Entries& A, const std::vector<int>& iperm) {
+  std::vector<double> Kx(K.nonzeros(), 0.0);
+  for (int k = 0; k < cols; ++k) Kx[K.slot(iperm[k], iperm[k])] = 1;
+  for (const auto& a : A) Kx[K.slot(iperm[a.col()], iperm[cols + a.row()])] += a.value();
+  return Kx;
+}
+
+// z += K^-1 (b - K z), until the componentwise backward error is rounding.
+bool refine(const UpperCsc& K, const std::vector<double>& Kx, const LdlSymbolic& symbolic, const double* Lx,
+            const double* D, const std::vector<double>& b, std::vector<double>& z) {
+  std::vector<double> r(K.n), scale(K.n);
+  double error = 0;
+  for (int step = 0; step < 5; ++step) {
+    residual(K, Kx.data(), z.data(), b.data(), r.data(), scale.data());
+    const double floor = 1e-16 * *std::max_element(scale.begin(), scale.end());
+    error = 0;
+    for (int k = 0; k < K.n; ++k)
+      if (r[k] != 0) error = std::max(error, std::abs(r[k]) / std::max(scale[k], floor));
+    if (!(error > 1e-15)) break;
+    ldl_solve(symbolic, Lx, D, r.data());
+    for (int k = 0; k < K.n; ++k) z[k] += r[k];
+  }
+  return error <= 1e-12;
+}
+
+// None where what is left of a pivot may be rounding.
+std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
+  constexpr double kPivotLeft = 1e-11, kRowSize = 1e-11, kRowLeft = 1e-13;
+  std::vector<int> iperm;
+  const UpperCsc K = augmented_pattern(rows, cols, A, iperm);
+  const std::vector<double> Kx = augmented_values(K, cols, A, iperm);
+  const LdlSymbolic symbolic = ldl_analyze(K);
+  std::vector<double> Lx(symbolic.nonzeros()), D(K.n);
+  LdlWorkspace work;
+  DependentRows dependent;
+  double size = 0;
+  for (double x : Kx) size = std::max(size, std::abs(x));
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, kPivotLeft, kRowSize * size, work, Lx.data(), D.data(),
+                           dependent) != K.n)
+    return std::nullopt;
+  find_null_space(K, symbolic, Kx.data(), cols, size, Lx.data(), D.data(), dependent);
+  if (!(dependent.largest_residual <= kRowLeft)) return std::nullopt;
+
+  std::vector<double> rhs(K.n, 0.0);
+  for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];
+  project_out(dependent, rhs.data());
+  std::vector<double> z = rhs;
+  ldl_solve(symbolic, Lx.data(), D.data(), z.data());
+  if (!refine(K, Kx, symbolic, Lx.data(), D.data(), rhs, z)) return std::nullopt;
+  Eigen::VectorXd x(cols);
+  for (int k = 0; k < cols; ++k) x[k] = z[iperm[k]];
+  return x;
+}
+
+Eigen::VectorXd by_decomposition(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(rows, cols);
+  for (const auto& a : A) dense(a.row(), a.col()) += a.value();
+  return dense.completeOrthogonalDecomposition().solve(b);
+}
+
+// A block of A that shares neither rows nor columns with the rest.
+struct Block {
+  std::vector<int> rows, cols;
+  Entries entries;  // numbered within the block
+};
+
+std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {
+  std::vector<int> root(rows + cols);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&root](int k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  for (const auto& a : A) root[find(a.row())] = find(rows + a.col());
+  std::vector<int> block_of(rows + cols, -1), place(rows + cols);
+  std::vector<Block> blocks;
+  for (int k = 0; k < rows + cols; ++k) {
+    int& block = block_of[find(k)];
+    if (block < 0) {
+      block = static_cast<int>(blocks.size());
+      blocks.emplace_back();
+    }
+    std::vector<int>& list = k < rows ? blocks[block].rows : blocks[block].cols;
+    place[k] = static_cast<int>(list.size());
+    list.push_back(k < rows ? k : k - rows);
+  }
+  for (const auto& a : A)
+    blocks[block_of[find(a.row())]].entries.emplace_back(place[a.row()], place[rows + a.col()], a.value());
+  return blocks;
+}
+
+}  // namespace
+
+Eigen::VectorXd least_norm_solution(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(cols);
+  for (const Block& block : blocks_of(rows, cols, A)) {
+    if (block.entries.empty()) continue;
+    const int m = static_cast<int>(block.rows.size()), n = static_cast<int>(block.cols.size());
+    const Eigen::VectorXd part = b(block.rows);
+    const auto finite = [](const auto& a) { return std::isfinite(a.value()); };
+    if (!part.allFinite() || !std::all_of(block.entries.begin(), block.entries.end(), finite)) {
+      x(block.cols).setConstant(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const auto solution = by_ldl(m, n, block.entries, part);
+    x(block.cols) = solution ? *solution : by_decomposition(m, n, block.entries, part);
+  }
+  return x;
+}
+
+}  // namespace manycontact::sparse
