@@ -37,22 +37,10 @@ void unit_wrenches(const Contact& contact, Wrenches& P) {
   }
 }
 
-const char* name_of(ContactType type) {
-  switch (type) {
-    case ContactType::k1D:
-      return "1D";
-    case ContactType::k2D:
-      return "2D";
-    case ContactType::k3D:
-      return "3D";
-    case ContactType::k6D:
-      return "6D";
-  }
-  return "unknown";
-}
+std::string name_of(ContactType type) { return std::to_string(contact_rows(type)) + "D"; }
 
 std::string only_6d(ContactType type) {
-  return type == ContactType::k6D ? "" : std::string(name_of(type)) + ", a 6D contact is expected";
+  return type == ContactType::k6D ? "" : name_of(type) + ", a 6D contact is expected";
 }
 
 void check_facets(const char* who, std::size_t given, std::size_t expected) {
@@ -134,7 +122,7 @@ ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultib
 
 std::string ResidualModelContactForce::misfit(ContactType type) const {
   if (contact_rows(type) == static_cast<int>(nr_)) return "";
-  return std::string(name_of(type)) + ", one with nc = " + std::to_string(nr_) + " is expected";
+  return name_of(type) + ", one with nc = " + std::to_string(nr_) + " is expected";
 }
 
 void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const {

@@ -63,20 +63,6 @@ std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>&
   return robot.name + "/" + (nearest ? nearest->name : robot.model->joints[body.joint].name);
 }
 
-std::string to_string(ContactType type) {
-  switch (type) {
-    case ContactType::k1D:
-      return "1d";
-    case ContactType::k2D:
-      return "2d";
-    case ContactType::k3D:
-      return "3d";
-    case ContactType::k6D:
-      return "6d";
-  }
-  return "?";
-}
-
 std::string contact_names(const Scene& scene, const std::vector<int>& contacts) {
   if (contacts.size() > 3 && contacts.back() - contacts.front() + 1 == static_cast<int>(contacts.size()))
     return scene.contacts[contacts.front()].name + " .. " + scene.contacts[contacts.back()].name;

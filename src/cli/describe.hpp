@@ -24,7 +24,6 @@ Body body_of(const Attachment& attachment);
 /// "humanoid/left_sole": of the body's frames the one nearest to `point` (in the joint's frame), or "world".
 std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>& point);
 
-std::string to_string(ContactType type);
 /// "left_1 .. left_4" or "left, right": as short as it stays clear.
 std::string contact_names(const Scene& scene, const std::vector<int>& contacts);
 

@@ -1,5 +1,6 @@
 #include "manycontact/contact/products.hpp"
 
+#include "manycontact/contact/derivatives.hpp"
 #include "manycontact/spatial/explog.hpp"
 
 namespace manycontact {
@@ -8,13 +9,6 @@ namespace {
 
 using V3 = Vec3<double>;
 using V6 = Vec6<double>;
-
-// th x both parts.
-V6 turn(const V3& th, const V6& y) {
-  V6 out;
-  out << th.cross(y.head<3>()), th.cross(y.tail<3>());
-  return out;
-}
 
 bool turns(const Contact& c) { return c.reference_frame != ReferenceFrame::kLocal; }
 
@@ -41,8 +35,8 @@ void contact_tangent(const Contact& c, const ContactData<double>& d, const BodyV
   const V6 F = d.W.transpose() * f;
   dF = cross_force(xi, F);
   if (turns(c)) {
-    dx += turn(xi.tail<3>(), d.x);
-    dF -= turn(xi.tail<3>(), F);
+    dx += turned(xi.tail<3>(), d.x);
+    dF -= turned(xi.tail<3>(), F);
   }
   dr2.noalias() = d.W * dx;
 }

@@ -138,17 +138,8 @@ RandomScene moving_scene(int seed, bool in_the_air) {
   options.errors = false;
   options.ncontacts = 0;
   RandomScene s = random_scene(rng, options);
-  const auto hold = [&](const std::string& name, ContactType type, Attachment A, Attachment B) {
-    Contact c;
-    c.name = name;
-    c.type = type;
-    c.A = A;
-    c.B = B;
-    resolve_reference(s.scene, s.q, true, true, c);
-    add_contact(s.scene, c);
-  };
-  hold("joined", ContactType::k3D, {0, 4, random_placement(rng, 0.2)}, {1, 3, {}});
-  if (!in_the_air) hold("grounded", ContactType::k3D, {1, 5, random_placement(rng, 0.2)}, {});
+  hold(s, "joined", ContactType::k3D, {0, 4, random_placement(rng, 0.2)}, {1, 3, {}});
+  if (!in_the_air) hold(s, "grounded", ContactType::k3D, {1, 5, random_placement(rng, 0.2)}, {});
   s.v = consistent(s.scene, s.q, 0.5 * s.v);
   s.u *= 0.2;
   return s;

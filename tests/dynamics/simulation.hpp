@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/random.hpp"
 
@@ -115,5 +116,16 @@ struct Simulation {
   double work = 0;
   Status worst = Status::kOk;
 };
+
+/// Adds a contact that holds A where it is relative to B.
+inline void hold(RandomScene& s, const std::string& name, ContactType type, Attachment A, Attachment B) {
+  Contact c;
+  c.name = name;
+  c.type = type;
+  c.A = A;
+  c.B = B;
+  resolve_reference(s.scene, s.q, true, true, c);
+  add_contact(s.scene, c);
+}
 
 }  // namespace manycontact::test

@@ -3,7 +3,6 @@
 
 #include "dynamics/simulation.hpp"
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/contact/reference.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "spatial/compare.hpp"
@@ -42,17 +41,8 @@ inline RandomScene tied_scene(int seed, const std::vector<JointType>& types = {
   options.same_model = 0;
   options.ncontacts = 0;
   RandomScene s = random_scene(rng, options);
-  const auto hold = [&](const std::string& name, ContactType type, Attachment A, Attachment B) {
-    Contact c;
-    c.name = name;
-    c.type = type;
-    c.A = A;
-    c.B = B;
-    resolve_reference(s.scene, s.q, true, true, c);
-    add_contact(s.scene, c);
-  };
-  hold("joined", ContactType::k3D, {0, 4, random_placement(rng, 0.2)}, {1, 3, {}});
-  hold("grounded", ContactType::k6D, {1, 0, random_placement(rng, 0.2)}, {});
+  hold(s, "joined", ContactType::k3D, {0, 4, random_placement(rng, 0.2)}, {1, 3, {}});
+  hold(s, "grounded", ContactType::k6D, {1, 0, random_placement(rng, 0.2)}, {});
   s.v = consistent(s.scene, s.q, 0.5 * s.v);
   s.u *= 0.1;
   return s;

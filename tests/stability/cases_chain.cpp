@@ -41,7 +41,7 @@ void add_chains(Cases& cases) {
     for (ContactType type : {k3D, k6D}) {
       if (fewer && type == k6D) continue;
       cases
-          .add(name + " by both ends " + short_name(type),
+          .add(name + " by both ends " + to_string(type),
                [=] {
                  Problem p = chain(n, false);
                  hold(p, type, "tip");

@@ -30,7 +30,7 @@ void pull_apart(Problem& p, double off) {
 void add_conflicts(Cases& cases) {
   const std::pair<ContactType, ContactType> pairs[] = {{k1D, k1D}, {k2D, k2D}, {k3D, k3D}, {k6D, k6D}, {k6D, k3D}};
   for (const auto& [first, second] : pairs) {
-    const std::string types = std::string(short_name(first)) + "+" + short_name(second);
+    const std::string types = to_string(first) + "+" + to_string(second);
     for (double apart : {0.0, 1e-2})
       for (double off : {1e-1, 1e-4})
         cases.add("quadruped's feet " + types + ", " + power(apart) + " m apart, pulled " + power(off) + " m apart",
@@ -52,26 +52,26 @@ void add_conflicts(Cases& cases) {
     });
   }
   for (ContactType type : {k3D, k6D}) {
-    cases.add(std::string("arm's tool pulled two ways ") + short_name(type), [=] {
+    cases.add(std::string("arm's tool pulled two ways ") + to_string(type), [=] {
       Problem p = robot("arm", false);
       hold(p, type, "tool");
       hold(p, type, "tool");
       pull_apart(p, 0.2);
       return p;
     });
-    cases.add(std::string("box pulled off four corners ") + short_name(type), [=] {
+    cases.add(std::string("box pulled off four corners ") + to_string(type), [=] {
       Problem p = robot("box", true);
       for (const char* frame : {"bottom_1", "bottom_2", "bottom_3", "bottom_4"}) hold(p, type, frame);
       pull_apart(p, 0.2);
       return p;
     });
-    cases.add(std::string("two boxes tied and pulled ") + short_name(type), [=] {
+    cases.add(std::string("two boxes tied and pulled ") + to_string(type), [=] {
       Problem p = two_robots("box", true, "box");
       for (const char* frame : {"bottom_1", "bottom_2", "top_3", "top_4"}) tie(p, type, "a", frame, "b", frame);
       pull_apart(p, 0.2);
       return p;
     });
-    cases.add(std::string("plane chain pulled out of its plane ") + short_name(type), [=] {
+    cases.add(std::string("plane chain pulled out of its plane ") + to_string(type), [=] {
       Problem p = planar_chain(3);
       hold(p, type, "tip");
       p.scene.contacts[0].B.placement.p.z() += 0.1;

@@ -40,7 +40,7 @@ void add_each_ratio(Cases& cases, int exponent) {
     return p;
   });
   for (ContactType type : {k3D, k6D})
-    cases.add(std::string("arm and box tied ") + short_name(type) + ", box's mass" + at, [=] {
+    cases.add(std::string("arm and box tied ") + to_string(type) + ", box's mass" + at, [=] {
       Problem p = two_robots("arm", false, "box");
       edit(
           p, [=](Model& m) { scale(m.joints[0].inertia, k); }, 1);
@@ -111,26 +111,26 @@ void add_singular_inertias(Cases& cases) {
       return p;
     });
     for (ContactType type : {k1D, k3D, k6D}) {
-      cases.add(name + ", last link massless, held " + short_name(type), [=] {
+      cases.add(name + ", last link massless, held " + to_string(type), [=] {
         Problem p = chain(6, floating);
         massless(p, 5, 6);
         hold(p, type, "tip", {0.1, 0, 0});
         move(p, 1);
         return p;
       });
-      cases.add(name + ", last link massless, root held " + short_name(type), [=] {
+      cases.add(name + ", last link massless, root held " + to_string(type), [=] {
         Problem p = chain(6, floating);
         massless(p, 5, 6);
         hold(p, type, "link1");
         return p;
       });
-      cases.add(name + ", middle links massless, held " + short_name(type), [=] {
+      cases.add(name + ", middle links massless, held " + to_string(type), [=] {
         Problem p = chain(6, floating);
         massless(p, 2, 4);
         hold(p, type, "tip");
         return p;
       });
-      cases.add(name + ", last three massless, held " + short_name(type), [=] {
+      cases.add(name + ", last three massless, held " + to_string(type), [=] {
         Problem p = chain(6, floating);
         massless(p, 3, 6);
         hold(p, type, "tip");

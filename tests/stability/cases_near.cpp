@@ -15,7 +15,7 @@ void add_near(Cases& cases) {
   for (double apart : {1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 3e-12, 1e-12}) {
     const std::string at = ", " + power(apart) + " m";
     for (ContactType second : {k1D, k2D, k3D})
-      cases.add(std::string("quadruped's feet 3d+") + short_name(second) + at, [=] {
+      cases.add(std::string("quadruped's feet 3d+") + to_string(second) + at, [=] {
         Problem p = robot("quadruped", true);
         for (const char* foot : {"LF_foot", "RF_foot", "LH_foot"}) {
           hold(p, k3D, foot);
@@ -67,7 +67,7 @@ void add_straight_legs(Cases& cases) {
     for (ContactType type : {k1D, k3D, k6D})
       for (bool world : {false, true})
         cases.add(
-            "arm stretched, tool " + std::string(short_name(type)) + (world ? " in the world's axes" : "") + at, [=] {
+            "arm stretched, tool " + to_string(type) + (world ? " in the world's axes" : "") + at, [=] {
               Problem p = robot("arm", false);
               for (const char* joint : {"shoulder_yaw", "shoulder_pitch", "upper_arm_yaw", "forearm_yaw", "wrist_yaw"})
                 bend(p, joint, 0.3);
@@ -80,7 +80,7 @@ void add_straight_legs(Cases& cases) {
   for (double angle : {1e-1, 1e-4, 1e-8, 0.0})
     for (ContactType type : {k3D, k6D})
       cases.add(
-          "humanoid's straight knees, soles and trunk " + std::string(short_name(type)) + ", " + power(angle) + " rad",
+          "humanoid's straight knees, soles and trunk " + to_string(type) + ", " + power(angle) + " rad",
           [=] {
             Problem p = robot("humanoid", true);
             for (const char* side : {"left", "right"}) {

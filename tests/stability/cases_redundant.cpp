@@ -31,7 +31,7 @@ Problem twice(const Structure& s, ContactType first, ContactType second, double 
 }
 
 std::string pair_name(ContactType first, ContactType second) {
-  return std::string(short_name(first)) + "+" + short_name(second);
+  return to_string(first) + "+" + to_string(second);
 }
 
 }  // namespace
@@ -65,13 +65,13 @@ void add_held_twice(Cases& cases) {
               });
   for (ContactType type : {k1D, k2D, k3D, k6D})
     for (int times : {3, 10})
-      cases.add("arm's tool " + std::string(short_name(type)) + " held " + std::to_string(times) + " times", [=] {
+      cases.add("arm's tool " + to_string(type) + " held " + std::to_string(times) + " times", [=] {
         Problem p = robot("arm", false);
         for (int k = 0; k < times; ++k) hold(p, type, "tool", {0, 0, 0}, k % 2 ? kWorldAxes : ReferenceFrame::kLocal);
         return p;
       });
   for (ContactType type : {k1D, k2D, k3D, k6D})
-    cases.add("box tied to the arm twice " + std::string(short_name(type)), [=] {
+    cases.add("box tied to the arm twice " + to_string(type), [=] {
       Problem p = two_robots("arm", false, "box");
       tie(p, type, "a", "tool", "b", "face_back");
       tie(p, type, "a", "tool", "b", "face_back", {0, 0, 0}, kWorldAxes);
@@ -84,14 +84,14 @@ void add_corners(Cases& cases) {
   for (const Structure& s : {kHumanoid, kArm, kQuadruped})
     for (ContactType type : {k1D, k2D, k3D, k6D})
       for (ReferenceFrame axes : {ReferenceFrame::kLocal, kWorldAxes})
-        cases.add(s.name + " " + short_name(type) + (axes == kWorldAxes ? " in the world's axes" : ""), [=] {
+        cases.add(s.name + " " + to_string(type) + (axes == kWorldAxes ? " in the world's axes" : ""), [=] {
           Problem p = robot(s.urdf, s.floating);
           for (const std::string& frame : s.frames)
             for (const Vec3<double>& corner : corners) hold(p, type, frame, corner, axes);
           return p;
         });
   for (ContactType type : {k1D, k2D, k3D, k6D})
-    cases.add(std::string("box's four corners and faces ") + short_name(type), [=] {
+    cases.add(std::string("box's four corners and faces ") + to_string(type), [=] {
       Problem p = robot("box", true);
       for (const char* frame : {"bottom_1", "bottom_2", "bottom_3", "bottom_4", "face_top"}) hold(p, type, frame);
       return p;
@@ -108,25 +108,25 @@ void add_corners(Cases& cases) {
 void add_loops(Cases& cases) {
   for (ContactType type : {k1D, k2D, k3D, k6D}) {
     for (int n : {1, 2, 3, 5, 20})
-      cases.add("plane chain of " + std::to_string(n) + " closed " + short_name(type), [=] {
+      cases.add("plane chain of " + std::to_string(n) + " closed " + to_string(type), [=] {
         Problem p = planar_chain(n);
         hold(p, type, "tip");
         return p;
       });
-    cases.add(std::string("quadruped's fore feet held and tied ") + short_name(type), [=] {
+    cases.add(std::string("quadruped's fore feet held and tied ") + to_string(type), [=] {
       Problem p = robot("quadruped", true);
       hold(p, k3D, "LF_foot");
       hold(p, k3D, "RF_foot");
       tie(p, type, "r", "LF_foot", "r", "RF_foot");
       return p;
     });
-    cases.add(std::string("quadruped's feet tied all round ") + short_name(type), [=] {
+    cases.add(std::string("quadruped's feet tied all round ") + to_string(type), [=] {
       Problem p = robot("quadruped", true);
       const auto& feet = kQuadruped.frames;
       for (int k = 0; k < 4; ++k) tie(p, type, "r", feet[k], "r", feet[(k + 1) % 4]);
       return p;
     });
-    cases.add(std::string("two boxes tied at three places ") + short_name(type), [=] {
+    cases.add(std::string("two boxes tied at three places ") + to_string(type), [=] {
       Problem p = two_robots("box", true, "box");
       for (const char* frame : {"bottom_1", "bottom_2", "top_3"}) tie(p, type, "a", frame, "b", frame);
       return p;
@@ -143,7 +143,7 @@ void add_loops(Cases& cases) {
     cases.add(name + " held 1d across its plane", across);
     cases.add(name + " held 1d across its plane, turned", [=] { return turned(across()); });
     for (ContactType type : {k2D, k3D, k6D})
-      cases.add(name + " closed " + short_name(type) + ", turned", [=] {
+      cases.add(name + " closed " + to_string(type) + ", turned", [=] {
         Problem p = planar_chain(n);
         hold(p, type, "tip");
         return turned(p);
@@ -173,7 +173,7 @@ void add_loops(Cases& cases) {
   });
   for (int n : {2, 4})
     for (ContactType type : {k3D, k6D})
-      cases.add("chain of " + std::to_string(n) + " in space closed " + short_name(type), [=] {
+      cases.add("chain of " + std::to_string(n) + " in space closed " + to_string(type), [=] {
         Problem p = chain(n, false);
         hold(p, type, "tip");
         for (int k = 0; k < n; ++k) p.u[k] = 1 + k;

@@ -13,7 +13,7 @@ using enum ContactType;
 void add_velocities(Cases& cases) {
   for (double speed : {1e1, 1e3, 1e6})
     for (ContactType type : {k1D, k2D, k3D, k6D}) {
-      const std::string at = std::string(" ") + short_name(type) + ", " + power(speed) + " rad/s";
+      const std::string at = std::string(" ") + to_string(type) + ", " + power(speed) + " rad/s";
       cases.add("arm's tool" + at, [=] {
         Problem p = robot("arm", false);
         hold(p, type, "tool");
@@ -79,7 +79,7 @@ constexpr double kTiny = 5e-324, kSmall = 1e-310;
 void add_denormals(Cases& cases) {
   for (ContactType type : {k1D, k2D, k3D, k6D}) {
     const auto add = [&](const std::string& what, std::function<void(Problem&)> change) {
-      cases.add("arm's tool " + std::string(short_name(type)) + ", " + what, [=] {
+      cases.add("arm's tool " + to_string(type) + ", " + what, [=] {
         Problem p = robot("arm", false);
         hold(p, type, "tool").alpha = 1;
         move(p);

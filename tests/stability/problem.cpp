@@ -178,18 +178,4 @@ void edit(Problem& p, const std::function<void(Model&)>& change, int robot) {
 
 void scale(Inertia<double>& Y, double factor) { Y.m *= factor, Y.h *= factor, Y.I *= factor; }
 
-const char* short_name(ContactType type) {
-  switch (type) {
-    case ContactType::k1D:
-      return "1d";
-    case ContactType::k2D:
-      return "2d";
-    case ContactType::k3D:
-      return "3d";
-    case ContactType::k6D:
-      return "6d";
-  }
-  return "";
-}
-
 }  // namespace manycontact::test

@@ -58,6 +58,4 @@ void edit(Problem& p, const std::function<void(Model&)>& change, int robot = 0);
 /// Scales a body's inertia.
 void scale(Inertia<double>& Y, double factor);
 
-const char* short_name(ContactType type);
-
 }  // namespace manycontact::test

@@ -24,6 +24,9 @@ constexpr int contact_rows(ContactType t) {
   return t == ContactType::k1D ? 1 : t == ContactType::k2D ? 2 : t == ContactType::k3D ? 3 : 6;
 }
 
+/// "6d", as scene files have it.
+inline std::string to_string(ContactType t) { return std::to_string(contact_rows(t)) + "d"; }
+
 /// A body a contact is attached to: a placement on a joint's body of a robot, or in the world.
 struct Attachment {
   int robot = -1;         // -1: the world
