@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 
 #include <Eigen/QR>
+#include <limits>
 
 #include "internal.hpp"
 
@@ -48,7 +49,12 @@ Eigen::VectorXd hold(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>
   for (IslandData& d : data.islands) {
     d.factor = Factor::kNone;
     internal::evaluate(scene, q, rest, data, d.island);
-    if (d.island.nv > 0) hold_island(scene, data, d, bases, tau);
+    if (internal::check_input(scene, q, rest, rest, d.island) != Reason::kNone) {
+      for (int r : d.island.robots)
+        tau.segment(scene.robots[r].idx_v, scene.robots[r].model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
+    } else if (d.island.nv > 0) {
+      hold_island(scene, data, d, bases, tau);
+    }
   }
   return tau;
 }
