@@ -111,6 +111,18 @@ void Model_::each_status(Use&& use) const {
   for (const auto& [name, item] : constraints_->get_constraints()) use(k++, item->active);
 }
 
+// False when a residual has been given another frame.
+bool Model_::residuals_fit(const Data& d) const {
+  auto cost = d.costs->costs.begin();
+  for (const auto& [name, item] : costs_->get_costs())
+    if (!item->cost->get_residual()->fits(*(cost++)->second->residual)) return false;
+  if (!constraints_) return true;
+  auto constraint = d.constraints->constraints.begin();
+  for (const auto& [name, item] : constraints_->get_constraints())
+    if (!item->constraint->get_residual()->fits(*(constraint++)->second)) return false;
+  return true;
+}
+
 // Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
 Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
                               const ConstVectorRef& x) const {
@@ -145,7 +157,7 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     prepare(m.scene, m.solution);
     d.laid_out = false;
   }
-  if (!internal::on_same_frames(*contacts_, *m.contacts)) d.laid_out = false;
+  if (!internal::on_same_frames(*contacts_, *m.contacts) || !residuals_fit(d)) d.laid_out = false;
   if (!d.laid_out) {
     internal::lay_out_islands(*actuation_, d);
     internal::lay_out_contacts(*contacts_, m);

@@ -303,6 +303,9 @@ TEST_F(Misuse, ItemsWritten) {
 
   const auto velocity = std::make_shared<ResidualModelFrameVelocity>(w.state, w.left, Motion::Zero(), LOCAL, w.nu);
   w.costs->get_costs().at("com")->cost = std::make_shared<CostModelResidual>(w.state, velocity);
+  EXPECT_INVALID(model->calc(data, w.x, u), "created by another residual");
+  w.costs->get_costs().at("com")->cost =
+      std::make_shared<CostModelResidual>(w.state, std::make_shared<ResidualModelState>(w.state, w.nu));
   EXPECT_INVALID(model->calc(data, w.x, u), "created by another cost");
 }
 

@@ -97,6 +97,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                 const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
+  bool residuals_fit(const Data& data) const;
   std::size_t number_of_parts() const;
   template <class Use>
   void each_status(Use&& use) const;
