@@ -3,15 +3,15 @@
 #include <cmath>
 #include <ostream>
 
+#include "residual_parts.hpp"
+
 namespace manycontact {
 
 namespace {
 
 Attachment attachment(const StateMultibody& state, FrameIndex id, const SE3<double>& offset = {}) {
-  const auto& frames = state.get_model()->frames;
-  require(id < frames.size(), "ContactModel",
-          "frame " + std::to_string(id) + " was given, the model has frames 0 to " + std::to_string(frames.size() - 1));
-  return {frames[id].robot, frames[id].joint, frames[id].placement * offset};
+  const Multibody::BodyFrame& frame = internal::body_frame("ContactModel", state, id);
+  return {frame.robot, frame.joint, frame.placement * offset};
 }
 
 const char* name_of(ContactType type) {

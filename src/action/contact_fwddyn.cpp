@@ -8,7 +8,7 @@
 namespace manycontact {
 
 using Model_ = DifferentialActionModelContactFwdDynamics;
-using Stage = DifferentialActionDataContactFwdDynamics::Stage;
+using internal::Stage;
 
 namespace {
 
@@ -89,13 +89,38 @@ std::shared_ptr<DifferentialActionDataAbstract> Model_::createData() { return st
 
 bool Model_::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
   const auto own = std::dynamic_pointer_cast<Data>(data);
-  return own && own->owner == this;
+  return own && own->owner == identity_;
 }
 
 Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const {
   Data* d = dynamic_cast<Data*>(&check_data(where, data));
-  require(d && d->owner == this, where, "the data were created by another model, data of this one's createData() are expected");
+  require(d && d->owner == identity_, where, "the data were created by another model, data of this one's createData() are expected");
   return *d;
+}
+
+std::size_t Model_::number_of_parts() const {
+  return costs_->get_costs().size() + (constraints_ ? constraints_->get_constraints().size() : 0);
+}
+
+// use(k, active) for each cost, then for each constraint.
+template <class Use>
+void Model_::each_status(Use&& use) const {
+  std::size_t k = 0;
+  for (const auto& [name, item] : costs_->get_costs()) use(k++, item->active);
+  if (!constraints_) return;
+  for (const auto& [name, item] : constraints_->get_constraints()) use(k++, item->active);
+}
+
+// False when a residual has been given another frame.
+bool Model_::residuals_fit(const Data& d) const {
+  auto cost = d.costs->costs.begin();
+  for (const auto& [name, item] : costs_->get_costs())
+    if (!item->cost->get_residual()->fits(*(cost++)->second->residual)) return false;
+  if (!constraints_) return true;
+  auto constraint = d.constraints->constraints.begin();
+  for (const auto& [name, item] : constraints_->get_constraints())
+    if (!item->constraint->get_residual()->fits(*(constraint++)->second)) return false;
+  return true;
 }
 
 // Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
@@ -105,8 +130,18 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
   check_size(where, "x", x.size(), state_->get_nx());
   require(d.contacts_version == contacts_->get_version(), where,
           "contacts were added or removed since the data were created, new data are expected");
+  require(d.costs->version == costs_->get_version(), where,
+          "costs were added or removed since the data were created, new data are expected");
+  require(!constraints_ || d.constraints->version == constraints_->get_version(), where,
+          "constraints were added or removed since the data were created, new data are expected");
+  if (constraints_)
+    for (const auto& [name, item] : constraints_->get_constraints())
+      require(item->active == constraints_->get_active_set().contains(name), where,
+              "the status of a constraint was written into its item, changeConstraintStatus is expected");
   d.stage = Stage::kFresh;
   d.x = x;
+  d.status.resize(number_of_parts());
+  each_status([&](std::size_t k, bool active) { d.status[k] = active; });
   DataCollector& m = *d.multibody;
   m.scene.damping = damping_;
   if (d.models != models_) {
@@ -122,7 +157,7 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     prepare(m.scene, m.solution);
     d.laid_out = false;
   }
-  if (!internal::on_same_frames(*contacts_, *m.contacts)) d.laid_out = false;
+  if (!internal::on_same_frames(*contacts_, *m.contacts) || !residuals_fit(d)) d.laid_out = false;
   if (!d.laid_out) {
     internal::lay_out_islands(*actuation_, d);
     internal::lay_out_contacts(*contacts_, m);
@@ -130,7 +165,6 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
     d.laid_out = true;
   }
-  if (d.r.size() != static_cast<Eigen::Index>(get_nr())) d.r.setZero(get_nr());
   return d;
 }
 
@@ -161,22 +195,22 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
   d.stage = Stage::kTerminal;
 }
 
-namespace {
-
-void check_stage(bool fits, const char* expected) {
+// Throws unless a calc of this kind, with what is active now, came before.
+void Model_::check_stage(const Data& d, Stage stage) const {
+  bool fits = d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
+  if (fits) each_status([&](std::size_t k, bool active) { fits &= d.status[k] == active; });
   if (!fits)
-    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " + expected +
-                           " is expected before it, on the same data");
+    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " +
+                           (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
+                           " is expected before it, on the same data, with the same costs and constraints");
 }
-
-}  // namespace
 
 void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                       const ConstVectorRef& u) {
   Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "u", u.size(), nu_);
-  check_stage(d.stage == Stage::kRunning && d.contacts_version == contacts_->get_version(), "calc(data, x, u)");
+  check_stage(d, Stage::kRunning);
   DataCollector& m = *d.multibody;
   actuation_->calcDiff(m.actuation, d.x, d.u);
   const bool forces = needs_forces();
@@ -191,7 +225,7 @@ void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& dat
 void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
   Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
-  check_stage(d.stage == Stage::kTerminal, "calc(data, x)");
+  check_stage(d, Stage::kTerminal);
   costs_->calcDiff(d.costs, d.x);
   if (constraints_) constraints_->calcDiff(d.constraints, d.x);
 }

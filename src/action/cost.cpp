@@ -6,7 +6,10 @@
 namespace manycontact {
 
 CostDataResidual::CostDataResidual(CostModelResidual* model, DataCollector* shared)
-    : activation(model->get_activation()->createData()), residual(model->get_residual()->createData(shared)) {}
+    : of_residual(model->get_residual()),
+      of_activation(model->get_activation()),
+      activation(model->get_activation()->createData()),
+      residual(model->get_residual()->createData(shared)) {}
 
 CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
                                      std::shared_ptr<ActivationModelAbstract> activation,
@@ -23,14 +26,22 @@ CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
                                      std::shared_ptr<ResidualModelAbstract> residual)
     : CostModelResidual(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
 
+void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataResidual>& data) const {
+  const CostDataResidual& d = check_data(where, data);
+  require(d.of_residual == residual_ && d.of_activation == activation_, where,
+          "the data were created by another cost, data of this one's createData() are expected");
+}
+
 void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x,
                              const ConstVectorRef& u) {
+  check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x, u);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
 void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
+  check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
@@ -38,12 +49,14 @@ void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, cons
 
 void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x,
                                  const ConstVectorRef& u) {
+  check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
   activation_->calcDiff(data->activation, data->residual->r);
   form_hessians(*data);
 }
 
 void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
+  check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
   activation_->calcDiff(data->activation, data->residual->r);
   form_hessians(*data);

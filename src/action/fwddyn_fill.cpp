@@ -88,6 +88,10 @@ void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
 }
 
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r) {
+  Eigen::Index nr = 0;
+  for (const auto& [name, item] : model.get_costs())
+    if (item->active) nr += item->cost->get_residual()->get_nr();
+  r.resize(nr);
   Eigen::Index at = 0;
   auto part = data.costs.begin();
   for (const auto& [name, item] : model.get_costs()) {

@@ -19,6 +19,7 @@ Multibody::Multibody(std::shared_ptr<const Model> model, const SE3<double>& base
 }
 
 void Multibody::index() {
+  const bool alone = scene_.nrobots() == 1;
   nq = scene_.nq;
   nv = scene_.nv;
   armature.resize(nv);
@@ -35,8 +36,16 @@ void Multibody::index() {
     for (const Frame& frame : model.frames) {
       const std::string name = robot.name + "/" + frame.name;
       frame_index_[name] = frames.size();
-      if (scene_.nrobots() == 1) frame_index_.try_emplace(frame.name, frames.size());
-      frames.push_back({name, r, frame.joint, frame.placement});
+      if (alone) frame_index_.try_emplace(frame.name, frames.size());
+      frames.push_back({alone ? frame.name : name, r, frame.joint, frame.placement});
+    }
+    std::size_t id = frames.size() - model.frames.size();
+    for (const Frame& frame : model.frames) {
+      if (!frame.parent_joint.empty()) {
+        frame_index_.try_emplace(robot.name + "/" + frame.parent_joint, id);
+        if (alone) frame_index_.try_emplace(frame.parent_joint, id);
+      }
+      ++id;
     }
   }
 }

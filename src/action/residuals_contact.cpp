@@ -65,13 +65,13 @@ void ContactResidual::set_id(FrameIndex id) {
 
 std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector* shared) {
   auto data = std::make_shared<ContactResidualData>(this, shared);
-  data->id = id_;
   lay_out(*data);
   return data;
 }
 
 void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   auto& d = static_cast<ContactResidualData&>(data);
+  d.id = id_;
   d.contact = &d.shared->contact_on(d.id, name_);
   const Contact& contact = d.shared->scene.contacts[d.contact->index];
   const std::string why = misfit(contact.type);
@@ -82,6 +82,12 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   d.blocks.clear();
   if (d.contact->active && d.contact->f_x_columns && d.contact->f_u_columns)
     d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), *d.contact->f_x_columns, *d.contact->f_u_columns);
+}
+
+bool ContactResidual::fits(const ResidualDataAbstract& data) const {
+  const auto* d = dynamic_cast<const ContactResidualData*>(&data);
+  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  return d->id == id_;
 }
 
 void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,

@@ -48,13 +48,13 @@ void FrameResidual::set_id(FrameIndex id) {
 
 std::shared_ptr<ResidualDataAbstract> FrameResidual::createData(DataCollector* shared) {
   auto data = std::make_shared<FrameResidualData>(this, shared);
-  data->frame = &internal::body_frame(name_, *state_, id_);
   lay_out(*data);
   return data;
 }
 
 void FrameResidual::lay_out(ResidualDataAbstract& data) const {
   auto& d = static_cast<FrameResidualData&>(data);
+  d.frame = &internal::body_frame(name_, *state_, id_);
   d.chain = dof_chain(d.model(), d.frame->joint);
   d.blocks.clear();
   if (d.chain.empty()) return;
@@ -64,6 +64,12 @@ void FrameResidual::lay_out(ResidualDataAbstract& data) const {
   if (get_v_dependent())
     for (int i : d.chain) columns.push_back(v + i);
   d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), columns, std::vector<int>{});
+}
+
+bool FrameResidual::fits(const ResidualDataAbstract& data) const {
+  const auto* d = dynamic_cast<const FrameResidualData*>(&data);
+  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  return d->frame == &state_->get_model()->frames[id_];
 }
 
 void FrameResidual::print(std::ostream& os) const {

@@ -7,6 +7,9 @@
 
 namespace manycontact::internal {
 
+/// Why this island's input cannot be used, kNone if it can.
+Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                   const Island& island);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, const Island& island);
 /// K and b = [data.tau - h; -a0] of what was evaluated, in the elimination order of `pattern`.

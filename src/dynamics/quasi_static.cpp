@@ -1,5 +1,7 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 
+#include <limits>
+
 #include "internal.hpp"
 #include "manycontact/sparse/least_norm.hpp"
 
@@ -32,8 +34,12 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   for (IslandData& d : data.islands) {
     d.factor = Factor::kNone;
     internal::evaluate(scene, q, rest, data, d.island);
-    for (int r : d.island.robots)
-      h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) += data.robots[r].h;
+    const bool usable = internal::check_input(scene, q, rest, rest, d.island) == Reason::kNone;
+    for (int r : d.island.robots) {
+      auto of_robot = h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv);
+      of_robot += data.robots[r].h;
+      if (!usable) of_robot.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
     for (int c : d.island.contacts) {
       const Contact& contact = scene.contacts[c];
       const Eigen::MatrixXd& J = data.contacts[c].J;

@@ -30,9 +30,6 @@ void report_residuals(const Scene& scene, const KktSystem& s, IslandReport& repo
   report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
 }
 
-namespace {
-
-// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island) {
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return Reason::kBadDamping;
@@ -49,8 +46,6 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
   }
   return Reason::kNone;
 }
-
-}  // namespace
 
 bool has_vanishing_row(const Scene& scene, const SceneData& data, const IslandData& d) {
   double smallest = std::numeric_limits<double>::infinity(), largest = motion_size(scene, data, d.island);

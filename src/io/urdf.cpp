@@ -200,6 +200,7 @@ class Builder {
   void add_link(const urdf::Link& link, const Place& place) {
     Frame frame;
     frame.name = link.name;
+    if (link.parent_joint) frame.parent_joint = link.parent_joint->name;
     frame.joint = place.joint;
     frame.placement = place.placement;
     frame.merged = place.joint >= 0 && body_link_[place.joint] != link.name;

@@ -377,6 +377,17 @@ TEST(ActionApi, Threads) {
 }
 
 // A program that spells the scalar out.
+TEST(ActionApi, NamesOfPinocchio) {
+  static_assert(ReferenceFrame::LOCAL == LOCAL && ReferenceFrame::WORLD == WORLD);
+  static_assert(ReferenceFrame::LOCAL_WORLD_ALIGNED == LOCAL_WORLD_ALIGNED);
+  static_assert(Contact1D == ContactType::k1D && Contact2D == ContactType::k2D);
+  static_assert(Contact3D == ContactType::k3D && Contact6D == ContactType::k6D);
+  static_assert(std::is_same_v<MotionTpl<double>, Motion> && std::is_same_v<ForceTpl<double>, Force>);
+  const SE3Tpl<double> M(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(M.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(M.rotation(), SE3<double>::Identity().rotation());
+}
+
 TEST(ActionApi, NamesWithTpl) {
   using Scalar = double;
   Walker w;

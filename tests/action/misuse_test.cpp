@@ -116,6 +116,21 @@ TEST_F(Misuse, DataOfAnotherModel) {
   EXPECT_INVALID(DifferentialActionModelNumDiff(model).calc(data, w.x, u), "another model");
 }
 
+// A new model may stand at the address of one that is gone; a copy shares the parts, and so the data.
+TEST_F(Misuse, DataOfAModelThatIsGone) {
+  alignas(ActionModel) std::byte place[sizeof(ActionModel)];
+  auto* first = new (place) ActionModel(*w.model());
+  const DataPtr old = first->createData();
+  ActionModel copy = *first;
+  EXPECT_TRUE(copy.checkData(old));
+  EXPECT_EQ(difference_of(*evaluated(copy, w.x, u, old), *evaluated(*model, w.x, u)), 0);
+  first->~ActionModel();
+  auto* second = new (place) ActionModel(w.state, w.actuation, w.contacts, std::make_shared<CostModelSum>(w.state, w.nu));
+  EXPECT_FALSE(second->checkData(old));
+  EXPECT_INVALID(second->calc(old, w.x, u), "created by another model");
+  second->~ActionModel();
+}
+
 TEST_F(Misuse, NullData) {
   const std::string what = "the data are a null pointer, data of createData() are expected";
   EXPECT_INVALID(model->calc(nullptr, w.x, u), "::calc", what);
@@ -262,6 +277,64 @@ TEST_F(Misuse, PartsAddedAfterCreateData) {
   EXPECT_INVALID(model->calc(data, w.x), "constraints " + what);
   expect_refused<std::logic_error>(__FILE__, __LINE__, [&] { model->calcDiff(data, w.x); }, {"calc(data, x) is expected"});
   EXPECT_NO_THROW(evaluated(*model, w.x, u));
+}
+
+TEST_F(Misuse, CostsAddedAndAContactSwitched) {
+  w.add_cost("more", std::make_shared<ResidualModelControl>(w.state, w.nu));
+  w.contacts->changeContactStatus("left", false);
+  EXPECT_INVALID(model->calc(data, w.x, u), "costs were added or removed");
+  EXPECT_INVALID(model->quasiStatic(data, u, w.x_rest), "costs were added or removed");
+}
+
+// The items of the stacks are Crocoddyl's: their members can be written.
+TEST_F(Misuse, ItemsWritten) {
+  w.costs->get_costs().at("com")->active = false;
+  EXPECT_EQ(evaluated(*model, w.x, u, data)->r.size(), static_cast<Eigen::Index>(w.costs->get_nr()) - 3);
+  w.costs->get_costs().at("com")->active = true;
+  EXPECT_EQ(evaluated(*model, w.x, u, data)->r.size(), static_cast<Eigen::Index>(w.costs->get_nr()));
+
+  w.constraints->get_constraints().at("com")->active = false;
+  EXPECT_INVALID(model->calc(data, w.x, u), "status of a constraint", "changeConstraintStatus is expected");
+  w.constraints->get_constraints().at("com")->active = true;
+
+  const auto point = std::make_shared<ContactModel3D>(w.state, w.left, w.left_pref.p, LOCAL, w.nu);
+  w.contacts->get_contacts().at("left")->contact = point;
+  EXPECT_LT(difference_of(*evaluated(*model, w.x, u, data), *evaluated(*model, w.x, u)), 1e-12);
+
+  const auto velocity = std::make_shared<ResidualModelFrameVelocity>(w.state, w.left, Motion::Zero(), LOCAL, w.nu);
+  w.costs->get_costs().at("com")->cost = std::make_shared<CostModelResidual>(w.state, velocity);
+  EXPECT_INVALID(model->calc(data, w.x, u), "created by another residual");
+  w.costs->get_costs().at("com")->cost =
+      std::make_shared<CostModelResidual>(w.state, std::make_shared<ResidualModelState>(w.state, w.nu));
+  EXPECT_INVALID(model->calc(data, w.x, u), "created by another cost");
+}
+
+TEST_F(Misuse, SwitchedBeforeCalcDiff) {
+  const auto expect_calc = [&](int line) {
+    expect_refused<std::logic_error>(__FILE__, line, [&] { model->calcDiff(data, w.x, u); },
+                                     {"calc(data, x, u) is expected", "with the same costs and constraints"});
+    EXPECT_NO_THROW(evaluated(*model, w.x, u, data));
+  };
+  for (bool active : {false, true}) {
+    model->calc(data, w.x, u);
+    w.costs->changeCostStatus("com", active);
+    expect_calc(__LINE__);
+    model->calc(data, w.x, u);
+    w.constraints->changeConstraintStatus("com", active);
+    expect_calc(__LINE__);
+  }
+}
+
+TEST_F(Misuse, StatesThatAreNone) {
+  for (double bad : {std::numeric_limits<double>::quiet_NaN(), 2.0}) {
+    Eigen::VectorXd x = w.x_rest;
+    x[3] = bad;  // of the quaternion
+    EXPECT_TRUE(model->quasiStatic_x(data, x).array().isNaN().all());
+    model->calc(data, x, u);
+    EXPECT_EQ(as_fwddyn(data).report().status, Status::kFailed);
+    EXPECT_TRUE(data->xout.array().isNaN().all());
+    EXPECT_EQ(difference_of(*evaluated(*model, w.x, u, data), *evaluated(*model, w.x, u)), 0);
+  }
 }
 
 TEST_F(Misuse, ContactsGoneBeforeCalcDiff) {

@@ -100,6 +100,24 @@ TEST(StateOfAScene, KnowsFramesByName) {
   EXPECT_THROW(state.get_model()->getFrameId("nobody/" + link), std::invalid_argument);
   const StateMultibody alone(file.scene.robots[1].model);
   EXPECT_TRUE(alone.get_model()->existFrame(link));
+  EXPECT_EQ(alone.get_model()->frames[alone.get_model()->getFrameId(link)].name, link);
+}
+
+// As in Pinocchio, where joints, fixed ones too, are frames; Crocoddyl's own examples use them.
+TEST(StateOfAScene, KnowsFramesByTheirJoints) {
+  const SceneFile file = load_scene(std::string(MANYCONTACT_SOURCE_DIR) + "/models/two_humanoids_carry_beam.xml");
+  const StateMultibody state(file.scene), alone(file.scene.robots[0].model);
+  int joints = 0, fixed = 0;
+  for (const Frame& frame : file.scene.robots[0].model->frames) {
+    if (frame.parent_joint.empty()) continue;
+    ++joints;
+    fixed += frame.merged;
+    const std::string robot = file.scene.robots[0].name + "/";
+    EXPECT_EQ(state.get_model()->getFrameId(robot + frame.parent_joint), state.get_model()->getFrameId(robot + frame.name));
+    EXPECT_EQ(alone.get_model()->getFrameId(frame.parent_joint), alone.get_model()->getFrameId(frame.name));
+  }
+  EXPECT_EQ(joints + 1, static_cast<int>(file.scene.robots[0].model->frames.size()));
+  EXPECT_GT(fixed, 0);
 }
 
 TEST(Actuations, SelectCoordinates) {

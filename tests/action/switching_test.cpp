@@ -119,6 +119,11 @@ INSTANTIATE_TEST_SUITE_P(
                [](Walker& w) { w.left_contact->set_id(w.state->get_model()->getFrameId("left_foot")); }},
         Change{"status_of_a_cost", [](Walker& w) { w.costs->changeCostStatus("com", false); }},
         Change{"weight", [](Walker& w) { w.costs->get_costs().at("com")->weight = 3; }},
+        Change{"id_of_a_residual",
+               [](Walker& w) {
+                 auto& residual = *w.costs->get_costs().at("hand")->cost->get_residual();
+                 dynamic_cast<ResidualModelFramePlacement&>(residual).set_id(w.right);
+               }},
         Change{"reference_of_a_cost",
                [](Walker& w) {
                  auto& residual = *w.costs->get_costs().at("state2")->cost->get_residual();

@@ -16,6 +16,9 @@
 namespace manycontact {
 
 struct DifferentialActionDataContactFwdDynamics;
+namespace internal {
+enum class Stage { kFresh, kRunning, kTerminal };  // what the last calc on the data was
+}
 
 class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {
  public:
@@ -48,7 +51,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// Touches neither accelerations nor forces.
   void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
   /// Derivatives at the x, u of the last calc, whatever x, u are given. Throw std::logic_error unless that calc was of the
-  /// same kind.
+  /// same kind, with the same costs and constraints active.
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
@@ -88,10 +91,18 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   void set_g_ub(const Eigen::VectorXd& g_ub) override;
 
  private:
+  friend Data;
   Data& own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const;
   Data& refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
                 const ConstVectorRef& x) const;
   bool needs_forces() const;
+  void check_stage(const Data& data, internal::Stage stage) const;
+  bool residuals_fit(const Data& data) const;
+  std::size_t number_of_parts() const;
+  template <class Use>
+  void each_status(Use&& use) const;
+  // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use them.
+  std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
   std::shared_ptr<ContactModelMultiple> contacts_;
@@ -116,11 +127,12 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
   const Report& report() const { return multibody->solution.report; }
 
   // Kept by the model.
-  enum class Stage { kFresh, kRunning, kTerminal } stage = Stage::kFresh;
-  const DifferentialActionModelContactFwdDynamics* owner = nullptr;
+  internal::Stage stage = internal::Stage::kFresh;
+  std::shared_ptr<const void> owner;   // the model's identity
   std::size_t contacts_version = 0;
   std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models;
   Eigen::VectorXd x, u;   // of the last calc
+  std::vector<bool> status;  // of the costs, then of the constraints, at the last calc
   bool laid_out = true;   // columns and blocks fit the islands
 };
 

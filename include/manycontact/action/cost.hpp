@@ -12,6 +12,8 @@ class CostModelResidual;
 struct CostDataResidual {
   CostDataResidual(CostModelResidual* model, DataCollector* shared);
   double cost = 0;
+  std::shared_ptr<const ResidualModelAbstract> of_residual;      // the models that made the data
+  std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
   struct Hessian {  // of one block: Rx^T Arr Rx, ...
@@ -42,6 +44,7 @@ class CostModelResidual {
   void print(std::ostream& os) const;
 
  private:
+  void check(const char* where, const std::shared_ptr<CostDataResidual>& data) const;
   void form_hessians(CostDataResidual& data) const;
   std::shared_ptr<StateMultibody> state_;
   std::shared_ptr<ActivationModelAbstract> activation_;

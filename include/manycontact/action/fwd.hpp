@@ -16,6 +16,14 @@ inline constexpr ReferenceFrame LOCAL = ReferenceFrame::kLocal;
 inline constexpr ReferenceFrame WORLD = ReferenceFrame::kWorld;
 inline constexpr ReferenceFrame LOCAL_WORLD_ALIGNED = ReferenceFrame::kLocalWorldAligned;
 
+inline constexpr ContactType Contact1D = ContactType::k1D;
+inline constexpr ContactType Contact2D = ContactType::k2D;
+inline constexpr ContactType Contact3D = ContactType::k3D;
+inline constexpr ContactType Contact6D = ContactType::k6D;
+
+using Motion = Vec6<double>;  // [linear; angular]
+using Force = Vec6<double>;
+
 struct MathBase {
   using Scalar = double;
   using Vector2s = Eigen::Vector2d;

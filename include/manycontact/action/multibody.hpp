@@ -12,7 +12,7 @@ class Multibody {
  public:
   /// A frame: robot, joint (-1: its fixed base) and placement on that joint's body.
   struct BodyFrame {
-    std::string name;  // "robot/frame"
+    std::string name;  // "frame" when there is one robot, else "robot/frame"
     int robot = 0, joint = -1;
     SE3<double> placement;
   };
@@ -28,7 +28,8 @@ class Multibody {
   Eigen::VectorXd effortLimit;   // nv; infinite where the file gives none, and on floating bases
 
   const Scene& scene() const { return scene_; }
-  /// "left_sole" when there is one robot, "r0/left_sole". Throws std::invalid_argument for an unknown name.
+  /// "left_sole" when there is one robot, "r0/left_sole"; a joint's name is its link's, unless a link has that name.
+  /// Throws std::invalid_argument for an unknown name.
   FrameIndex getFrameId(const std::string& name) const;
   bool existFrame(const std::string& name) const;
 

@@ -59,6 +59,8 @@ class ResidualModelAbstract {
   /// Lays out data.blocks; called by createData and again when the islands change (a contact was switched). By default one
   /// block of everything.
   virtual void lay_out(ResidualDataAbstract& data) const;
+  /// False when the data must be laid out again: they are of another frame, say.
+  virtual bool fits(const ResidualDataAbstract&) const { return true; }
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
   std::size_t get_nr() const { return nr_; }

@@ -69,6 +69,10 @@ template <std::same_as<double> Scalar> using DifferentialActionModelContactFwdDy
 template <std::same_as<double> Scalar> using DifferentialActionDataNumDiffTpl = DifferentialActionDataNumDiff;
 template <std::same_as<double> Scalar> using DifferentialActionModelNumDiffTpl = DifferentialActionModelNumDiff;
 
+template <std::same_as<double> Scalar> using SE3Tpl = SE3<Scalar>;
+template <std::same_as<double> Scalar> using MotionTpl = Motion;
+template <std::same_as<double> Scalar> using ForceTpl = Force;
+
 template <std::same_as<double> Scalar> using MathBaseTpl = MathBase;
 template <std::same_as<double> Scalar> using MultibodyTpl = Multibody;
 template <std::same_as<double> Scalar> using StateAbstractTpl = StateAbstract;

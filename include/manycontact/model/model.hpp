@@ -17,6 +17,7 @@ struct Frame {
   SE3<double> placement;  // in the joint's frame (in the base frame when joint = -1)
   bool merged = false;    // the link hangs on its joint's body behind fixed or locked joints
   Inertia<double> inertia;  // of this link alone, in this frame; the joint's inertia has it already
+  std::string parent_joint;  // the joint of the file that carries the link, fixed ones too; empty for the root
 };
 
 /// What reading the file merged, locked, or did not model; for `inspect` and the summary.

@@ -18,7 +18,14 @@ struct Robot {
 };
 
 enum class ContactType { k1D, k2D, k3D, k6D };
-enum class ReferenceFrame { kLocal, kWorld, kLocalWorldAligned };
+enum class ReferenceFrame {
+  kLocal,
+  kWorld,
+  kLocalWorldAligned,
+  LOCAL = kLocal,  // Pinocchio's names
+  WORLD = kWorld,
+  LOCAL_WORLD_ALIGNED = kLocalWorldAligned
+};
 
 constexpr int contact_rows(ContactType t) {
   return t == ContactType::k1D ? 1 : t == ContactType::k2D ? 2 : t == ContactType::k3D ? 3 : 6;

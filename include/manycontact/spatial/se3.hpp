@@ -10,6 +10,10 @@ struct SE3 {
   Mat3<S> R = Mat3<S>::Identity();
   Vec3<S> p = Vec3<S>::Zero();
 
+  static SE3 Identity() { return {}; }
+  const Mat3<S>& rotation() const { return R; }
+  const Vec3<S>& translation() const { return p; }
+
   /// aMc = aMb bMc
   SE3 operator*(const SE3& o) const { return {R * o.R, p + R * o.p}; }
   /// bMa

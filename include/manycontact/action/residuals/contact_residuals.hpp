@@ -14,6 +14,7 @@ class ContactResidual : public ResidualModelAbstract {
   /// Throws std::invalid_argument when no contact stands on the frame, or one of a type that does not fit.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
+  bool fits(const ResidualDataAbstract& data) const override;
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
@@ -23,7 +24,7 @@ class ContactResidual : public ResidualModelAbstract {
   void print(std::ostream& os) const override;
 
   FrameIndex get_id() const { return id_; }
-  /// For data created from now on. Throws std::invalid_argument for a frame that does not exist.
+  /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
   bool is_fwddyn() const { return true; }
 

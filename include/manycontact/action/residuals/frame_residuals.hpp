@@ -9,10 +9,11 @@ class FrameResidual : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
+  bool fits(const ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
   FrameIndex get_id() const { return id_; }
-  /// For data created from now on. Throws std::invalid_argument for a frame that does not exist.
+  /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
 
  protected:
