@@ -50,17 +50,21 @@ void ConstraintModelManager::count() {
   ++status_;
   ng_ = nh_ = ng_T_ = nh_T_ = 0;
   internal::sort_names(constraints_, active_set_, inactive_set_);
-  std::vector<double> lower, upper;
+  std::vector<double> lower, upper, lower_T, upper_T;
   for (const auto& [name, item] : constraints_) {
     if (!item->active) continue;
     const ConstraintModelAbstract& c = *item->constraint;
     ng_ += c.get_ng();
     nh_ += c.get_nh();
     if (c.get_T_constraint()) ng_T_ += c.get_ng(), nh_T_ += c.get_nh();
-    for (int i : c.get_inequalities()) lower.push_back(c.get_lb()[i]), upper.push_back(c.get_ub()[i]);
+    for (int i : c.get_inequalities()) {
+      lower.push_back(c.get_lb()[i]), upper.push_back(c.get_ub()[i]);
+      if (c.get_T_constraint()) lower_T.push_back(c.get_lb()[i]), upper_T.push_back(c.get_ub()[i]);
+    }
   }
-  lb_ = Eigen::Map<Eigen::VectorXd>(lower.data(), lower.size());
-  ub_ = Eigen::Map<Eigen::VectorXd>(upper.data(), upper.size());
+  const auto vector = [](const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), x.size()); };
+  lb_ = vector(lower), ub_ = vector(upper);
+  lb_T_ = vector(lower_T), ub_T_ = vector(upper_T);
 }
 
 namespace {
@@ -128,7 +132,10 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
   data->shared = shared;
   data->out = out;
   data->version = version_;
-  for (const auto& [name, item] : constraints_) data->constraints[name] = item->constraint->get_residual()->createData(shared);
+  for (const auto& [name, item] : constraints_) {
+    data->constraints[name] = item->constraint->get_residual()->createData(shared);
+    data->of.push_back(item->constraint->get_residual());
+  }
   lay_out(*data, false);
   return data;
 }
@@ -138,6 +145,10 @@ void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& d
   check_size(where, "x", x.size(), state_->get_nx());
   require(data.version == version_ && data.constraints.size() == constraints_.size(), where,
           "constraints were added or removed since the data were created, new data are expected");
+  auto of = data.of.begin();
+  for (const auto& [name, item] : constraints_)
+    if (*of++ != item->constraint->get_residual())
+      require(false, where, "the data of \"" + name + "\" are of another constraint, new data are expected");
   if (data.terminal != terminal || data.status != status_) lay_out(data, terminal);
 }
 

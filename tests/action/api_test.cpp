@@ -220,6 +220,22 @@ TEST(ActionApi, ControlLimits) {
   EXPECT_FALSE(Walker(Actuated::kSquashed).model()->get_has_control_limits());
 }
 
+// Those of the constraints that hold there, in the order of names.
+TEST(ActionApi, TerminalConstraintBounds) {
+  Walker w;
+  const auto model = w.model();
+  w.constraints->addConstraint("a torques", std::make_shared<ConstraintModelResidual>(
+      w.state, std::make_shared<ResidualModelControl>(w.state, w.nu), Eigen::VectorXd::Constant(w.nu, -50),
+      Eigen::VectorXd::Constant(w.nu, 50)));
+  w.constraints->addConstraint("com", w.com_within(-1, 2));
+  const auto data = model->createData();
+  model->calc(data, w.x);
+  EXPECT_EQ(data->g.size(), 3);
+  EXPECT_TRUE(w.constraints->get_lb_T() == Eigen::Vector3d::Constant(-1));
+  EXPECT_TRUE(w.constraints->get_ub_T() == Eigen::Vector3d::Constant(2));
+  EXPECT_EQ(w.constraints->get_lb().size(), static_cast<Eigen::Index>(w.nu) + 3);
+}
+
 // As in Crocoddyl they are the manager's; what the user sets stays as long as the set of constraints does.
 TEST(ActionApi, ConstraintBounds) {
   Walker w;

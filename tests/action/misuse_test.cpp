@@ -309,6 +309,13 @@ TEST_F(Misuse, ItemsWritten) {
   EXPECT_INVALID(model->calc(data, w.x, u), "created by another cost");
 }
 
+TEST_F(Misuse, ConstraintsReplaced) {
+  w.constraints->get_constraints().at("com")->constraint =
+      std::make_shared<ConstraintModelResidual>(w.state, std::make_shared<ResidualModelState>(w.state, w.nu));
+  EXPECT_INVALID(model->calc(data, w.x, u), "the data of \"com\" are of another constraint, new data are expected");
+  EXPECT_INVALID(model->calc(data, w.x), "the data of \"com\" are of another constraint");
+}
+
 TEST_F(Misuse, SwitchedBeforeCalcDiff) {
   const auto expect_calc = [&](int line) {
     expect_refused<std::logic_error>(__FILE__, line, [&] { model->calcDiff(data, w.x, u); },

@@ -49,6 +49,7 @@ struct ConstraintItem {
 /// g, h and their Jacobians are written into the action's data.
 struct ConstraintDataManager {
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
+  std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals they were created by
   DataCollector* shared = nullptr;
   std::size_t version = 0, status = 0;         // of the model when last laid out
   bool terminal = false;
@@ -94,6 +95,8 @@ class ConstraintModelManager {
   std::size_t get_nh_T() const { return nh_T_; }
   const Eigen::VectorXd& get_lb() const { return lb_; }  // ng
   const Eigen::VectorXd& get_ub() const { return ub_; }
+  const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: of a terminal node's g
+  const Eigen::VectorXd& get_ub_T() const { return ub_T_; }
   const std::set<std::string>& get_active_set() const { return active_set_; }
   const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
   std::size_t get_version() const { return version_; }  // of the set of constraints
@@ -111,7 +114,7 @@ class ConstraintModelManager {
   std::shared_ptr<StateMultibody> state_;
   ConstraintModelContainer constraints_;
   std::size_t nu_, ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, version_ = 0, status_ = 0;
-  Eigen::VectorXd lb_, ub_;
+  Eigen::VectorXd lb_, ub_, lb_T_, ub_T_;
   std::set<std::string> active_set_, inactive_set_;
 };
 std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);
