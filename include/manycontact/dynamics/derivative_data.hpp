@@ -70,6 +70,7 @@ struct ProductData {
   std::vector<OfRobot> robots;
   std::vector<ContactData<double>> rows;  // per contact, at the solution's accelerations
   IslandDerivatives dense;                // of an island with dependent rows
+  std::vector<double> b, x, r, scale;     // of an island's system, in place of the solve's, which its error bound needs
 };
 
 }  // namespace manycontact
