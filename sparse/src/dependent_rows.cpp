@@ -32,8 +32,7 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
       d -= l * yj;
       terms += std::abs(l * yj);
     }
-    const bool left = (k < nv || size > nothing) &&
-                      std::abs(d) > (k < nv ? 16 * std::numeric_limits<double>::epsilon() : tolerance) * terms;
+    const bool left = (k < nv || size > nothing) && std::abs(d) > tolerance * terms;
     if (k >= nv && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
@@ -189,7 +188,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(nv, 0.0);
-  rows.largest_residual = 0;
+  rows.largest_residual = rows.largest_entry = 0;
   rows.clusters.clear();
   if (rows.dropped.empty()) return;
   for (int k : rows.dropped) {
@@ -202,6 +201,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
     }
     rows.largest_residual = std::max(rows.largest_residual, J_size > 0 ? left / J_size : 0);
   }
+  for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
   make_clusters(s.n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
 }

@@ -54,7 +54,7 @@ bool refine(const UpperCsc& K, const std::vector<double>& Kx, const LdlSymbolic&
 
 // None where what is left of a pivot may be rounding.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
-  constexpr double kPivotLeft = 1e-11, kRowSize = 1e-11, kRowLeft = 1e-13;
+  constexpr double kPivotLeft = 1e-11, kRowSize = 1e-11, kRowLeft = 1e-13, kLargestEntry = 30;
   std::vector<int> iperm;
   const UpperCsc K = augmented_pattern(rows, cols, A, iperm);
   const std::vector<double> Kx = augmented_values(K, cols, A, iperm);
@@ -68,7 +68,7 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
                            dependent) != K.n)
     return std::nullopt;
   find_null_space(K, symbolic, Kx.data(), cols, size, Lx.data(), D.data(), dependent);
-  if (!(dependent.largest_residual <= kRowLeft)) return std::nullopt;
+  if (!(dependent.largest_residual <= kRowLeft && dependent.largest_entry <= kLargestEntry)) return std::nullopt;
 
   std::vector<double> rhs(K.n, 0.0);
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];

@@ -99,7 +99,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   bool dense_schur = false;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandDerivatives& out = dd.islands[i];
-    if (out.request != request || out.X.rows() != data.islands[i].island.size())
+    if (out.request != request || out.X.rows() != data.islands[i].island.size() || out.u_offset.empty())
       internal::lay_out(scene, data.islands[i].island, request, out);
     internal::differentiate_island(scene, data, i, out);
     dense_schur |= data.islands[i].factor == Factor::kDenseSchur;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "internal.hpp"
+#include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/sparse/condition.hpp"
 
 namespace manycontact {
@@ -116,6 +117,10 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     IslandReport& report = data.report.islands[i];
     report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
     if (d.factor == Factor::kNone) continue;
+    for (int r : d.island.robots)  // kin.a as solve had it: derivatives leave the solution's accelerations there
+      forward_accelerations<double>(*scene.robots[r].model,
+                                    data.v.segment(scene.robots[r].idx_v, scene.robots[r].model->nv), nullptr,
+                                    scene.gravity, data.robots[r].kin);
     const Apply solve = inverse(scene, d);
     const std::vector<double> w = uncertainty(scene, data, d);
     std::vector<char> kept(w.size());

@@ -2,6 +2,7 @@
 // Steps of solve(), one file each.
 
 #include <algorithm>
+#include <cmath>
 
 #include "manycontact/dynamics/solve.hpp"
 
@@ -84,9 +85,20 @@ bool has_vanishing_row(const Scene& scene, const SceneData& data, const IslandDa
 /// residual_dynamics and residual_contact from a system's r and scale.
 void report_residuals(const Scene& scene, const KktSystem& system, IslandReport& report);
 /// Contradiction, by the definition of design: |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms. Where contacts hold
-/// everything at rest all of these are rounding of gravity's accelerations: that is no contradiction.
-inline bool contradictory(double left, double Ja, double a0, double gravity) {
-  return left > 1e-8 * (Ja + a0) && left > 1e-13 * gravity;
+/// everything all of these are rounding of the terms of `size` (drift_size): that is no contradiction.
+inline bool contradictory(double left, double Ja, double a0, double size) {
+  return left > 1e-8 * (Ja + a0) && left > 1e-13 * size;
+}
+/// The largest term that the contacts' a0 are computed from, and gravity.
+inline double drift_size(const Scene& scene, const SceneData& data, const Island& island) {
+  double largest = scene.gravity.norm();
+  for (int c : island.contacts) {
+    const ContactData<double>& rows = data.contacts[c];
+    const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
+    largest = std::max({largest, rows.aA.cwiseAbs().maxCoeff(), rows.aB.cwiseAbs().maxCoeff(), v * v,
+                        std::abs(scene.contacts[c].beta) * v});
+  }
+  return largest;
 }
 /// The largest of the contacts' motion_size (contact/rows.hpp).
 inline double motion_size(const Scene& scene, const SceneData& data, const Island& island) {

@@ -204,6 +204,27 @@ void dense_vjp(const Part& part, ProductData::Dense& dense, const ConstVector& w
   part.torques([&](int s, int k) { wu[s] = out[D.u_first + k]; });
 }
 
+// An island's right-hand side and solution, as long as it lives those of a product.
+class OwnVectors {
+ public:
+  OwnVectors(KktSystem& system, ProductData& memory) : s(system), m(memory) {
+    for (auto* x : {&m.b, &m.x, &m.r, &m.scale}) x->resize(s.b.size());
+    swap();
+  }
+  ~OwnVectors() { swap(); }
+  OwnVectors(const OwnVectors&) = delete;
+
+ private:
+  void swap() {
+    s.b.swap(m.b);
+    s.x.swap(m.x);
+    s.r.swap(m.r);
+    s.scale.swap(m.scale);
+  }
+  KktSystem& s;
+  ProductData& m;
+};
+
 bool usable(const SceneData& data, std::size_t i) {
   return data.islands[i].factor != Factor::kNone && data.islands[i].factor != Factor::kDenseSchur;
 }
@@ -232,6 +253,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
       dense_jvp({scene, data, d.island}, dense_island(scene, data, i), dq, dv, du, da, df);
       continue;
     }
+    const OwnVectors own(d.system, *data.products);
     tangent_rhs(scene, data, d, dq, dv, du);
     solve_refined(scene, d);
     internal::scatter(scene, data, d, d.system.x.data(), da, df);
@@ -255,6 +277,7 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
       dense_vjp({scene, data, d.island}, dense_island(scene, data, i), wa, wf, wq, wv, wu);
       continue;
     }
+    const OwnVectors own(d.system, *data.products);
     internal::gather(scene, data, d, wa, wf, d.system.b.data());
     for (int k = 0; k < d.island.nc; ++k) d.system.b[d.system.pattern->iperm[d.island.nv + k]] *= -1;
     solve_refined(scene, d);

@@ -11,10 +11,13 @@ namespace {
 // does not point elsewhere). Whether it does in truth, J's rows themselves tell, far more sharply: what is left of them
 // must be rounding; in between, the oracle decides.
 constexpr double kRowLeft = 1e-13;
+// Rows kept that are much smaller than those dropped make the projector lose more digits than the condition explains: 30^2 eps
+// is what a value is allowed at the least. Beyond, the oracle answers.
+constexpr double kLargestEntry = 30;
 
 // The contacts' rows of the system as it was, and whether they contradict each other; after the solve of the projected
 // right-hand side.
-bool restore(const Scene& scene, KktSystem& s, const std::vector<double>& null_part) {
+bool restore(double drift, KktSystem& s, const std::vector<double>& null_part) {
   const KktPattern& p = *s.pattern;
   double left = 0, Ja = 0, a0 = 0;
   for (int k = p.nv; k < p.size(); ++k) {
@@ -26,7 +29,7 @@ bool restore(const Scene& scene, KktSystem& s, const std::vector<double>& null_p
     a0 = std::max(a0, std::abs(s.b[k]));
     left = std::max(left, std::abs(s.r[k]));
   }
-  return contradictory(left, Ja, a0, scene.gravity.norm());
+  return contradictory(left, Ja, a0, drift);
 }
 
 }  // namespace
@@ -40,7 +43,7 @@ Reason solve_dependent(const Scene& scene, SceneData& data, IslandData& d, Islan
                                                 data.ldl_work, d.Lx.data(), d.D.data(), d.rows);
   if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   sparse::find_null_space(p.K, p.ldl, s.Kx.data(), p.nv, size, d.Lx.data(), d.D.data(), d.rows);
-  if (!(d.rows.largest_residual <= kRowLeft)) return Reason::kSmallPivot;
+  if (!(d.rows.largest_residual <= kRowLeft && d.rows.largest_entry <= kLargestEntry)) return Reason::kSmallPivot;
   d.factor = d.rows.dropped.empty() ? Factor::kLdl : Factor::kDependent;
   const auto apply = [&](double* x) { solve_with_factor(scene, d, x); };
   d.rows.null_part.assign(p.size(), 0.0);
@@ -50,7 +53,7 @@ Reason solve_dependent(const Scene& scene, SceneData& data, IslandData& d, Islan
   const Refinement refinement = refine(s, kRefinementSteps, apply);
   d.first_error = refinement.first;
   report.refinement_steps = refinement.steps;
-  const bool contradiction = restore(scene, s, d.rows.null_part);
+  const bool contradiction = restore(drift_size(scene, data, d.island), s, d.rows.null_part);
   if (!converged(refinement)) {
     d.factor = Factor::kNone;
     return Reason::kLargeResidual;

@@ -97,9 +97,11 @@ void factor(DenseKkt<S>& kkt) {
   kkt.N = Q.rightCols(nv - kkt.rank);
   kkt.regular = true;
   if (kkt.N.cols() > 0) {
-    const MatX<S> A = kkt.N.transpose() * kkt.M * kkt.N;
+    const MatX<S> MN = kkt.M * kkt.N, A = kkt.N.transpose() * MN;
     kkt.reduced.compute(A);
     kkt.regular = sound<S>(kkt.reduced, A);
+    // What N's own rounding makes of M where M has nothing.
+    for (int k = 0; k < A.rows(); ++k) kkt.regular = kkt.regular && !is_noise<S>(A(k, k), MN.col(k).cwiseAbs().sum());
   }
   kkt.holds = kkt.regular;
   if (kkt.regular && kkt.delta > S(0)) {

@@ -70,6 +70,7 @@ std::vector<int> leaf_to_root(const Scene& scene, const Island& island) {
 
 // CAMD with the joints before the contacts.
 std::vector<int> camd(const Island& island, const sparse::UpperCsc& K) {
+  if (island.nv == 0) return sparse::camd_order(K, {});  // CAMD does not take a set that is all there is but not the first
   std::vector<int> set(island.size(), 0);
   std::fill(set.begin() + island.nv, set.end(), 1);
   return sparse::camd_order(K, set);

@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace manycontact {
+
+namespace {
+
+constexpr double kPivotLeft = 1e-11;  // of its diagonal: less may be rounding that earlier pivots passed on
+
+}  // namespace
 
 bool factor_inertia(const Model& model, double* M, double* diagonal) {
   for (int k = 0; k < model.nv; ++k) diagonal[k] = M[model.M_begin[k]];
   for (int k = model.nv - 1; k >= 0; --k) {
     double* row = M + model.M_begin[k];
     const double D = row[0];
-    if (!(D > 16 * std::numeric_limits<double>::epsilon() * diagonal[k]) || !std::isfinite(1 / D)) return false;
+    if (!(D > kPivotLeft * diagonal[k]) || !std::isfinite(1 / D)) return false;
     int a = 1;
     for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i], ++a) {
       const double l = row[a] / D;

@@ -49,16 +49,22 @@ void contact_rows(const Scene& scene, const Contact& contact, const ContactSuppo
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
 /// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may turn out
-/// to be nothing but rounding. After contact_rows.
+/// to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a hundredth of the
+/// turning times the levers it was computed with. After contact_rows.
 template <class S>
 S motion_size(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
-  S largest(0);
-  const int rows = contact.type == ContactType::k6D ? 6 : 3;
+  S largest(0), turning(0);
   for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
-    for (int i = 0; i < rows; ++i)
-      if (abs(data.Jl(i, j)) > largest) largest = abs(data.Jl(i, j));
-  return largest;
+    for (int i = 0; i < 6; ++i) {
+      S& of = i < 3 ? largest : turning;
+      if (abs(data.Jl(i, j)) > of) of = abs(data.Jl(i, j));
+    }
+  if (contact.type == ContactType::k6D) return turning > largest ? turning : largest;
+  S lever = data.aMA.p.cwiseAbs().maxCoeff() + S(contact.A.placement.p.cwiseAbs().maxCoeff());
+  if (contact.B.robot >= 0) lever += data.bMA.p.cwiseAbs().maxCoeff() + S(contact.B.placement.p.cwiseAbs().maxCoeff());
+  const S least = turning * lever / S(100);
+  return least > largest ? least : largest;
 }
 
 }  // namespace manycontact

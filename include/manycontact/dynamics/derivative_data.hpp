@@ -83,6 +83,7 @@ struct ProductData {
     Eigen::VectorXd rows, columns;  // of D.X: what it gives, what it is applied to; or the other way round
   };
   std::vector<Dense> dense;  // per island: all its derivatives, where contact rows are dependent
+  std::vector<double> b, x, r, scale;  // of an island's system, in place of the solve's, which its error bound needs
 };
 
 }  // namespace manycontact

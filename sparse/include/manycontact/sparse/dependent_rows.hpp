@@ -22,6 +22,7 @@ struct DependentRows {
   std::vector<int> Np, Ni;        // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;         // ... and values, the 1 of the dropped row first
   double largest_residual = 0;    // max |J_k - sum z_j J_j| / J_size
+  double largest_entry = 0;       // max |z_j|: the projector loses its square, in units of eps
 
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
   struct Cluster {
@@ -38,13 +39,13 @@ struct DependentRows {
 };
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row of J is
-/// dropped when less than `tolerance` of its pivot is left, or when all of it is below `nothing`; a row of M never. Returns n, or the row whose pivot has the
-/// wrong sign or nothing left of it.
+/// dropped when less than `tolerance` of its pivot is left, or when all of it is below `nothing`; a row of M never. Returns n, or the row
+/// whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
 [[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv,
                                        double tolerance, double nothing, LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
 /// N and its projector, after ldl_factor_dependent; J_size: of J's entries. Sets largest_residual, which is rounding when the dropped rows depend on
-/// the others in truth.
+/// the others in truth, and largest_entry.
 void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, double J_size,
                      const double* Lx, const double* D, DependentRows& rows);
 

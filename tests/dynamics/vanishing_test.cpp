@@ -1,0 +1,226 @@
+// Quantities that are zero but for rounding, with nothing beside them to show it: contacts of a point about which all joints
+// turn, inertia about an axis through all the mass, robots without joints.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/contact/reference.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/products.hpp"
+#include "manycontact/dynamics/truth.hpp"
+#include "support/measure.hpp"
+#include "support/methods.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+// A chain of revolute joints.
+Model chain(std::mt19937& rng, int njoints) {
+  ModelOptions options;
+  options.njoints = njoints;
+  options.types = {JointType::kRevolute};
+  options.branching = options.coordinate_axes = options.plain_placements = 0;
+  return random_model(rng, options);
+}
+
+Scene scene_of(const Model& model, std::mt19937& rng) {
+  Scene scene;
+  add_robot(scene, "robot", std::make_shared<Model>(model), random_placement(rng));
+  return scene;
+}
+
+Contact contact_of(ContactType type, int joint, const SE3<double>& offset) {
+  Contact c;
+  c.name = "hold";
+  c.type = type;
+  c.A = {0, joint, offset};
+  return c;
+}
+
+TEST(Vanishing, APointOnTheJointsAxisHoldsNothing) {
+  std::mt19937 rng(401);
+  for (int k = 0; k < 20; ++k) {
+    const Model model = chain(rng, 1);
+    Scene scene = scene_of(model, rng);
+    Contact c = contact_of(ContactType::k3D, 0, {random_rotation(rng), 0.3 * model.joints[0].axis});
+    const VectorXd q = random_vector(1, rng), v = VectorXd::Zero(1), u = random_vector(1, rng);
+    resolve_reference(scene, q, true, true, c);
+    add_contact(scene, c);
+    const VectorXd expected = free_accelerations(scene, q, v, u);
+    for (const Way& way : ways(true)) {
+      SCOPED_TRACE(way.name);
+      SceneData data(scene, way.options);
+      solve(scene, q, v, u, data);
+      if (way.options.method == Method::kDenseSchur && data.report.status == Status::kFailed) continue;
+      EXPECT_EQ(data.report.status, Status::kRedundant);
+      EXPECT_EQ(data.report.rank, 0);
+      EXPECT_LE(error_of(data.a, expected), 1e-12);
+      EXPECT_LE(size_of(data.f), 1e-12);
+    }
+  }
+}
+
+TEST(Vanishing, APointMassOnTheJointsAxisHasNoInertiaAboutIt) {
+  std::mt19937 rng(402);
+  for (int k = 0; k < 40; ++k) {
+    Model model = chain(rng, 1 + k % 4);
+    Joint& last = model.joints.back();
+    last.inertia = Inertia<double>::from_com(2, 0.3 * last.axis, Mat3<double>::Zero());
+    const Scene scene = scene_of(model, rng);
+    const int n = model.nv;
+    const VectorXd q = random_vector(n, rng), v = random_vector(n, rng), u = random_vector(n, rng);
+    for (const Way& way : ways(true)) {
+      SceneData data(scene, way.options);
+      solve(scene, q, v, u, data);
+      EXPECT_EQ(data.report.status, Status::kFailed) << way.name;
+      EXPECT_EQ(data.report.islands[0].reason, Reason::kSingularInertia) << way.name;
+    }
+  }
+}
+
+TEST(Vanishing, APointMassOnThreeParallelJointsIsSingular) {
+  std::mt19937 rng(408);
+  for (int k = 0; k < 40; ++k) {
+    Model model = chain(rng, 3);
+    const Vec3<double> axis = model.joints[0].axis;
+    for (Joint& joint : model.joints) joint.axis = axis, joint.placement.R.setIdentity(), joint.inertia = {};
+    model.joints[2].inertia = Inertia<double>::from_com(2, {0.1, 0.2, 0.3}, Mat3<double>::Zero());
+    finalize(model);
+    const Scene scene = scene_of(model, rng);
+    const VectorXd q = random_vector(3, rng), v = random_vector(3, rng), u = random_vector(3, rng);
+    for (const Way& way : ways(true)) {
+      if (way.options.method == Method::kDenseSchur) continue;  // without an oracle to fall back on it may believe the rounding
+      SceneData data(scene, way.options);
+      solve(scene, q, v, u, data);
+      EXPECT_EQ(data.report.status, Status::kFailed) << way.name;
+    }
+  }
+}
+
+TEST(Vanishing, ContactsThatDoNotHoldAMasslessLinkDoNotMakeItSoundByRounding) {
+  std::mt19937 rng(403);
+  for (int k = 0; k < 40; ++k) {
+    Model model = chain(rng, 7);
+    model.joints.back().inertia = {};
+    Scene scene = scene_of(model, rng);
+    const VectorXd q = random_vector(7, rng), v = random_vector(7, rng), u = random_vector(7, rng);
+    Contact c = contact_of(ContactType::k6D, 5, random_placement(rng));
+    resolve_reference(scene, q, true, true, c);
+    add_contact(scene, c);
+    if (k % 2) {
+      c.name = "again";
+      c.reference_frame = ReferenceFrame::kWorld;
+      add_contact(scene, c);
+    }
+    for (const Way& way : ways(true)) {
+      SceneData data(scene, way.options);
+      EXPECT_EQ(solve(scene, q, v, u, data).status, Status::kFailed) << way.name;
+    }
+  }
+}
+
+TEST(Vanishing, ASmallRowBeforeThoseThatDependOnItTakesNoDigits) {
+  std::mt19937 rng(407);
+  const Model model = chain(rng, 1);
+  Contact point = contact_of(ContactType::k3D, 0, {random_rotation(rng), {0.3, 0.2, 0.1}});
+  const VectorXd q = random_vector(1, rng), v = VectorXd::Zero(1), u = random_vector(1, rng);
+  for (double small : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
+    Scene scene = scene_of(model, rng);
+    resolve_reference(scene, q, true, true, point);
+    Scene alone = scene;
+    add_contact(alone, point);
+    const Vec3<double> moves = contact_jacobian(alone, q).col(0).normalized();
+    Contact row = point;
+    row.name = "row";
+    row.type = ContactType::k1D;
+    row.axis = moves.unitOrthogonal() + small * moves;
+    add_contact(scene, row);
+    add_contact(scene, point);
+    const Truth<Quad> truth =
+        solve_truth<Quad>(scene, {1, 1}, q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
+    for (const Way& way : ways(true)) {
+      SCOPED_TRACE(way.name + " " + testing::PrintToString(small));
+      SceneData data(scene, way.options);
+      solve(scene, q, v, u, data);
+      if (way.options.method == Method::kDenseSchur && data.report.status == Status::kFailed) continue;
+      EXPECT_EQ(data.report.status, Status::kRedundant);
+      EXPECT_LE(error_of(data.f, truth.f), 1e-12);
+    }
+  }
+}
+
+TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
+  std::mt19937 rng(404);
+  for (int k = 0; k < 20; ++k) {  // along its own axis, a turning body's point does not move
+    const Model model = chain(rng, 1);
+    Scene scene = scene_of(model, rng);
+    Contact c = contact_of(ContactType::k1D, 0, {Mat3<double>::Identity(), random_vector(3, rng)});
+    c.axis = model.joints[0].axis;
+    const VectorXd q = random_vector(1, rng), v = VectorXd::Constant(1, 1e4), u = random_vector(1, rng);
+    resolve_reference(scene, q, true, true, c);
+    add_contact(scene, c);
+    for (const Way& way : ways(true)) {
+      SceneData data(scene, way.options);
+      solve(scene, q, v, u, data);
+      if (way.options.method == Method::kDenseSchur && data.report.status == Status::kFailed) continue;
+      EXPECT_EQ(data.report.status, Status::kRedundant) << way.name;
+    }
+  }
+}
+
+TEST(Vanishing, ARobotWithoutJointsIsSolvedAndDifferentiated) {
+  std::mt19937 rng(405);
+  Model object;
+  object.name = "object";
+  finalize(object);
+  for (ContactType type : {ContactType::k1D, ContactType::k3D, ContactType::k6D})
+    for (bool held : {false, true}) {
+      Scene scene = scene_of(chain(rng, 3), rng);
+      add_robot(scene, "object", std::make_shared<Model>(object), {});
+      Contact c = contact_of(type, -1, random_placement(rng));
+      c.A.robot = 1;
+      if (held) add_contact(scene, c);
+      const VectorXd q = random_vector(3, rng), v = random_vector(3, rng), u = random_vector(3, rng);
+      for (const Way& way : ways(true)) {
+        SCOPED_TRACE(way.name);
+        SceneData data(scene, way.options);
+        const Status status = solve(scene, q, v, u, data).status;
+        if (way.options.method == Method::kDenseSchur && held) continue;
+        EXPECT_EQ(status, held ? Status::kRedundant : Status::kOk);
+        differentiate(scene, data);
+        const SceneDerivatives d = dense_derivatives(scene, data);
+        EXPECT_TRUE(d.da_dq.allFinite());
+        EXPECT_EQ(d.da_dq.rows(), 3);
+        EXPECT_EQ(d.dforces_dq.rows(), held ? contact_rows(type) : 0);
+      }
+    }
+}
+
+TEST(Vanishing, BoundsOfErrorsDoNotDependOnWhatWasAskedBefore) {
+  std::mt19937 rng(406);
+  for (int k = 0; k < 5; ++k) {
+    SceneOptions options;
+    options.redundant = k % 2;
+    const RandomScene s = random_scene(rng, options);
+    for (const Way& way : ways(true)) {
+      SCOPED_TRACE(way.name);
+      SceneData data(s.scene, way.options);
+      if (solve(s.scene, s.q, s.v, s.u, data).status == Status::kFailed) continue;
+      estimate_errors(s.scene, data);
+      const Report before = data.report;
+      differentiate(s.scene, data);
+      const int nv = s.scene.nv, nu = s.scene.nu, nc = static_cast<int>(data.f.size());
+      VectorXd a(nv), f(nc), q(nv), v(nv), u(nu);
+      jvp(s.scene, data, random_vector(nv, rng), random_vector(nv, rng), random_vector(nu, rng), a, f);
+      vjp(s.scene, data, a, f, q, v, u);
+      estimate_errors(s.scene, data);
+      EXPECT_EQ(data.report.error_acceleration, before.error_acceleration);
+      EXPECT_EQ(data.report.error_forces, before.error_forces);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
