@@ -75,13 +75,16 @@ void prepare(const Scene& scene, SceneData& data) {
   if (data.active.size() != scene.contacts.size())
     throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
                                 std::to_string(scene.contacts.size()) + " contacts");
-  if (data.islands_active == data.active && (!data.islands.empty() || scene.robots.empty())) return;
+  if (data.islands_active == data.active && data.islands_options == data.options &&
+      (!data.islands.empty() || scene.robots.empty()))
+    return;
   data.solved = false;
   data.islands.clear();
   if (data.derivatives) data.derivatives->islands.clear();
   for (Island& island : find_islands(scene, data.active))
     data.islands.push_back(make_island(scene, data, std::move(island)));
   data.islands_active = data.active;
+  data.islands_options = data.options;
   data.robot_island.assign(scene.robots.size(), 0);
   for (std::size_t i = 0; i < data.islands.size(); ++i)
     for (int r : data.islands[i].island.robots) data.robot_island[r] = static_cast<int>(i);

@@ -19,12 +19,22 @@ void invert(DenseSchurData& d) {
   d.Kinv.bottomRightCorner(nc, nc) = -Si;
 }
 
+// Newton's step for the inverse: X <- X (2 I - K X).
+void refine_inverse(double delta, DenseSchurData& d) {
+  const Eigen::Index nv = d.M.rows(), nc = d.J.rows();
+  Eigen::MatrixXd K(nv + nc, nv + nc);
+  K << d.M, d.J.transpose(), d.J, -delta * Eigen::MatrixXd::Identity(nc, nc);
+  const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(nv + nc, nv + nc) - K * d.Kinv;
+  d.Kinv += (d.Kinv * left).eval();
+}
+
 }  // namespace
 
 void differentiate_dense_schur(const Scene& scene, SceneData& data) {
   DenseSchurData& d = data.dense_schur;
   DerivativeData& dd = *data.derivatives;
   invert(d);
+  if (d.refined) refine_inverse(scene.damping, d);
   // The whole scene's -dr: islands' panels hold theirs.
   int cols = 0;
   for (const IslandDerivatives& i : dd.islands) cols += i.cols;

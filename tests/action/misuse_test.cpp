@@ -356,9 +356,9 @@ TEST_F(Misuse, Frames) {
   const FrameIndex bad = m.frames.size();
   const std::string given = "frame " + n(bad);
   EXPECT_INVALID(m.getFrameId("nose"), "\"nose\"", "the name of a link is expected");
-  EXPECT_INVALID(ContactModel6D(w.state, bad, SE3<double>(), LOCAL, w.nu), given, "0 to " + n(bad - 1));
-  EXPECT_INVALID(ContactModel1D(w.state, bad, 0., LOCAL), given, "0 to " + n(bad - 1));
-  EXPECT_INVALID(w.left_contact->set_id(bad), given, "0 to " + n(bad - 1));
+  EXPECT_INVALID(ContactModel6D(w.state, bad, SE3<double>(), LOCAL, w.nu), given, "below " + n(bad));
+  EXPECT_INVALID(ContactModel1D(w.state, bad, 0., LOCAL), given, "below " + n(bad));
+  EXPECT_INVALID(w.left_contact->set_id(bad), given, "below " + n(bad));
   EXPECT_INVALID(ResidualModelFramePlacement(w.state, bad, SE3<double>(), w.nu), given, "below " + n(bad));
   EXPECT_INVALID(ResidualModelFrameVelocity(w.state, bad, Vec6<double>::Zero(), LOCAL, w.nu), given, "below " + n(bad));
   EXPECT_INVALID(ResidualModelContactForce(w.state, bad, Vec6<double>::Zero(), 6, w.nu), given, "below " + n(bad));

@@ -134,7 +134,7 @@ TEST(AppendedByPinocchio, CountsALinkAtItsPlaceAndTakesItOffTheOrigin) {
   Model model;
   model.joints.resize(1);
   model.joints[0].inertia = {3, {0, 0, 1}, Mat3<double>::Identity() * 2};
-  model.frames.push_back({"tip", 0, {Mat3<double>::Identity(), {1, 0, 0}}, true, {1, {0, 0, 0}, {}}});
+  model.frames.push_back({"tip", 0, {Mat3<double>::Identity(), {1, 0, 0}}, true, {1, {0, 0, 0}, {}}, ""});
   model.frames[0].inertia.I.setZero();
   finalize(model);
   const Inertia<double> Y = as_appended_by_pinocchio_3_7(model)->joints[0].inertia;

@@ -162,6 +162,25 @@ TEST_P(Methods, ForgetTheContactsBefore) {
   }
 }
 
+TEST_P(Methods, ForgetTheMethodBefore) {
+  SceneData switched(scene());
+  for (int round = 0; round < 2; ++round)
+    for (const Way& way : ways(true)) {
+      SCOPED_TRACE(way.name);
+      switched.options = way.options;
+      solve_at(scene(), moving_, switched);
+      SceneData fresh(scene(), way.options);
+      solve_at(scene(), moving_, fresh);
+      EXPECT_EQ(switched.report.status, fresh.report.status);
+      ASSERT_EQ(switched.report.islands.size(), fresh.report.islands.size());
+      for (std::size_t i = 0; i < fresh.report.islands.size(); ++i)
+        EXPECT_EQ(switched.report.islands[i].method, fresh.report.islands[i].method);
+      if (fresh.report.status == Status::kFailed) continue;
+      EXPECT_TRUE(fresh.a == switched.a);
+      EXPECT_TRUE(fresh.f == switched.f);
+    }
+}
+
 TEST_P(Methods, AgreeWithTheOracleWithFewerContacts) {
   if (all_.empty()) GTEST_SKIP() << "no contacts";
   for (const std::vector<char>& active : {fewer(true), fewer(false)}) {

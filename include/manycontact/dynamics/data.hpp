@@ -55,6 +55,7 @@ struct DenseSchurData {
   Eigen::MatrixXd M, J, Z, S;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I
   // of something from the start: Eigen leaves a part of an empty one undefined, and moving that is undefined as well
   Eigen::LLT<Eigen::MatrixXd> llt_M{Eigen::MatrixXd::Identity(1, 1)}, llt_S = llt_M;
+  bool refined = false;        // the factors alone lost digits
   Eigen::MatrixXd Kinv;        // by differentiate
   Eigen::VectorXd y, f;
 };
@@ -62,8 +63,9 @@ struct DenseSchurData {
 struct SceneData {
   SceneData(const Scene& scene, const Options& options = {});
 
+  // what the caller may change before a solve
   Options options;
-  std::vector<char> active;  // one per contact; the caller may switch them before a solve
+  std::vector<char> active;  // one per contact
 
   // by solve
   bool solved = false;       // all of this is of the islands below
@@ -78,6 +80,7 @@ struct SceneData {
   std::vector<ContactData<double>> contacts;      // per contact of the scene
   std::vector<IslandData> islands;                // of the active set prepared last
   std::vector<char> islands_active;               // that set
+  Options islands_options;                        // what they were prepared for
   std::vector<int> robot_island;                  // per robot
   DenseSchurData dense_schur;
   std::unique_ptr<DerivativeData> derivatives;    // by differentiate

@@ -24,6 +24,7 @@ std::optional<Order> order_from_string(const std::string& name);
 struct Options {
   Method method = Method::kAuto;
   std::optional<Order> order;  // of sparse-ldl and sparse-cholmod; none: the order of least predicted cost
+  bool operator==(const Options&) const = default;
 };
 
 }  // namespace manycontact
