@@ -10,7 +10,7 @@ namespace {
 constexpr double kResidual = 1e-12;  // relative: more than the rounding of the largest scenes
 
 // The whole scene's M and J.
-void gather(const Scene& scene, const SceneData& data, DenseSchurData& d) {
+void form_matrices(const Scene& scene, const SceneData& data, DenseSchurData& d) {
   d.M.setZero(scene.nv, scene.nv);
   d.J.setZero(data.f.size(), scene.nv);
   for (int r = 0; r < scene.nrobots(); ++r) {
@@ -104,7 +104,7 @@ int solve_system(const Scene& scene, SceneData& data) {
 
 void solve_dense_schur(const Scene& scene, SceneData& data) {
   DenseSchurData& d = data.dense_schur;
-  gather(scene, data, d);
+  form_matrices(scene, data, d);
   const Reason reason = factor(scene.damping, d);
   const int steps = reason == Reason::kNone ? solve_system(scene, data) : 0;
   d.refined = steps > 0;
