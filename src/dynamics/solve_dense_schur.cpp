@@ -7,7 +7,8 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kResidual = 1e-12;  // relative: more than the rounding of the largest scenes
+// Relative residuals: more than the rounding of the largest scenes; of factors that hold nothing.
+constexpr double kResidual = 1e-12, kHopeless = 1e-9;
 
 // The whole scene's M and J.
 void form_matrices(const Scene& scene, const SceneData& data, DenseSchurData& d) {
@@ -44,8 +45,7 @@ Reason factor(double delta, DenseSchurData& d) {
   if (!d.M.allFinite() || !d.J.allFinite()) return Reason::kNotFinite;
   d.llt_M.compute(d.M);
   if (d.llt_M.info() != Eigen::Success) return Reason::kSingularInertia;
-  if (smallest_pivot(d.llt_M, d.M.diagonal()) < 16 * std::numeric_limits<double>::epsilon())
-    return Reason::kSingularInertia;
+  if (smallest_pivot(d.llt_M, d.M.diagonal()) < kSmallestPivotRatio) return Reason::kSingularInertia;
   d.Z = d.J.transpose();
   if (d.Z.cols() == 0) return Reason::kNone;
   d.llt_M.matrixL().solveInPlace(d.Z);  // Z = L^-1 J^T
@@ -54,7 +54,7 @@ Reason factor(double delta, DenseSchurData& d) {
   d.S.diagonal().array() += delta;
   d.llt_S.compute(d.S);
   if (d.llt_S.info() != Eigen::Success) return Reason::kSmallPivot;
-  return smallest_pivot(d.llt_S, d.S.diagonal()) < 1e-11 ? Reason::kSmallPivot : Reason::kNone;
+  return smallest_pivot(d.llt_S, d.S.diagonal()) < kSmallestPivotRatio ? Reason::kSmallPivot : Reason::kNone;
 }
 
 // [y; f] <- [a; f] with K [a; -f] = [y; f]: S f = f - Z^T w, a = L^-T (w + Z f), with w = L^-1 y.
@@ -89,7 +89,9 @@ int solve_system(const Scene& scene, SceneData& data) {
   apply(d);
   for (IslandData& i : data.islands) gather(scene, data, i, d.y, -d.f, i.system.x.data());
   int steps = 0;
-  for (; largest_residual(scene, data) > kResidual && steps < 2; ++steps) {
+  for (double left; steps < 2; ++steps) {
+    left = largest_residual(scene, data);
+    if (!(left > kResidual && left <= kHopeless)) return steps;
     for (const IslandData& i : data.islands) scatter(scene, data, i, i.system.r.data(), d.y, d.f);
     apply(d);
     for (IslandData& i : data.islands) {
@@ -97,6 +99,7 @@ int solve_system(const Scene& scene, SceneData& data) {
       for (std::size_t k = 0; k < i.system.x.size(); ++k) i.system.x[k] += i.system.r[k];
     }
   }
+  largest_residual(scene, data);
   return steps;
 }
 
@@ -107,7 +110,6 @@ void solve_dense_schur(const Scene& scene, SceneData& data) {
   form_matrices(scene, data, d);
   const Reason reason = factor(scene.damping, d);
   const int steps = reason == Reason::kNone ? solve_system(scene, data) : 0;
-  d.refined = steps > 0;
   for (std::size_t i = 0; i < data.islands.size(); ++i) {
     IslandData& island = data.islands[i];
     IslandReport& report = data.report.islands[i];
