@@ -110,8 +110,9 @@ void differentiate_whole(benchmark::State& state, Fixture& f) {
 void register_robot(const std::string& name, SceneFile scene) {
   auto* f = new Fixture(std::move(scene));  // lives as long as the program
   const auto add = [&](const char* part, void (*run)(benchmark::State&, Fixture&)) {
-    benchmark::RegisterBenchmark(("parts/" + name + "/" + part).c_str(), [=](benchmark::State& s) { run(s, *f); })
-        ->Unit(benchmark::kMicrosecond);
+    benchmark::RegisterBenchmark(("parts/" + name + "/" + part).c_str(), [=](benchmark::State& s) {
+      run(s, *f);
+    })->Unit(benchmark::kMicrosecond);
   };
   add("ldl_numeric", ldl_numeric);
   add("forward_kinematics", kinematics);

@@ -24,7 +24,9 @@ SceneFile load(const std::string& xml) {
   std::filesystem::remove(path);
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> noise(-0.1, 0.1);
-  const auto random = [&](Eigen::Index n) { return Eigen::VectorXd::NullaryExpr(n, [&] { return noise(rng); }).eval(); };
+  const auto random = [&](Eigen::Index n) {
+    return Eigen::VectorXd::NullaryExpr(n, [&] { return noise(rng); }).eval();
+  };
   for (const Robot& r : s.scene.robots) {
     Eigen::VectorXd q(r.model->nq);
     integrate<double>(*r.model, s.q.segment(r.idx_q, r.model->nq), random(r.model->nv), q);
@@ -42,7 +44,8 @@ std::string copies(int count) { return " copies=\"" + std::to_string(count) + "\
 bool talos_available() { return std::filesystem::exists(kTalos); }
 
 SceneFile humanoids(int count, bool hand_in_hand) {
-  std::string xml = "<scene><robot name=\"r\" urdf=\"" + std::string(kModels) + "humanoid.urdf\" base=\"floating\"" + copies(count) +
+  std::string xml = "<scene><robot name=\"r\" urdf=\"" + std::string(kModels) + "humanoid.urdf\" base=\"floating\"" +
+                    copies(count) +
                     "><joint name=\"left_knee\" q=\"0.5\"/><joint name=\"right_knee\" q=\"0.5\"/></robot>"
                     "<contact name=\"left\" type=\"6d\" frame=\"r/left_sole\"/>"
                     "<contact name=\"right\" type=\"6d\" frame=\"r/right_sole\"/>";

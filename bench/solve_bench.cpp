@@ -75,15 +75,16 @@ const bool registered = [] {
         if (dense_too_large || (ring && n == 1)) continue;
         const std::string name =
             std::string("solve/") + (ring ? "ring/" : "separate/") + std::to_string(n) + "/" + to_string(m);
-        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { solve_scene(s, n, ring, m); })
-            ->Unit(benchmark::kMicrosecond);
+        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) {
+          solve_scene(s, n, ring, m);
+        })->Unit(benchmark::kMicrosecond);
         const bool slow = m != Method::kSparseLdl && m != Method::kAuto;
         if (m == Method::kDense || (n > 16 && (slow || ring))) continue;  // an island's derivatives are dense
         const std::string derivatives =
             std::string("derivatives/") + (ring ? "ring/" : "separate/") + std::to_string(n) + "/" + to_string(m);
-        benchmark::RegisterBenchmark(derivatives.c_str(),
-                                     [=](benchmark::State& s) { differentiate_scene(s, n, ring, m); })
-            ->Unit(benchmark::kMicrosecond);
+        benchmark::RegisterBenchmark(derivatives.c_str(), [=](benchmark::State& s) {
+          differentiate_scene(s, n, ring, m);
+        })->Unit(benchmark::kMicrosecond);
       }
   for (const bool ring : {false, true})
     for (int n : {1, 16, 256})
@@ -91,11 +92,13 @@ const bool registered = [] {
         const std::string name =
             std::string(transposed ? "vjp/" : "jvp/") + (ring ? "ring/" : "separate/") + std::to_string(n);
         if (ring && n == 1) continue;
-        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { products_scene(s, n, ring, transposed); })
-            ->Unit(benchmark::kMicrosecond);
+        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) {
+          products_scene(s, n, ring, transposed);
+        })->Unit(benchmark::kMicrosecond);
       }
-  benchmark::RegisterBenchmark("eigen/separate/16", [](benchmark::State& s) { eigen_factors(s, 16); })
-      ->Unit(benchmark::kMicrosecond);
+  benchmark::RegisterBenchmark("eigen/separate/16", [](benchmark::State& s) {
+    eigen_factors(s, 16);
+  })->Unit(benchmark::kMicrosecond);
   return true;
 }();
 

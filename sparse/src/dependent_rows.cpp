@@ -101,7 +101,8 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  std::vector<int>& owner = rows.owner;  // of each row of K: a column with it, -1; then of each column: its cluster's first
+  // Of each row of K: a column with it, -1; then of each column: its cluster's first.
+  std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   int* root = owner.data() + n;
   const auto find = [root](int c) {
@@ -180,8 +181,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double J_size,
-                     const double* Lx, const double* D, DependentRows& rows) {
+void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double J_size, const double* Lx,
+                     const double* D, DependentRows& rows) {
   constexpr double kAccurate = 1e-14;
   rows.Np.assign(1, 0);
   rows.Ni.clear();
@@ -228,7 +229,7 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
     const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
     if (rows.panel.size() < size) rows.panel.resize(size);
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
-                                                                                          cluster.count, cols);
+                                                                                         cluster.count, cols);
     T.setZero();
     for (int a = 0; a < cluster.count; ++a)
       each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });

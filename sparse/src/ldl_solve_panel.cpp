@@ -4,8 +4,8 @@ namespace manycontact::sparse {
 
 namespace {
 
-// A register's doubles, and the widest chunk that leaves the machine's registers room. Vectors wider than a register the
-// compiler keeps in memory.
+// A register's doubles, and the widest chunk that leaves the machine's registers room. Vectors wider than a register
+// the compiler keeps in memory.
 #if defined(__AVX512F__)
 constexpr int kRegister = 8, kWide = 64;
 #elif defined(__AVX__)

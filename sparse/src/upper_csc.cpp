@@ -16,8 +16,9 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   for (auto& [row, col] : entries)
     if (row > col) std::swap(row, col);
   for (int k = 0; k < n; ++k) entries.emplace_back(k, k);
-  std::sort(entries.begin(), entries.end(),
-            [](const auto& a, const auto& b) { return a.second != b.second ? a.second < b.second : a.first < b.first; });
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+    return a.second != b.second ? a.second < b.second : a.first < b.first;
+  });
   entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
   UpperCsc A;
   A.n = n;

@@ -24,7 +24,8 @@ void BlockSparse::finish(int rows, int cols) {
     for (int j : b.cols) {
       const int* first = matrix.innerIndexPtr() + matrix.outerIndexPtr()[j];
       const int* last = matrix.innerIndexPtr() + matrix.outerIndexPtr()[j + 1];
-      for (int i : b.rows) b.slots.push_back(static_cast<int>(std::lower_bound(first, last, i) - matrix.innerIndexPtr()));
+      for (int i : b.rows)
+        b.slots.push_back(static_cast<int>(std::lower_bound(first, last, i) - matrix.innerIndexPtr()));
     }
   }
 }

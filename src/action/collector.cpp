@@ -3,7 +3,10 @@
 namespace manycontact {
 
 DataCollector::DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act)
-    : scene(s), solution(scene, options), actuation(std::move(act)), contacts(std::make_shared<ContactDataMultiple>()) {}
+    : scene(s),
+      solution(scene, options),
+      actuation(std::move(act)),
+      contacts(std::make_shared<ContactDataMultiple>()) {}
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {

@@ -14,8 +14,9 @@ ConstraintModelResidual::ConstraintModelResidual(std::shared_ptr<StateMultibody>
   check_size(kWho, "the lower bound", lower.size(), residual_->get_nr());
   check_size(kWho, "the upper bound", upper.size(), residual_->get_nr());
   for (int i = 0; i < lower.size(); ++i) {
-    require(lower[i] <= upper[i], kWho, "bound " + std::to_string(i) + " has lower " + std::to_string(lower[i]) +
-                                            ", upper " + std::to_string(upper[i]) + "; lower <= upper is expected");
+    require(lower[i] <= upper[i], kWho,
+            "bound " + std::to_string(i) + " has lower " + std::to_string(lower[i]) + ", upper " +
+                std::to_string(upper[i]) + "; lower <= upper is expected");
     (lower[i] == upper[i] ? equalities_ : inequalities_).push_back(i);
   }
   T_ = T_act && !residual_->get_u_dependent();

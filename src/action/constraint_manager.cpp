@@ -62,7 +62,9 @@ void ConstraintModelManager::count() {
       if (c.get_T_constraint()) lower_T.push_back(c.get_lb()[i]), upper_T.push_back(c.get_ub()[i]);
     }
   }
-  const auto vector = [](const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), x.size()); };
+  const auto vector = [](const std::vector<double>& x) {
+    return Eigen::Map<const Eigen::VectorXd>(x.data(), x.size());
+  };
   lb_ = vector(lower), ub_ = vector(upper);
   lb_T_ = vector(lower_T), ub_T_ = vector(upper_T);
 }
@@ -193,9 +195,11 @@ void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool t
   for (BlockSparse* m : {&out.Gx_blocks, &out.Gu_blocks, &out.Hx_blocks, &out.Hu_blocks}) m->set_zero();
   const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
   for (const auto& [name, parts] : data.g_parts)
-    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Gx, out.Gu, out.Gx_blocks, out.Gu_blocks);
+    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Gx, out.Gu, out.Gx_blocks,
+                out.Gu_blocks);
   for (const auto& [name, parts] : data.h_parts)
-    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Hx, out.Hu, out.Hx_blocks, out.Hu_blocks);
+    stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Hx, out.Hu, out.Hx_blocks,
+                out.Hu_blocks);
 }
 
 void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,

@@ -31,14 +31,16 @@ ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state
   set_gains(gains);
 }
 
-ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu)
+ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact,
+                                           std::size_t nu)
     : state_(std::move(state)), contact_(contact), gains_(contact.alpha, contact.beta), id_(0), nu_(nu) {
   require(state_ != nullptr, name_of(contact.type), "a state is expected, not a null pointer");
 }
 
 void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
   require(gains.allFinite(), "ContactModel::set_gains",
-          "alpha = " + std::to_string(gains[0]) + ", beta = " + std::to_string(gains[1]) + " were given, finite numbers are expected");
+          "alpha = " + std::to_string(gains[0]) + ", beta = " + std::to_string(gains[1]) +
+              " were given, finite numbers are expected");
   gains_ = gains;
   contact_.alpha = gains[0];
   contact_.beta = gains[1];
@@ -50,8 +52,12 @@ void ContactModelAbstract::set_id(FrameIndex id) {
 }
 
 void ContactModelAbstract::print(std::ostream& os) const {
-  os << name_of(contact_.type) << " {frame=" << (id_ < state_->get_model()->frames.size() ? state_->get_model()->frames[id_].name : "none") << ", type="
-     << (contact_.reference_frame == LOCAL ? "LOCAL" : contact_.reference_frame == WORLD ? "WORLD" : "LOCAL_WORLD_ALIGNED")
+  os << name_of(contact_.type)
+     << " {frame=" << (id_ < state_->get_model()->frames.size() ? state_->get_model()->frames[id_].name : "none")
+     << ", type="
+     << (contact_.reference_frame == LOCAL   ? "LOCAL"
+         : contact_.reference_frame == WORLD ? "WORLD"
+                                             : "LOCAL_WORLD_ALIGNED")
      << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
@@ -93,7 +99,8 @@ ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex
     : ContactModel1D(state, id, xref, default_nu(state), gains, Vector3MaskType::z, ref) {}
 
 void ContactModel1D::set_axis(const Eigen::Vector3d& axis) {
-  require(axis.allFinite() && axis.norm() > 0, "ContactModel1D::set_axis", "an axis that is finite and not zero is expected");
+  require(axis.allFinite() && axis.norm() > 0, "ContactModel1D::set_axis",
+          "an axis that is finite and not zero is expected");
   contact_.axis = axis.normalized();
 }
 
@@ -109,8 +116,12 @@ ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex
                                const Eigen::Vector2d& gains)
     : ContactModel2D(state, id, xref, default_nu(state), gains) {}
 
-Eigen::Vector2d ContactModel2D::get_reference() const { return {contact_.B.placement.p.x(), contact_.B.placement.p.z()}; }
-void ContactModel2D::set_reference(const Eigen::Vector2d& r) { contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y()); }
+Eigen::Vector2d ContactModel2D::get_reference() const {
+  return {contact_.B.placement.p.x(), contact_.B.placement.p.z()};
+}
+void ContactModel2D::set_reference(const Eigen::Vector2d& r) {
+  contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y());
+}
 
 // ---- 3D
 
@@ -158,7 +169,8 @@ ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultib
   set_offset(offset);
   require(contact_.A.robot != contact_.B.robot || contact_.A.joint != contact_.B.joint, "ContactModelBetweenBodies",
           "both frames are on the same body, two different bodies are expected");
-  require(axis.allFinite() && axis.norm() > 0, "ContactModelBetweenBodies", "an axis that is finite and not zero is expected");
+  require(axis.allFinite() && axis.norm() > 0, "ContactModelBetweenBodies",
+          "an axis that is finite and not zero is expected");
   contact_.axis = axis.normalized();
 }
 
@@ -184,7 +196,8 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
   const Scene& scene = state_->get_model()->scene();
   for (const Attachment* at : {&contact.A, &contact.B})
     require(at->robot < scene.nrobots() && (at->robot < 0 || at->joint < scene.robots[at->robot].model->njoints()),
-            "ContactModelOfScene", "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
+            "ContactModelOfScene",
+            "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
   id_ = frame_on(*state_, contact.A);
 }
 

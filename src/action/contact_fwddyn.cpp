@@ -26,7 +26,8 @@ const std::shared_ptr<Part>& given(const std::shared_ptr<Part>& part, const char
 Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                                   std::shared_ptr<ActuationModelAbstract> actuation,
                                                   std::shared_ptr<ContactModelMultiple> contacts,
-                                                  std::shared_ptr<CostModelSum> costs, double damping, bool enable_force)
+                                                  std::shared_ptr<CostModelSum> costs, double damping,
+                                                  bool enable_force)
     : Model_(state, actuation, contacts, costs, kNoConstraints, damping, enable_force) {}
 
 Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
@@ -47,8 +48,9 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
       enable_force_(enable_force) {
   const auto check_part = [this](const auto& part, const char* what) {
     require(part.get_state() == state_, kWho, std::string(what) + " of another state, this one's is expected");
-    require(part.get_nu() == nu_, kWho, std::string(what) + " of nu = " + std::to_string(part.get_nu()) +
-                                            ", the actuation's " + std::to_string(nu_) + " is expected");
+    require(part.get_nu() == nu_, kWho,
+            std::string(what) + " of nu = " + std::to_string(part.get_nu()) + ", the actuation's " +
+                std::to_string(nu_) + " is expected");
   };
   check_part(*actuation_, "an actuation");
   check_part(*contacts_, "contacts");
@@ -94,7 +96,8 @@ bool Model_::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& da
 
 Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const {
   Data* d = dynamic_cast<Data*>(&check_data(where, data));
-  require(d && d->owner == identity_, where, "the data were created by another model, data of this one's createData() are expected");
+  require(d && d->owner == identity_, where,
+          "the data were created by another model, data of this one's createData() are expected");
   return *d;
 }
 
@@ -197,7 +200,8 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
 
 // Throws unless a calc of this kind, with what is active now, came before.
 void Model_::check_stage(const Data& d, Stage stage) const {
-  bool fits = d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
+  bool fits =
+      d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
   if (fits) each_status([&](std::size_t k, bool active) { fits &= d.status[k] == active; });
   if (!fits)
     throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " +

@@ -15,8 +15,10 @@ CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
                                      std::shared_ptr<ActivationModelAbstract> activation,
                                      std::shared_ptr<ResidualModelAbstract> residual)
     : state_(std::move(state)), activation_(std::move(activation)), residual_(std::move(residual)) {
-  require(state_ && activation_ && residual_, "CostModelResidual", "a null pointer was given, a state, an activation and a residual are expected");
-  require(residual_->get_state() == state_, "CostModelResidual", "the residual belongs to another state, this one's is expected");
+  require(state_ && activation_ && residual_, "CostModelResidual",
+          "a null pointer was given, a state, an activation and a residual are expected");
+  require(residual_->get_state() == state_, "CostModelResidual",
+          "the residual belongs to another state, this one's is expected");
   require(activation_->get_nr() == residual_->get_nr(), "CostModelResidual",
           "the activation has nr = " + std::to_string(activation_->get_nr()) + ", the residual's " +
               std::to_string(residual_->get_nr()) + " is expected");
@@ -107,7 +109,9 @@ std::shared_ptr<CostDataResidual> CostModelResidual::createData(DataCollector* s
   return std::make_shared<CostDataResidual>(this, shared);
 }
 
-void CostModelResidual::print(std::ostream& os) const { os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}"; }
+void CostModelResidual::print(std::ostream& os) const {
+  os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
+}
 
 std::ostream& operator<<(std::ostream& os, const CostModelResidual& model) {
   model.print(os);

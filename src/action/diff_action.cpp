@@ -52,7 +52,8 @@ bool DifferentialActionModelAbstract::checkData(const std::shared_ptr<Differenti
 }
 
 void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                                  VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
+                                                  VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
+                                                  double tol) {
   check_size("quasiStatic", "u", u.size(), nu_);
   check_size("quasiStatic", "x", x.size(), state_->get_nx());
   require(x.tail(state_->get_nv()).isZero(0), "quasiStatic", "the velocity is not zero, a state at rest is expected");

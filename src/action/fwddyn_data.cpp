@@ -27,8 +27,11 @@ Scene scene_of(const DifferentialActionModelContactFwdDynamics& model) {
 
 DifferentialActionDataContactFwdDynamics::DifferentialActionDataContactFwdDynamics(
     DifferentialActionModelContactFwdDynamics* model)
-    : DifferentialActionDataAbstract(model), owner(model->identity_), contacts_version(model->get_contacts()->get_version()) {
-  multibody = std::make_unique<DataCollector>(scene_of(*model), model->get_options(), model->get_actuation()->createData());
+    : DifferentialActionDataAbstract(model),
+      owner(model->identity_),
+      contacts_version(model->get_contacts()->get_version()) {
+  multibody =
+      std::make_unique<DataCollector>(scene_of(*model), model->get_options(), model->get_actuation()->createData());
   internal::lay_out_islands(*model->get_actuation(), *this);
   for (const auto& [name, item] : model->get_contacts()->get_contacts())
     multibody->contacts->contacts[name] = std::make_shared<ContactDataAbstract>();
@@ -65,8 +68,11 @@ bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneDa
   for (const auto& [name, item] : contacts.get_contacts()) {
     const Contact& from = item->contact->get_contact();
     Contact& to = scene.contacts[c];
-    const auto moved = [](const Attachment& a, const Attachment& b) { return a.robot != b.robot || a.joint != b.joint; };
-    same &= from.type == to.type && from.reference_frame == to.reference_frame && !moved(from.A, to.A) && !moved(from.B, to.B);
+    const auto moved = [](const Attachment& a, const Attachment& b) {
+      return a.robot != b.robot || a.joint != b.joint;
+    };
+    same &= from.type == to.type && from.reference_frame == to.reference_frame && !moved(from.A, to.A) &&
+            !moved(from.B, to.B);
     to.type = from.type;
     to.reference_frame = from.reference_frame;
     to.A = from.A;

@@ -51,7 +51,8 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
     if (!forces) continue;
     const int i = m.solution.robot_island[contact.A.robot];
     const Island& island = m.solution.islands[i].island;
-    const std::size_t c = std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
+    const std::size_t c =
+        std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
     const PanelView P = m.panel(i);
     const double* first = P.data() + (island.nv + island.row_offset[c]) * P.outerStride();
     const Eigen::Index nx = m.islands[i].x.size(), nu = m.islands[i].u.size();

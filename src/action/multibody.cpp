@@ -31,8 +31,7 @@ void Multibody::index() {
     for (const Joint& joint : model.joints)
       if (joint.effort_limit.size() == joint.nv())
         effortLimit.segment(robot.idx_v + joint.idx_v, joint.nv()) = joint.effort_limit;
-    if (model.floating_base)
-      effortLimit.segment<6>(robot.idx_v).setConstant(std::numeric_limits<double>::infinity());
+    if (model.floating_base) effortLimit.segment<6>(robot.idx_v).setConstant(std::numeric_limits<double>::infinity());
     for (const Frame& frame : model.frames) {
       const std::string name = robot.name + "/" + frame.name;
       frame_index_[name] = frames.size();

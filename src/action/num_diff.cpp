@@ -44,7 +44,8 @@ namespace {
 
 DifferentialActionDataNumDiff& own(const DataPtr& data) {
   auto* d = dynamic_cast<DifferentialActionDataNumDiff*>(&check_data("DifferentialActionModelNumDiff", data));
-  require(d, "DifferentialActionModelNumDiff", "the data were created by another model, data of this one's createData() are expected");
+  require(d, "DifferentialActionModelNumDiff",
+          "the data were created by another model, data of this one's createData() are expected");
   return *d;
 }
 

@@ -64,7 +64,8 @@ void add_force_part(GravityData& d, std::size_t i) {
 
 // Of v it depends through forces or through torques, and an actuation may do that; blocks have what there is.
 GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
-    : ResidualModelAbstract(state, internal::given(state).get_nv(), nu, {.q = true, .v = true, .u = true, .forces = contacts}),
+    : ResidualModelAbstract(state, internal::given(state).get_nv(), nu,
+                            {.q = true, .v = true, .u = true, .forces = contacts}),
       name_(name),
       contacts_(contacts) {
   require(nu > 0, name, "nu is 0, one control or more is expected");

@@ -142,7 +142,8 @@ ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<S
     : ResidualModelJointAcceleration(state, aref, internal::given(state).get_nv()) {}
 
 ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, std::size_t nu)
-    : ResidualModelJointAcceleration(state, Eigen::VectorXd(Eigen::VectorXd::Zero(internal::given(state).get_nv())), nu) {}
+    : ResidualModelJointAcceleration(state, Eigen::VectorXd(Eigen::VectorXd::Zero(internal::given(state).get_nv())),
+                                     nu) {}
 
 ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state)
     : ResidualModelJointAcceleration(state, internal::given(state).get_nv()) {}

@@ -38,15 +38,18 @@ void joint_block(const Joint& joint, const ConstVectorRef& dq, double straight, 
 
 // d integrate / dx and / d(dx) of one joint.
 void joint_jintegrate(const Joint& joint, const ConstVectorRef& dq, bool of_x, MatrixRef J) {
-  joint_block(joint, dq, 1, [of_x](const V6& m) {
-    return of_x ? M6(exp6<double>(m).inverse().action()) : M6(Jexp6<double>(m));
-  }, J);
+  joint_block(
+      joint, dq, 1,
+      [of_x](const V6& m) { return of_x ? M6(exp6<double>(m).inverse().action()) : M6(Jexp6<double>(m)); }, J);
 }
 
 void assign(MatrixRef J, const MatrixRef& block, AssignmentOp op) {
-  if (op == setto) J = block;
-  else if (op == addto) J += block;
-  else J -= block;
+  if (op == setto)
+    J = block;
+  else if (op == addto)
+    J += block;
+  else
+    J -= block;
 }
 
 // use(joint, first coordinate in q, in v) for every joint of every robot.
@@ -60,10 +63,13 @@ void each_joint(const Scene& scene, Use&& use) {
 
 void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, MatrixRef J) {
   // with xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi))
-  joint_block(joint, dq, of_x0 ? -1 : 1, [of_x0](const V6& xi) {
-    const M6 Jlog = Jlog6<double>(xi);
-    return of_x0 ? M6(-Jlog * exp6<double>(xi).inverse().action()) : Jlog;
-  }, J);
+  joint_block(
+      joint, dq, of_x0 ? -1 : 1,
+      [of_x0](const V6& xi) {
+        const M6 Jlog = Jlog6<double>(xi);
+        return of_x0 ? M6(-Jlog * exp6<double>(xi).inverse().action()) : Jlog;
+      },
+      J);
 }
 
 namespace {
@@ -76,8 +82,7 @@ const Multibody& given(const std::shared_ptr<const Multibody>& model) {
 }  // namespace
 
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
-    : StateAbstract(given(model).nq + given(model).nv, 2 * given(model).nv),
-      model_(std::move(model)) {
+    : StateAbstract(given(model).nq + given(model).nv, 2 * given(model).nv), model_(std::move(model)) {
   each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
     const int n = joint.nv();
     if (joint.type != JointType::kFloating && joint.lower.size() == n && joint.upper.size() == n) {
@@ -105,14 +110,14 @@ Eigen::VectorXd StateMultibody::rand() const {
   each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
     const bool floating = joint.type == JointType::kFloating;
     for (int i = 0; i < (floating ? 3 : joint.nv()); ++i) {
-      const double reach = joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && i == 2) ? M_PI : 1;
+      const double reach =
+          joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && i == 2) ? M_PI : 1;
       const double low = lb_[iq + i], high = ub_[iq + i];
       x[iq + i] = std::isfinite(low) && std::isfinite(high) ? draw(low, high) : draw(-reach, reach);
     }
     if (floating) {
       Eigen::Vector4d quat;
-      do
-        quat = Eigen::Vector4d(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
+      do quat = Eigen::Vector4d(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
       while (quat.norm() < 0.1 || quat.norm() > 1);  // uniform in the ball, so uniform on the sphere
       x.segment<4>(iq + 3) = quat.normalized();
     }

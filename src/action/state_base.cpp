@@ -58,8 +58,6 @@ void StateAbstract::set_ub(const Eigen::VectorXd& ub) {
   update_has_limits();
 }
 
-void StateAbstract::update_has_limits() {
-  has_limits_ = lb_.array().isFinite().any() || ub_.array().isFinite().any();
-}
+void StateAbstract::update_has_limits() { has_limits_ = lb_.array().isFinite().any() || ub_.array().isFinite().any(); }
 
 }  // namespace manycontact

@@ -15,9 +15,12 @@ SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, con
 template <class S>
 SE3<S> view(const Kinematics<S>& kin, const SE3<S>& M, FrameAxes axes) {
   switch (axes) {
-    case FrameAxes::kLocal: return M;
-    case FrameAxes::kWorld: return {Mat3<S>::Identity(), Vec3<S>(-kin.origin)};
-    case FrameAxes::kLocalWorldAligned: return {Mat3<S>::Identity(), M.p};
+    case FrameAxes::kLocal:
+      return M;
+    case FrameAxes::kWorld:
+      return {Mat3<S>::Identity(), Vec3<S>(-kin.origin)};
+    case FrameAxes::kLocalWorldAligned:
+      return {Mat3<S>::Identity(), M.p};
   }
   return M;
 }

@@ -26,8 +26,8 @@ void add_rates(const Inertia<double>& Y, const V6& velocity, V3& l, M3& C) {
   l = Y.m * v + w.cross(Y.h);
   const V3 k = Y.I * w + Y.h.cross(v);
   const M3 wI = skew<double>(w) * Y.I;
-  C = wI + wI.transpose();                               // [w]I - I[w], as I is symmetric
-  C -= v * Y.h.transpose() + Y.h * v.transpose();        // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
+  C = wI + wI.transpose();                         // [w]I - I[w], as I is symmetric
+  C -= v * Y.h.transpose() + Y.h * v.transpose();  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
   C.diagonal().array() += 2 * v.dot(Y.h);
   C -= skew<double>(k);
 }

@@ -13,7 +13,9 @@ V6 combine(const Joint& joint, const Kinematics<double>& kin, const double* x) {
   return out;
 }
 
-V6 parent_of(const Joint& joint, const std::vector<V6>& x) { return joint.parent < 0 ? V6(V6::Zero()) : x[joint.parent]; }
+V6 parent_of(const Joint& joint, const std::vector<V6>& x) {
+  return joint.parent < 0 ? V6(V6::Zero()) : x[joint.parent];
+}
 
 }  // namespace
 
@@ -35,8 +37,8 @@ void tangent_motions(const Model& model, const Kinematics<double>& kin, const do
 }
 
 void tangent_torques(const Model& model, const Kinematics<double>& kin, const std::vector<BodyVariation>& motion,
-                     const std::vector<V6>& fext, const std::vector<V6>& dfext, std::vector<V6>& f,
-                     std::vector<V6>& df, double* dtau) {
+                     const std::vector<V6>& fext, const std::vector<V6>& dfext, std::vector<V6>& f, std::vector<V6>& df,
+                     double* dtau) {
   for (int i = 0; i < model.njoints(); ++i) {
     const Inertia<double>& Y = kin.Y[i];
     const V6 &v = kin.v[i], &a = kin.a[i], &xi = motion[i].xi;
@@ -57,8 +59,7 @@ void tangent_torques(const Model& model, const Kinematics<double>& kin, const st
 }
 
 void virtual_velocities(const Model& model, const Kinematics<double>& kin, const double* w, std::vector<V6>& u) {
-  for (int i = 0; i < model.njoints(); ++i)
-    u[i] = parent_of(model.joints[i], u) + combine(model.joints[i], kin, w);
+  for (int i = 0; i < model.njoints(); ++i) u[i] = parent_of(model.joints[i], u) + combine(model.joints[i], kin, w);
 }
 
 void add_body_adjoints(const Model& model, const Kinematics<double>& kin, const std::vector<V6>& u,
@@ -82,8 +83,8 @@ void pull_back(const Model& model, const Kinematics<double>& kin, const double* 
     const Joint& joint = model.joints[i];
     BodyVariation& g = adjoint[i];
     const V6 vJ = kin.v[i] - parent_of(joint, kin.v), uJ = u[i] - parent_of(joint, u), aJ = combine(joint, kin, qdd);
-    g.v += cross_force(vJ, g.a);                        // a_i depends on v_i by v_i x S v
-    const V6 s = g.v - cross_force(kin.v[i], g.a);      // gradient with respect to S v
+    g.v += cross_force(vJ, g.a);                    // a_i depends on v_i by v_i x S v
+    const V6 s = g.v - cross_force(kin.v[i], g.a);  // gradient with respect to S v
     g.xi += cross_force(uJ, g.u) + cross_force(vJ, s) + cross_force(aJ, g.a);
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
       wq[k] = kin.J.col(k).dot(g.xi);

@@ -36,10 +36,10 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;     // of the last solve; regularised when the damping is guessed and there is an answer
-  std::string answered_by;         // "sparse-ldl leaf-to-root", several joined: methods and orders that gave the answer
-  std::string fallback;            // why another way answered, of the first island where one did
-  std::optional<double> time;      // of solve, us
+  Status status = Status::kOk;  // of the last solve; regularised when the damping is guessed and there is an answer
+  std::string answered_by;      // "sparse-ldl leaf-to-root", several joined: methods and orders that gave the answer
+  std::string fallback;         // why another way answered, of the first island where one did
+  std::optional<double> time;   // of solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // no other answer is at least as fast and as accurate, and better in one (acceleration)
@@ -49,12 +49,12 @@ struct ChartRow {
 };
 
 struct Chart {
-  std::string scene, title;       // name, and what it is: "82 velocities, 48 contact rows, 1 island"
+  std::string scene, title;  // name, and what it is: "82 velocities, 48 contact rows, 1 island"
   std::vector<ChartRow> rows;
-  double allowed = 0;             // max(1e-12, 100 eps cond), of values; ten times that of derivatives
+  double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
   double condition = 0;
-  std::vector<std::string> notes; // what the errors mean here, where that is not plain
-  int rounds = 0;                 // of measurement
+  std::vector<std::string> notes;  // what the errors mean here, where that is not plain
+  int rounds = 0;                  // of measurement
 
   const ChartRow* fastest(bool with_derivatives) const;  // of the answers; null if there is none
 };

@@ -13,9 +13,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kWidth = 1560, kHeight = 700;  // pixels
+constexpr int kWidth = 1560, kHeight = 700;    // pixels
 constexpr double kLeast = 1e-17, kMost = 1e9;  // errors beyond are drawn there
-constexpr double kBand = 0.13;               // of a panel's height: for failures
+constexpr double kBand = 0.13;                 // of a panel's height: for failures
 const char* const kPanelTitles[] = {"Accelerations", "Contact forces", "Derivatives"};
 
 // Okabe and Ito's colours, then Tol's; auto is black.
@@ -149,8 +149,8 @@ std::map<std::pair<int, Style>, std::string> points_of(const Chart& chart, int p
     const ChartRow& row = chart.rows[k];
     const bool edge = at_edge(row, panel);
     const auto time = panel_time(row, panel);
-    const double x = time && f.fastest > 0 ? *time / f.fastest
-                                           : std::pow(10, f.right - 0.02 * (1 + untimed++) * (f.right - f.left));
+    const double x =
+        time && f.fastest > 0 ? *time / f.fastest : std::pow(10, f.right - 0.02 * (1 + untimed++) * (f.right - f.left));
     const double y = edge ? f.in_band(static_cast<double>(k % 7) / 6) : f.y(*panel_error(row, panel));
     const int layer = (row.method == Method::kAuto ? 2 : 0) + (row.guessed ? 0 : 1);
     std::ostringstream line;
@@ -185,8 +185,8 @@ void write_panel(std::ostream& out, const Chart& chart, int panel) {
       << "set yrange [" << std::pow(10, f.bottom) << ":" << std::pow(10, f.end) << "]\n"
       << "set label " << quoted(kPanelTitles[panel]) << " at graph 0, graph 1.045 left font ',13'\n";
   const std::string what = panel == 2 ? "time of solve and derivatives" : "time of one solve";
-  out << "set xlabel "
-      << quoted(what + " / fastest" + (f.fastest > 0 ? "  (1 = " + number(f.fastest) + " us)" : "")) << "\n"
+  out << "set xlabel " << quoted(what + " / fastest" + (f.fastest > 0 ? "  (1 = " + number(f.fastest) + " us)" : ""))
+      << "\n"
       << "set ylabel " << (panel == 0 ? "'relative error, maximum norm' offset 1.2,0" : "''") << "\n";
   write_tics(out, f);
   const double allowed = chart.allowed * (panel == 2 ? 10 : 1);
@@ -234,8 +234,8 @@ void write_legend(std::ostream& out) {
   const double apart = std::min(0.14, 0.88 / static_cast<double>(std::size(kMethods)));
   double x = 0.12;
   for (Method m : kMethods) {
-    const std::string look = m == Method::kAuto ? style_of(m, {}, false)
-                                                : "pt 7 ps 1.6 lc rgb '" + std::string(colour_of(m)) + "'";
+    const std::string look =
+        m == Method::kAuto ? style_of(m, {}, false) : "pt 7 ps 1.6 lc rgb '" + std::string(colour_of(m)) + "'";
     entry(x, 3.4, to_string(m), "points " + look);
     x += apart;
   }

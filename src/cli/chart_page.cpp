@@ -92,8 +92,7 @@ std::string what_fails(const Chart& chart) {
   std::vector<std::string> failed, skipped, inaccurate;
   std::map<std::string, std::vector<std::string>> fallbacks;  // by what happened
   for (const ChartRow& row : chart.rows) {
-    const std::string name =
-        name_of(row) + (row.guessed ? " with damping " + row.regularisation() : "");
+    const std::string name = name_of(row) + (row.guessed ? " with damping " + row.regularisation() : "");
     if (row.outcome == Outcome::kFailed) failed.push_back(name);
     if (row.outcome == Outcome::kSkipped || (row.outcome == Outcome::kAnswered && !row.time_derivatives))
       skipped.push_back(name);

@@ -17,7 +17,9 @@ namespace manycontact::cli {
 
 namespace {
 
-std::optional<double> known(double error) { return std::isfinite(error) ? std::optional(as_written(error)) : std::nullopt; }
+std::optional<double> known(double error) {
+  return std::isfinite(error) ? std::optional(as_written(error)) : std::nullopt;
+}
 
 std::string title_of(const Scene& scene, const SceneData& data) {
   return count(scene.nrobots(), "robot") + ", " + count(scene.nv, "velocity coordinate") + ", " +
@@ -140,9 +142,8 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits) {
     c.row->error_acceleration = known(acceleration_error(scene, *c.data, truth));
     if (c.data->f.size() > 0) c.row->error_forces = known(force_error(scene, *c.data, truth));
   }
-  measure_derivatives(candidates, limits, [&](Candidate& c) {
-    c.row->error_derivatives = known(derivative_error(scene, *c.data, truth));
-  });
+  measure_derivatives(candidates, limits,
+                      [&](Candidate& c) { c.row->error_derivatives = known(derivative_error(scene, *c.data, truth)); });
   progress("");
   for (std::size_t k : panel_front(chart, 0)) chart.rows[k].front = true;
   return chart;

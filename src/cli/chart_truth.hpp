@@ -10,9 +10,9 @@
 namespace manycontact::cli {
 
 struct ChartTruth {
-  VecX<Quad> a, f;           // as SceneData's
-  Eigen::VectorXd a_free;    // accelerations without contacts
-  std::vector<char> at_rest; // per robot: a all but vanishes, errors are relative to a_free
+  VecX<Quad> a, f;            // as SceneData's
+  Eigen::VectorXd a_free;     // accelerations without contacts
+  std::vector<char> at_rest;  // per robot: a all but vanishes, errors are relative to a_free
 
   // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island): the
   // unit vectors, or four random ones in each of q, v, u. first[k]: the first of q's, v's, u's; the last is one past.
@@ -23,9 +23,9 @@ struct ChartTruth {
     bool known = true, derivatives_known = true;
   };
   std::vector<OfIsland> islands;
-  int unknown = 0;           // islands whose truth is not known
+  int unknown = 0;  // islands whose truth is not known
   int unknown_derivatives = 0;
-  int sampled = 0;           // islands whose derivatives are sampled
+  int sampled = 0;  // islands whose derivatives are sampled
 };
 
 /// `data`: solved by sparse-ldl at the scene's state.

@@ -48,7 +48,8 @@ int run(const Command& command, const std::vector<std::string>& words) {
 }
 
 int dispatch(const std::vector<std::string>& words) {
-  const std::string hint = "usage: manycontact solve|inspect|chart|simulate|stability SCENE [options], manycontact --help";
+  const std::string hint =
+      "usage: manycontact solve|inspect|chart|simulate|stability SCENE [options], manycontact --help";
   if (words.empty()) return complain("a command is missing", hint, kExitUsage);
   if (words[0] == "--help" || words[0] == "-h" || words[0] == "--version") {
     if (words.size() > 1) return complain("nothing is expected after " + words[0], hint, kExitUsage);

@@ -33,7 +33,8 @@ Json times(const Solution& s) {
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
-Json island(const Scene& scene, const IslandData& d, const IslandReport& r, const std::vector<std::string>& force_names) {
+Json island(const Scene& scene, const IslandData& d, const IslandReport& r,
+            const std::vector<std::string>& force_names) {
   Json robots = Json::array(), dependent = Json::array();
   for (int k : d.island.robots) robots.push_back(scene.robots[k].name);
   for (int row : r.dependent_rows) dependent.push_back(force_names[row]);

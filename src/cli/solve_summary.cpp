@@ -111,11 +111,12 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
        "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) + " (relative)");
   line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
   if (std::isfinite(r.error_acceleration))
-    line("errors", (r.error_acceleration < 1 ? "at most " + scientific(r.error_acceleration) + " of the largest acceleration"
-                                             : "accelerations are rounding") +
-                       (r.nc == 0                 ? ""
-                        : r.error_forces < 1 ? ", at most " + scientific(r.error_forces) + " of the largest force"
-                                             : ", forces are rounding"));
+    line("errors",
+         (r.error_acceleration < 1 ? "at most " + scientific(r.error_acceleration) + " of the largest acceleration"
+                                   : "accelerations are rounding") +
+             (r.nc == 0            ? ""
+              : r.error_forces < 1 ? ", at most " + scientific(r.error_forces) + " of the largest force"
+                                   : ", forces are rounding"));
   line("time", times(s));
 }
 

@@ -28,8 +28,7 @@ struct Column {
   V3 e, lin, ang;
 
   Column(const Contact& contact, const ContactData<double>& data) : c(contact), d(data) {
-    if (c.type == ContactType::k6D)
-      Jlog = c.alpha != 0 ? Jlog6<double>(log6<double>(d.G)) : Mat6<double>::Zero();
+    if (c.type == ContactType::k6D) Jlog = c.alpha != 0 ? Jlog6<double>(log6<double>(d.G)) : Mat6<double>::Zero();
     e = d.G.R.transpose() * d.G.p;
     lin = d.nu.head<3>();
     ang = d.nu.tail<3>();

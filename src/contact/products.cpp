@@ -62,8 +62,8 @@ void contact_adjoint(const Contact& c, const ContactData<double>& d, const V6& u
           cross_force(uA, F) - cross_force(uB, F);
   if (turns(c)) {
     const V6 U = uA - uB;
-    xi.tail<3>() += F.head<3>().cross(U.head<3>()) + F.tail<3>().cross(U.tail<3>()) -
-                    N.head<3>().cross(d.x.head<3>()) - N.tail<3>().cross(d.x.tail<3>());
+    xi.tail<3>() += F.head<3>().cross(U.head<3>()) + F.tail<3>().cross(U.tail<3>()) - N.head<3>().cross(d.x.head<3>()) -
+                    N.tail<3>().cross(d.x.tail<3>());
   }
   a.xi += d.aMA.act_force(xi);
   a.u -= d.aMA.act_force(F);

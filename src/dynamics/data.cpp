@@ -9,7 +9,8 @@ namespace manycontact {
 RobotData::RobotData(const Model& model)
     : kin(model), Yc(model.njoints()), f(model.njoints()), M(model.M_begin[model.nv]), h(model.nv) {}
 
-SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts), v(Eigen::VectorXd::Zero(scene.nv)), tau(v), a(v) {
+SceneData::SceneData(const Scene& scene, const Options& opts)
+    : options(opts), v(Eigen::VectorXd::Zero(scene.nv)), tau(v), a(v) {
   robots.reserve(scene.robots.size());
   for (const Robot& robot : scene.robots) robots.emplace_back(*robot.model);
   contacts.reserve(scene.contacts.size());
@@ -40,13 +41,13 @@ void choose(const Scene& scene, SceneData& data, IslandData& island) {
   } else {
     island.chosen = island.safe;
     for (Order order : kOrders)
-      if (predicted_cost_ldl(*pattern(order)) < 0.9 * predicted_cost_ldl(*island.chosen)) island.chosen = pattern(order);
+      if (predicted_cost_ldl(*pattern(order)) < 0.9 * predicted_cost_ldl(*island.chosen))
+        island.chosen = pattern(order);
   }
   island.method = data.options.method;
   if (island.method == Method::kSparseSupernodal ||
       (island.method == Method::kAuto && sparse::supernodal_available() && island.island.nc > 0))
-    island.schur_pattern =
-        std::make_shared<const SchurPattern>(analyze_schur(scene, island.island, island.support));
+    island.schur_pattern = std::make_shared<const SchurPattern>(analyze_schur(scene, island.island, island.support));
   if (island.method == Method::kAuto) {
     island.method = Method::kSparseLdl;
     if (island.schur_pattern &&

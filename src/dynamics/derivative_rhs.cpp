@@ -26,7 +26,8 @@ void robot_columns(const Model& model, const RneaDerivatives& d, int o, int uo, 
     }
   }
   if (out.request.u)
-    for (int i = out.request.tau ? 0 : model.first_actuated(), k = uo; i < model.nv; ++i) X(o + i, out.u_first + k++) = 1;
+    for (int i = out.request.tau ? 0 : model.first_actuated(), k = uo; i < model.nv; ++i)
+      X(o + i, out.u_first + k++) = 1;
 }
 
 // -dr2 of one contact.
@@ -47,8 +48,8 @@ void contact_columns(const Contact& contact, const ContactData<double>& rows, co
 
 }  // namespace
 
-void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns, int oA,
-                   int oB, Eigen::Ref<Panel, 0, Eigen::OuterStride<>> X) {
+void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns,
+                   int oA, int oB, Eigen::Ref<Panel, 0, Eigen::OuterStride<>> X) {
   for (std::size_t k = 0; k < columns.size() && !d.chain_b.empty(); ++k) {
     const V6 dF = cross_force(rows.Jl.col(k), d.F);
     for (std::size_t j = 0; j < d.chain_b.size(); ++j) X(oB + d.chain_b[j], columns[k]) -= d.S_b.col(j).dot(dF);
@@ -91,7 +92,8 @@ void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& d, Is
     const Contact& contact = scene.contacts[c];
     const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
     const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
-    contact_columns(contact, dd.rows[c], dd.contacts[c], d.support.columns[k], oA, island.nv + island.row_offset[k], out);
+    contact_columns(contact, dd.rows[c], dd.contacts[c], d.support.columns[k], oA, island.nv + island.row_offset[k],
+                    out);
     if (out.request.q)
       force_columns(dd.rows[c], dd.contacts[c], d.support.columns[k], oA, oB,
                     out.X.block(0, out.q_first, island.nv, island.nv));

@@ -90,11 +90,12 @@ void differentiate_dense_schur(const Scene& scene, SceneData& data) {
   }
   Eigen::MatrixXd all(d.Kinv.rows(), cols);
   std::vector<IslandDerivatives::Panel> residuals;
-  // K^-1 times all right-hand sides, as Crocoddyl does; and again on what that leaves, where it lost digits: entries of K^-1
-  // may be far larger than the answer's.
+  // K^-1 times all right-hand sides, as Crocoddyl does; and again on what that leaves, where it lost digits: entries of
+  // K^-1 may be far larger than the answer's.
   double left = 1;
   for (int step = 0; step < 3 && left > kSmall; ++step) {
-    collect(scene, data, [&](std::size_t i) -> const auto& { return step == 0 ? rhs[i] : residuals[i]; }, all);
+    collect(
+        scene, data, [&](std::size_t i) -> const auto& { return step == 0 ? rhs[i] : residuals[i]; }, all);
     add_to_panels(scene, data, d.Kinv * all);
     left = find_residuals(data, rhs, residuals);
   }

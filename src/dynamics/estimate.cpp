@@ -33,8 +33,8 @@ Apply inverse(const Scene& scene, IslandData& d) {
 
 double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
 
-// What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about the
-// robot's base.
+// What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about
+// the robot's base.
 void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
   double motion = 0;  // of the bodies, accelerations and what velocities make of them
   for (int i = 0; i < model.njoints(); ++i)
@@ -48,8 +48,8 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
   }
 }
 
-// The same of a contact's rows, and what its J leaves in the rows of the coordinates: J's entries are as good as the motions
-// they are picked from.
+// The same of a contact's rows, and what its J leaves in the rows of the coordinates: J's entries are as good as the
+// motions they are picked from.
 void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
                       double f, double& of_row, std::vector<double>& w) {
   const double size = motion_size(c, d);
@@ -105,8 +105,9 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
     for (int k = 0; k < n; ++k) x[k] *= w[k];
   };
   constexpr double kSure = 3;  // the estimate is a lower bound, nearly always within this
-  return kSure * sparse::norm_1_estimate(
-      n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
+  return kSure *
+         sparse::norm_1_estimate(
+             n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
 }  // namespace

@@ -8,8 +8,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis, has none.
-// No pivot shows that: it may have nothing to cancel with.
+// A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis, has
+// none. No pivot shows that: it may have nothing to cancel with.
 void drop_rounding(const Model& model, RobotData& r) {
   constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
   for (int i = 0; i < model.nv; ++i) {

@@ -35,7 +35,8 @@ inline void begin_ldl(IslandData& d, IslandReport& report) {
 Reason solve_ldl(SceneData& data, IslandData& island, IslandReport& report);
 Reason solve_cholmod(IslandData& island, IslandReport& report);
 Reason solve_supernodal(const Scene& scene, IslandData& island, IslandReport& report);
-/// Drops rows of J that depend on others (damping 0), in leaf-to-root order; sets status and rank. kNone also when none does.
+/// Drops rows of J that depend on others (damping 0), in leaf-to-root order; sets status and rank. kNone also when none
+/// does.
 Reason solve_dependent(const Scene& scene, SceneData& data, IslandData& island, IslandReport& report);
 /// The oracle; sets status, rank and reason by itself.
 void solve_dense(const Scene& scene, const SceneData& data, IslandData& island, IslandReport& report);
@@ -49,10 +50,11 @@ void solve_with_factor(const Scene& scene, IslandData& island, double* x);
 void check_solved(const SceneData& data, const char* function);
 /// Terms of an island's derivatives, at the last solve: RNEA's and the contacts'.
 void derivative_terms(const Scene& scene, SceneData& data, const IslandData& island);
-/// Adds to -dr1/dq of an island (nv x nv) what a contact's force does beyond a force fixed to its bodies: B's half moves
-/// with A, and a world-aligned frame does not turn. columns: of the contact; oA, oB: first coordinates of its robots.
-void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns, int oA,
-                   int oB, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> X);
+/// Adds to -dr1/dq of an island (nv x nv) what a contact's force does beyond a force fixed to its bodies: B's half
+/// moves with A, and a world-aligned frame does not turn. columns: of the contact; oA, oB: first coordinates of its
+/// robots.
+void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns,
+                   int oA, int oB, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> X);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
 void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& island, IslandDerivatives& out);
 /// data.derivatives, with places for the islands at hand.
@@ -84,8 +86,8 @@ void name_dependent_rows(const SceneData& data, const Island& island, const Rows
 bool has_vanishing_row(const Scene& scene, const SceneData& data, const IslandData& island);
 /// residual_dynamics and residual_contact from a system's r and scale.
 void report_residuals(const Scene& scene, const KktSystem& system, IslandReport& report);
-/// Contradiction, by the definition of design: |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms. Where contacts hold
-/// everything all of these are rounding of the terms of `size` (drift_size): that is no contradiction.
+/// Contradiction, by the definition of design: |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms. Where contacts
+/// hold everything all of these are rounding of the terms of `size` (drift_size): that is no contradiction.
 inline bool contradictory(double left, double Ja, double a0, double size) {
   return left > 1e-8 * (Ja + a0) && left > 1e-13 * size;
 }
@@ -103,7 +105,8 @@ inline double drift_size(const Scene& scene, const SceneData& data, const Island
 /// The largest of the contacts' motion_size (contact/rows.hpp).
 inline double motion_size(const Scene& scene, const SceneData& data, const Island& island) {
   double largest = 0;
-  for (int c : island.contacts) largest = std::max(largest, manycontact::motion_size(scene.contacts[c], data.contacts[c]));
+  for (int c : island.contacts)
+    largest = std::max(largest, manycontact::motion_size(scene.contacts[c], data.contacts[c]));
   return largest;
 }
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand.

@@ -40,7 +40,8 @@ void jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& 
     const ContactSupport& support = data.supports[island.contacts[c]];
     const ContactData<double>& rows = data.derivatives->rows[island.contacts[c]];
     const ContactDerivatives& terms = data.derivatives->contacts[island.contacts[c]];
-    const int a = local_robot(island, contact.A.robot), b = contact.B.robot < 0 ? -1 : local_robot(island, contact.B.robot);
+    const int a = local_robot(island, contact.A.robot),
+              b = contact.B.robot < 0 ? -1 : local_robot(island, contact.B.robot);
     V6 vB = V6::Zero(), nu = V6::Zero();
     if (b >= 0 && contact.B.joint >= 0) vB = rows.bMA.act_inverse(w.kin[b].v[contact.B.joint]);
     int k = 0;
@@ -91,8 +92,8 @@ void least_norm_forces(const Scene& scene, SceneData& data, IslandData& d, Depen
 
 void add_contradiction(const Scene& scene, SceneData& data, IslandData& d, DependentDerivatives& w,
                        IslandDerivatives& out) {
-  // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is what
-  // a force rho would add to -dr1.
+  // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is
+  // what a force rho would add to -dr1.
   const DerivativeData& dd = *data.derivatives;
   IslandDerivatives& rho = w.with_rho;
   if (rho.X.rows() != d.island.size()) lay_out(scene, d.island, {true, false, false, false}, rho);

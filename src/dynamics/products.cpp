@@ -14,8 +14,8 @@ ProductData::ProductData(const Scene& scene, const std::vector<ContactSupport>& 
   for (const Robot& r : scene.robots) {
     const int n = r.model->njoints();
     const std::vector<Vec6<double>> zeros(n, zero);
-    robots.push_back({std::vector<BodyVariation>(n), zeros, zeros, zeros, zeros, zeros,
-                      std::vector<double>(r.model->nv)});
+    robots.push_back(
+        {std::vector<BodyVariation>(n), zeros, zeros, zeros, zeros, zeros, std::vector<double>(r.model->nv)});
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) rows.emplace_back(scene.contacts[c], supports[c]);
 }
@@ -133,8 +133,8 @@ void pull_back_island(const Scene& scene, SceneData& data, const IslandData& d, 
     const auto u = [&](const Attachment& at) {
       return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
     };
-    contact_adjoint(contact, pd.rows[c], u(contact.A), u(contact.B), data.f.segment(data.f_offset[c], contact.rows()), l,
-                    of(contact.A), of(contact.B));
+    contact_adjoint(contact, pd.rows[c], u(contact.A), u(contact.B), data.f.segment(data.f_offset[c], contact.rows()),
+                    l, of(contact.A), of(contact.B));
   }
   for (int r : d.island.robots) {
     const Robot& robot = scene.robots[r];

@@ -40,8 +40,7 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
         !tau.segment(robot.idx_v, model.nv).allFinite())
       return Reason::kNotFinite;
     for (const Joint& joint : model.joints)
-      if (joint.type == JointType::kFloating &&
-          std::abs(q.segment<4>(robot.idx_q + joint.idx_q + 3).norm() - 1) > 1e-6)
+      if (joint.type == JointType::kFloating && std::abs(q.segment<4>(robot.idx_q + joint.idx_q + 3).norm() - 1) > 1e-6)
         return Reason::kBadQuaternion;
   }
   return Reason::kNone;

@@ -25,9 +25,10 @@ void gather(const Scene& scene, const IslandData& d, DenseKkt<double>& kkt) {
   }
 }
 
-bool contradictory(double size, const DenseKkt<double>& kkt, const Eigen::MatrixXd& a, const Eigen::MatrixXd& minus_a0) {
-  return internal::contradictory((kkt.J * a - minus_a0).cwiseAbs().maxCoeff(), (kkt.J.cwiseAbs() * a.cwiseAbs()).maxCoeff(),
-                       minus_a0.cwiseAbs().maxCoeff(), size);
+bool contradictory(double size, const DenseKkt<double>& kkt, const Eigen::MatrixXd& a,
+                   const Eigen::MatrixXd& minus_a0) {
+  return internal::contradictory((kkt.J * a - minus_a0).cwiseAbs().maxCoeff(),
+                                 (kkt.J.cwiseAbs() * a.cwiseAbs()).maxCoeff(), minus_a0.cwiseAbs().maxCoeff(), size);
 }
 
 }  // namespace
@@ -62,7 +63,8 @@ void solve_dense(const Scene& scene, const SceneData& data, IslandData& d, Islan
   if (kkt.rank == nc || kkt.delta > 0) return;
   const auto& order = kkt.cod.colsPermutation().indices();
   name_dependent_rows(data, d.island, order.tail(nc - kkt.rank), report);
-  report.status = contradictory(drift_size(scene, data, d.island), kkt, a, b2) ? Status::kInconsistent : Status::kRedundant;
+  report.status =
+      contradictory(drift_size(scene, data, d.island), kkt, a, b2) ? Status::kInconsistent : Status::kRedundant;
 }
 
 }  // namespace manycontact::internal

@@ -125,9 +125,9 @@ void solve_dense_schur(const Scene& scene, SceneData& data) {
         island.factor = Factor::kDenseSchur;
         continue;
       }
-      report.reason = vanishing                                  ? Reason::kSmallPivot
+      report.reason = vanishing                                 ? Reason::kSmallPivot
                       : std::isfinite(report.residual_dynamics) ? Reason::kLargeResidual
-                                                                 : Reason::kNotFinite;
+                                                                : Reason::kNotFinite;
     }
     report.status = Status::kFailed;
     std::fill(island.system.x.begin(), island.system.x.end(), std::numeric_limits<double>::quiet_NaN());

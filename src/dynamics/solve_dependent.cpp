@@ -11,8 +11,8 @@ namespace {
 // does not point elsewhere). Whether it does in truth, J's rows themselves tell, far more sharply: what is left of them
 // must be rounding; in between, the oracle decides.
 constexpr double kRowLeft = 1e-13;
-// Rows kept that are much smaller than those dropped make the projector lose more digits than the condition explains: 30^2 eps
-// is what a value is allowed at the least. Beyond, the oracle answers.
+// Rows kept that are much smaller than those dropped make the projector lose more digits than the condition explains:
+// 30^2 eps is what a value is allowed at the least. Beyond, the oracle answers.
 constexpr double kLargestEntry = 30;
 
 // The contacts' rows of the system as it was, and whether they contradict each other; after the solve of the projected
@@ -39,8 +39,8 @@ Reason solve_dependent(const Scene& scene, SceneData& data, IslandData& d, Islan
   const KktPattern& p = *s.pattern;
   begin_ldl(d, report);
   const double size = motion_size(scene, data, d.island);
-  const int done = sparse::ldl_factor_dependent(p.K, p.ldl, s.Kx.data(), p.nv, kSmallestPivotRatio, kRankTolerance * size,
-                                                data.ldl_work, d.Lx.data(), d.D.data(), d.rows);
+  const int done = sparse::ldl_factor_dependent(p.K, p.ldl, s.Kx.data(), p.nv, kSmallestPivotRatio,
+                                                kRankTolerance * size, data.ldl_work, d.Lx.data(), d.D.data(), d.rows);
   if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   sparse::find_null_space(p.K, p.ldl, s.Kx.data(), p.nv, size, d.Lx.data(), d.D.data(), d.rows);
   if (!(d.rows.largest_residual <= kRowLeft && d.rows.largest_entry <= kLargestEntry)) return Reason::kSmallPivot;

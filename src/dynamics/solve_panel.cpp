@@ -9,8 +9,8 @@ namespace {
 using Panel = IslandDerivatives::Panel;
 using PanelRef = Eigen::Ref<Panel>;
 
-// Above this backward error of an unrefined solve, derivatives are refined once too: below it they stay within a quarter
-// of the 1000 eps cond(K) they are allowed.
+// Above this backward error of an unrefined solve, derivatives are refined once too: below it they stay within a
+// quarter of the 1000 eps cond(K) they are allowed.
 constexpr double kRefineAbove = 5e-14;
 
 // Rows (in elimination order) of a robot, and of everything its coordinates act on.
@@ -128,8 +128,8 @@ void solve_panel(const Scene& scene, SceneData& data, IslandData& d, IslandDeriv
   solve_once(scene, data, d, out, out.X);
   if (!refine) return;
   const KktPattern& p = *d.system.pattern;
-  sparse::residual_panel(p.K, d.system.Kx.data(), p.perm.data(), out.X.data(), R.data(),
-                         static_cast<int>(out.X.cols()), out.cols);
+  sparse::residual_panel(p.K, d.system.Kx.data(), p.perm.data(), out.X.data(), R.data(), static_cast<int>(out.X.cols()),
+                         out.cols);
   const bool one_robot = d.island.robots.size() == 1 || d.factor != Factor::kLdl;
   if (one_robot) {
     solve_once(scene, data, d, out, R);

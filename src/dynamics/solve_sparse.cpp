@@ -38,8 +38,7 @@ Reason solve_ldl(SceneData& data, IslandData& d, IslandReport& report) {
   begin_ldl(d, report);
   if (sparse::ldl_factor(p.K, p.ldl, s.Kx.data(), data.ldl_work, d.Lx.data(), d.D.data()) != p.size())
     return Reason::kZeroPivot;
-  const double ratio =
-      sparse::smallest_pivot_ratio(p.K, p.ldl, s.Kx.data(), d.Lx.data(), d.D.data(), s.scale.data());
+  const double ratio = sparse::smallest_pivot_ratio(p.K, p.ldl, s.Kx.data(), d.Lx.data(), d.D.data(), s.scale.data());
   if (const Reason reason = judge(p, d.D.data(), ratio); reason != Reason::kNone) return reason;
   d.factor = Factor::kLdl;
   return solve_refined(d, report, [&](double* x) { sparse::ldl_solve(p.ldl, d.Lx.data(), d.D.data(), x); });

@@ -48,7 +48,8 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
     const Contact& contact = scene.contacts[c];
     const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
     const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
-    internal::force_columns(data.derivatives->rows[c], data.derivatives->contacts[c], d.support.columns[k], oA, oB, out);
+    internal::force_columns(data.derivatives->rows[c], data.derivatives->contacts[c], d.support.columns[k], oA, oB,
+                            out);
   }
   out *= -1;
 }

@@ -59,16 +59,15 @@ class ContactReader {
   // ---- reading an element
 
   ContactElement read(const Element& e) {
-    e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to",
-                        "to_offset", "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active",
-                        "wrap"});
+    e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
+                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap"});
     e.allow_children({});
     ContactElement c;
     c.contact.name = e.required("name");
     if (c.contact.name.empty()) e.where("name").fail("name of <contact> is empty, expected a name");
     c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "6d"}, -1));
-    c.contact.reference_frame = static_cast<ReferenceFrame>(
-        e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
+    c.contact.reference_frame =
+        static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
     c.contact.active = e.choice("active", {"false", "true"}, 1) == 1;
     if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
     read_axis(e, c.contact);
@@ -86,8 +85,7 @@ class ContactReader {
     const auto axis = e.numbers<3>("axis");
     if (!axis) return;
     if (contact.type != ContactType::k1D)
-      e.where("axis").fail("a " + e.required("type") +
-                           " contact has an axis, expected one with type 1d only");
+      e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d only");
     contact.axis = Vec3<double>(axis->data());
     const double norm = contact.axis.stableNorm();
     if (norm < 1e-9) e.where("axis").fail("axis of <contact> is zero, expected a direction");
@@ -113,12 +111,10 @@ class ContactReader {
   void read_target(const Element& e, ContactElement& c) {
     c.to_robot = e.has("to");
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
-      if (!c.to_robot && e.has(a))
-        e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+      if (!c.to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
     for (const char* a : {"xyz", "quat_xyzw"})
       if (c.to_robot && e.has(a))
-        e.where(a).fail(e.label(a) +
-                        " places a contact in the world, expected it without 'to', or to_offset");
+        e.where(a).fail(e.label(a) + " places a contact in the world, expected it without 'to', or to_offset");
     c.position_given = read_offset(e, c.to_robot ? "to_offset" : "xyz", c.B_offset.p);
     c.orientation_given = read_quaternion(e, c.to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
     c.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
@@ -142,21 +138,19 @@ class ContactReader {
     const std::string text = e.required(attribute);
     const Where here = e.where(attribute);
     const std::size_t slash = text.find('/');
-    if (slash == std::string::npos)
-      here.fail(e.label(attribute) + " is " + quote(text) + ", expected robot/link");
+    if (slash == std::string::npos) here.fail(e.label(attribute) + " is " + quote(text) + ", expected robot/link");
     const std::string robot = text.substr(0, slash);
     End end;
     end.frame_name = text.substr(slash + 1);
-    if (!find_robot(robot, end) && !find_shifted(here, robot, end))
-      fail_unknown_robot(here, e.label(attribute), robot);
+    if (!find_robot(robot, end) && !find_shifted(here, robot, end)) fail_unknown_robot(here, e.label(attribute), robot);
     const Model& model = *out_.scene.robots[end.first].model;
     const auto& frames = frames_of(model);
     const auto found = frames.find(end.frame_name);
     if (found == frames.end()) {
       std::vector<std::string> known;
       for (const Frame& f : model.frames) known.push_back(f.name);
-      here.fail(e.label(attribute) + ": robot " + quote(robot) + " has no frame " + quote(end.frame_name) +
-                ", " + suggestion(end.frame_name, known));
+      here.fail(e.label(attribute) + ": robot " + quote(robot) + " has no frame " + quote(end.frame_name) + ", " +
+                suggestion(end.frame_name, known));
     }
     end.frame = model.frames[found->second];
     return end;
@@ -192,8 +186,7 @@ class ContactReader {
     return true;
   }
 
-  [[noreturn]] void fail_unknown_robot(const Where& here, const std::string& what,
-                                       const std::string& name) const {
+  [[noreturn]] void fail_unknown_robot(const Where& here, const std::string& what, const std::string& name) const {
     std::vector<std::string> known;
     for (const RobotGroup& g : out_.robot_groups) known.push_back(g.name);
     here.fail(what + ": there is no robot " + quote(name) + ", " + suggestion(name, known));
@@ -202,8 +195,7 @@ class ContactReader {
   const std::unordered_map<std::string, int>& frames_of(const Model& model) {
     auto& frames = frames_[&model];
     if (frames.empty())
-      for (std::size_t i = 0; i < model.frames.size(); ++i)
-        frames.emplace(model.frames[i].name, static_cast<int>(i));
+      for (std::size_t i = 0; i < model.frames.size(); ++i) frames.emplace(model.frames[i].name, static_cast<int>(i));
     return frames;
   }
 
@@ -225,8 +217,7 @@ class ContactReader {
       contact.B = {-1, -1, base * contact.B.placement};
     }
     if (out_.scene.contact_index.count(contact.name))
-      e.where("name").fail("a contact named " + quote(contact.name) +
-                           " exists already, expected names used once");
+      e.where("name").fail("a contact named " + quote(contact.name) + " exists already, expected names used once");
     if (!c.position_given || !c.orientation_given)
       resolve_reference(out_.scene, out_.q, !c.position_given, !c.orientation_given, contact);
     try {
@@ -241,11 +232,10 @@ class ContactReader {
     const std::string robot = quote(out_.scene.robots[A.robot].name);
     const std::string name = "contact " + quote(contact.name);
     if (B.robot == A.robot && c.A.frame_name == c.B.frame_name)
-      e.fail(name + " ties frame " + quote(c.A.frame_name) + " of robot " + robot +
-             " to itself, expected two frames");
+      e.fail(name + " ties frame " + quote(c.A.frame_name) + " of robot " + robot + " to itself, expected two frames");
     if (B.robot == A.robot && A.joint == B.joint)
-      e.fail(name + " ties frames " + quote(c.A.frame_name) + " and " + quote(c.B.frame_name) + " of robot " +
-             robot + ", which are on one body, expected two bodies");
+      e.fail(name + " ties frames " + quote(c.A.frame_name) + " and " + quote(c.B.frame_name) + " of robot " + robot +
+             ", which are on one body, expected two bodies");
     if (A.joint < 0 && B.joint < 0)
       e.fail(name + " holds frame " + quote(c.A.frame_name) + " of robot " + robot +
              ", which cannot move, to the world, expected a frame that moves");

@@ -22,8 +22,7 @@ SceneFile load_scene(const std::string& path) {
   if (const auto g = root.numbers<3>("gravity")) out.scene.gravity = Vec3<double>(g->data());
   out.scene.damping = root.number("damping", 0);
   if (out.scene.damping < 0)
-    root.where("damping").fail("damping of <scene> is " + io::show(out.scene.damping) +
-                               ", expected 0 or more");
+    root.where("damping").fail("damping of <scene> is " + io::show(out.scene.damping) + ", expected 0 or more");
 
   std::vector<int> gravity_groups;
   io::add_robots(root, out, gravity_groups);

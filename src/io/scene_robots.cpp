@@ -38,8 +38,7 @@ void read_name(const Element& e, RobotGroup& group) {
     const std::string text = e.required("copies");
     group.count = parse_count(text);
     if (group.count < 1 || group.count > kMostCopies)
-      e.where("copies").fail("copies of <robot> is " + quote(text) +
-                             ", expected a whole number from 1 to 1000000");
+      e.where("copies").fail("copies of <robot> is " + quote(text) + ", expected a whole number from 1 to 1000000");
   }
   for (const char* a : {"arrange", "spacing"})
     if (e.has(a) && !group.copied)
@@ -71,8 +70,7 @@ void read_options(const Element& e, RobotElement& robot) {
 }  // namespace
 
 RobotElement read_robot(const Element& e, const std::string& scene_folder) {
-  e.allow_attributes(
-      {"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "u", "copies", "arrange", "spacing"});
+  e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "u", "copies", "arrange", "spacing"});
   e.allow_children({"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
@@ -93,8 +91,7 @@ RobotElement read_robot(const Element& e, const std::string& scene_folder) {
     if (e.child("u")) here.fail("u=\"gravity\" and <u> both give the torques, expected one of them");
     for (const auto& [name, joint] : robot.joints)
       if (joint.has("u"))
-        here.fail("u=\"gravity\" and u of joint " + quote(name) +
-                  " both give the torques, expected one of them");
+        here.fail("u=\"gravity\" and u of joint " + quote(name) + " both give the torques, expected one of them");
   }
   return robot;
 }
@@ -104,22 +101,19 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
   std::error_code failed;
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
   std::string key = failed ? robot.group.urdf : canonical.string();
-  key +=
-      std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") + show(o.armature);
+  key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") + show(o.armature);
   for (const auto& [name, values] : o.joint_armature) {
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);
   }
-  for (const auto& [name, at] : o.locked)
-    key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
+  for (const auto& [name, at] : o.locked) key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
   std::shared_ptr<const Model>& model = models_[key];
   if (model) return model;
 
   const Element& e = robot.element;
   const std::string problem = file_problem(robot.group.urdf);
   if (!problem.empty())
-    e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem +
-                         ", expected a URDF file");
+    e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
   try {
     model = std::make_shared<const Model>(load_urdf(robot.group.urdf, o));
   } catch (const UrdfOptionError& error) {
@@ -179,8 +173,7 @@ struct Growing {
   }
 };
 
-void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& model, SceneFile& out,
-                Growing& all) {
+void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& model, SceneFile& out, Growing& all) {
   const Element& e = robot.element;
   const RobotGroup& group = robot.group;
   const double room = std::numeric_limits<int>::max() - static_cast<double>(out.scene.nq);
@@ -234,8 +227,7 @@ void add_robots(const Element& scene, SceneFile& out, std::vector<int>& gravity_
     if (group.copied && out.scene.robot_index.count(group.name)) {
       Where here = scene.where();
       here.line = group.line;
-      here.fail("the copied robot " + quote(group.name) +
-                " has the name of another robot, expected names used once");
+      here.fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
     }
   out.q = Growing::done(all.q);
   out.v = Growing::done(all.v);

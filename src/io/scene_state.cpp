@@ -30,10 +30,8 @@ struct Quantity {
   int (*begin)(const Model&, const Joint&);
 };
 
-const Quantity kQ{"q", [](const Joint& j) { return j.nq(); },
-                  [](const Model&, const Joint& j) { return j.idx_q; }};
-const Quantity kV{"v", [](const Joint& j) { return j.nv(); },
-                  [](const Model&, const Joint& j) { return j.idx_v; }};
+const Quantity kQ{"q", [](const Joint& j) { return j.nq(); }, [](const Model&, const Joint& j) { return j.idx_q; }};
+const Quantity kV{"v", [](const Joint& j) { return j.nv(); }, [](const Model&, const Joint& j) { return j.idx_v; }};
 const Quantity kU{"u", [](const Joint& j) { return j.nv(); },
                   [](const Model& m, const Joint& j) { return j.idx_v - m.first_actuated(); }};
 
@@ -53,8 +51,7 @@ class StateReader {
     const Element& e = robot_.element;
     if (!model_.floating_base || (!e.has("xyz") && !e.has("rpy"))) return state;
     const char* placed = e.has("xyz") ? "xyz" : "rpy";
-    if (base_given)
-      e.where(placed).fail(e.label(placed) + " and q both place the floating base, expected one of them");
+    if (base_given) e.where(placed).fail(e.label(placed) + " and q both place the floating base, expected one of them");
     const SE3<double> base = read_base(e);
     state.q.head<3>() = base.p;
     state.q.segment<4>(3) = quaternion_of_rotation<double>(base.R);
@@ -82,8 +79,7 @@ class StateReader {
     const auto whole = robot_.element.child(what.letter);
     if (whole) {
       const std::string label = std::string("<") + what.letter + "> of robot " + quote(robot_.group.name);
-      const auto values =
-          parse_numbers(whole->where(), label, whole->text(), static_cast<std::size_t>(x.size()));
+      const auto values = parse_numbers(whole->where(), label, whole->text(), static_cast<std::size_t>(x.size()));
       x = Eigen::Map<const Eigen::VectorXd>(values.data(), x.size());
     }
     bool base_given = whole && floating;
@@ -114,8 +110,7 @@ class StateReader {
       if (const auto whole = robot_.element.child("q")) here = whole->where();
       const auto own = robot_.joints.find(j.name);
       if (own != robot_.joints.end() && own->second.has("q")) here = own->second.where("q");
-      const std::string what =
-          "the quaternion of joint " + quote(j.name) + " of robot " + quote(robot_.group.name);
+      const std::string what = "the quaternion of joint " + quote(j.name) + " of robot " + quote(robot_.group.name);
       normalise_quaternion(here, what, q.segment<4>(j.idx_q + 3));
     }
   }
@@ -127,8 +122,6 @@ class StateReader {
 
 }  // namespace
 
-RobotState read_state(const RobotElement& robot, const Model& model) {
-  return StateReader(robot, model).read();
-}
+RobotState read_state(const RobotElement& robot, const Model& model) { return StateReader(robot, model).read(); }
 
 }  // namespace manycontact::io

@@ -105,8 +105,8 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
                                   std::size_t count) {
   std::vector<double> out = parse_numbers(where, what, text);
   if (out.size() != count)
-    where.fail(what + " has " + std::to_string(out.size()) + " number" + (out.size() == 1 ? "" : "s") +
-               ", expected " + std::to_string(count));
+    where.fail(what + " has " + std::to_string(out.size()) + " number" + (out.size() == 1 ? "" : "s") + ", expected " +
+               std::to_string(count));
   return out;
 }
 
@@ -152,8 +152,7 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
     const std::size_t d = distance(name, k);
     if (!best || d < least) best = &k, least = d;
   }
-  return best ? "did you mean " + quote(*best) + "?"
-              : "expected one of " + std::to_string(known.size()) + " names";
+  return best ? "did you mean " + quote(*best) + "?" : "expected one of " + std::to_string(known.size()) + " names";
 }
 
 }  // namespace manycontact::io

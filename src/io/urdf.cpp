@@ -43,16 +43,14 @@ urdf::ModelInterfaceSharedPtr parse(io::XmlFile& file, const UrdfLines& lines) {
   } catch (const std::exception& e) {
     reason = std::string(" (") + e.what() + ")";
   }
-  if (!robot)
-    throw InputError(file.path(), lines.robot, "urdfdom refuses the robot" + reason + ", expected URDF 1.0");
+  if (!robot) throw InputError(file.path(), lines.robot, "urdfdom refuses the robot" + reason + ", expected URDF 1.0");
   return robot;
 }
 
 SE3<double> placement_of(const urdf::Pose& pose) {
   double x, y, z, w;
   pose.rotation.getQuaternion(x, y, z, w);
-  return {rotation_of_quaternion(x, y, z, w),
-          Vec3<double>(pose.position.x, pose.position.y, pose.position.z)};
+  return {rotation_of_quaternion(x, y, z, w), Vec3<double>(pose.position.x, pose.position.y, pose.position.z)};
 }
 
 Inertia<double> inertia_of(const urdf::Inertial& i) {
@@ -70,8 +68,7 @@ Vec3<double> axis_of(const urdf::Joint& joint) {
 // The smallest rotation that takes z to the unit vector a (about x when a = -z).
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
   const double s2 = a.x() * a.x() + a.y() * a.y();
-  if (s2 == 0)
-    return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
+  if (s2 == 0) return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
   const Vec3<double> v(-a.y(), a.x(), 0);  // z x a
   const double k = a.z() > 0 ? 1 / (1 + a.z()) : (1 - a.z()) / s2;
   const Mat3<double> V = skew<double>(v);
@@ -226,8 +223,7 @@ class Builder {
     const Inertia<double>& Y = model_.joints[i].inertia;
     const std::string& link = body_link_[i];
     const auto refuse = [&](const std::string& what) {
-      throw InputError(path_, lines_.link.at(link),
-                       "link " + quote(link) + " and what is merged into it have " + what);
+      throw InputError(path_, lines_.link.at(link), "link " + quote(link) + " and what is merged into it have " + what);
     };
     if (!std::isfinite(Y.m) || !Y.h.allFinite() || !Y.I.allFinite())
       refuse("an inertia too large to compute with, expected finite numbers");
@@ -255,25 +251,21 @@ class Builder {
       const auto found = robot_.joints_.find(name);
       if (found == robot_.joints_.end())
         throw UrdfOptionError(
-            name, true,
-            "the robot has no joint " + quote(name) + " to lock, " + io::suggestion(name, joint_names()));
+            name, true, "the robot has no joint " + quote(name) + " to lock, " + io::suggestion(name, joint_names()));
       const auto type = found->second->type;
       if (type == urdf::Joint::FIXED)
-        throw UrdfOptionError(name, true,
-                              "joint " + quote(name) + " is fixed, expected one that moves, to lock");
+        throw UrdfOptionError(name, true, "joint " + quote(name) + " is fixed, expected one that moves, to lock");
       if (type == urdf::Joint::FLOATING || type == urdf::Joint::PLANAR)
-        throw UrdfOptionError(
-            name, true, "joint " + quote(name) + " has several coordinates, expected one with one, to lock");
-      if (!std::isfinite(position))
         throw UrdfOptionError(name, true,
-                              "joint " + quote(name) + " is locked at no finite position, expected one");
+                              "joint " + quote(name) + " has several coordinates, expected one with one, to lock");
+      if (!std::isfinite(position))
+        throw UrdfOptionError(name, true, "joint " + quote(name) + " is locked at no finite position, expected one");
     }
   }
 
   void set_armature() {
     const auto sound = [](double a) { return std::isfinite(a) && a >= 0; };
-    if (!sound(options_.armature))
-      throw UrdfOptionError("", false, "the armature is negative, expected 0 or more");
+    if (!sound(options_.armature)) throw UrdfOptionError("", false, "the armature is negative, expected 0 or more");
     model_.armature.setConstant(options_.armature);
     if (model_.floating_base) model_.armature.head<6>().setZero();
     for (const auto& [name, values] : options_.joint_armature) {
@@ -282,15 +274,13 @@ class Builder {
       const Joint& joint = model_.joints[i];
       if (values.size() != 1 && values.size() != static_cast<std::size_t>(joint.nv()))
         throw UrdfOptionError(name, false,
-                              "the armature of joint " + quote(name) + " has " +
-                                  std::to_string(values.size()) + " numbers, expected 1" +
-                                  (joint.nv() > 1 ? " or " + std::to_string(joint.nv()) : ""));
+                              "the armature of joint " + quote(name) + " has " + std::to_string(values.size()) +
+                                  " numbers, expected 1" + (joint.nv() > 1 ? " or " + std::to_string(joint.nv()) : ""));
       for (int k = 0; k < joint.nv(); ++k) {
         const double a = values[values.size() == 1 ? 0 : static_cast<std::size_t>(k)];
         if (!sound(a))
-          throw UrdfOptionError(
-              name, false,
-              "the armature of joint " + quote(name) + " is " + io::show(a) + ", expected 0 or more");
+          throw UrdfOptionError(name, false,
+                                "the armature of joint " + quote(name) + " is " + io::show(a) + ", expected 0 or more");
         model_.armature[joint.idx_v + k] = a;
       }
     }

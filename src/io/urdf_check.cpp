@@ -10,8 +10,7 @@ namespace {
 
 void check_number(const Element& e, const char* attribute) { (void)e.required_number(attribute); }
 
-void check_optional_numbers(const Element& parent, const char* child,
-                            std::initializer_list<const char*> attributes) {
+void check_optional_numbers(const Element& parent, const char* child, std::initializer_list<const char*> attributes) {
   if (const auto e = parent.child(child))
     for (const char* a : attributes) (void)e->number(a, 0);
 }
@@ -35,8 +34,8 @@ std::string check_name(const Element& e, std::unordered_map<std::string, int>& l
   if (name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
   const auto [at, is_new] = lines.emplace(name, e.line());
   if (!is_new)
-    e.where("name").fail(e.name() + " " + quote(name) + " exists already on line " +
-                         std::to_string(at->second) + ", expected names used once");
+    e.where("name").fail(e.name() + " " + quote(name) + " exists already on line " + std::to_string(at->second) +
+                         ", expected names used once");
   return name;
 }
 
@@ -56,8 +55,7 @@ void check_axis(const Element& joint) {
   if (!axis->has("xyz")) axis->fail("<axis> has no attribute 'xyz', expected one");
   const auto xyz = *axis->numbers<3>("xyz");
   if (std::hypot(xyz[0], xyz[1], xyz[2]) < 1e-9)
-    axis->where("xyz").fail("the axis of joint " + quote(joint.required("name")) +
-                            " is zero, expected a direction");
+    axis->where("xyz").fail("the axis of joint " + quote(joint.required("name")) + " is zero, expected a direction");
 }
 
 void check_limit(const Element& joint, bool needed) {
@@ -76,8 +74,8 @@ std::string check_end(const Element& joint, const char* end, const UrdfLines& li
     std::vector<std::string> known;
     for (const auto& [name, line] : lines.link) known.push_back(name);
     std::sort(known.begin(), known.end());
-    e.where("link").fail("the " + std::string(end) + " of " + owner + " is an unknown link " + quote(link) +
-                         ", " + suggestion(link, known));
+    e.where("link").fail("the " + std::string(end) + " of " + owner + " is an unknown link " + quote(link) + ", " +
+                         suggestion(link, known));
   }
   return link;
 }
@@ -90,8 +88,7 @@ struct Edge {
 Edge check_joint(const Element& joint, UrdfLines& lines) {
   const std::string name = check_name(joint, lines.joint);
   enum { kRevolute, kPrismatic, kContinuous, kPlanar, kFixed, kFloating };
-  const int type =
-      joint.choice("type", {"revolute", "prismatic", "continuous", "planar", "fixed", "floating"}, -1);
+  const int type = joint.choice("type", {"revolute", "prismatic", "continuous", "planar", "fixed", "floating"}, -1);
   check_origin(joint);
   if (type <= kPlanar) check_axis(joint);
   if (type <= kContinuous) check_limit(joint, type != kContinuous);
@@ -125,8 +122,7 @@ void check_tree(const Element& robot, const UrdfLines& lines, const std::vector<
         Where here = robot.where();
         here.line = lines.link.at(at);
         if (!root.empty())
-          here.fail("link " + quote(at) + " has no parent, nor has link " + quote(root) +
-                    ", expected one root");
+          here.fail("link " + quote(at) + " has no parent, nor has link " + quote(root) + ", expected one root");
         root = at;
         break;
       }

@@ -11,9 +11,7 @@ Where Element::where(const char* attribute) const {
   return {file_, a ? a->GetLineNum() : line()};
 }
 
-std::string Element::label(const char* attribute) const {
-  return std::string(attribute) + " of <" + name() + ">";
-}
+std::string Element::label(const char* attribute) const { return std::string(attribute) + " of <" + name() + ">"; }
 
 namespace {
 
@@ -31,8 +29,8 @@ std::string expected(const char* name, std::initializer_list<const char*> known)
 void Element::allow_attributes(std::initializer_list<const char*> known) const {
   for (const auto* a = element_->FirstAttribute(); a; a = a->Next())
     if (!among(a->Name(), known))
-      Where{file_, a->GetLineNum()}.fail("<" + name() + "> has an unknown attribute " + quote(a->Name()) +
-                                         ", " + expected(a->Name(), known));
+      Where{file_, a->GetLineNum()}.fail("<" + name() + "> has an unknown attribute " + quote(a->Name()) + ", " +
+                                         expected(a->Name(), known));
 }
 
 void Element::allow_children(std::initializer_list<const char*> known) const {
@@ -40,8 +38,7 @@ void Element::allow_children(std::initializer_list<const char*> known) const {
     const Where here{file_, node->GetLineNum()};
     if (const auto* e = node->ToElement()) {
       if (!among(e->Name(), known))
-        here.fail("<" + name() + "> holds an unknown element <" + e->Name() + ">, " +
-                  expected(e->Name(), known));
+        here.fail("<" + name() + "> holds an unknown element <" + e->Name() + ">, " + expected(e->Name(), known));
     } else if (node->ToText() && !words(node->Value()).empty()) {
       here.fail("<" + name() + "> holds the text " + quote(node->Value()) + ", expected elements only");
     }
@@ -128,12 +125,10 @@ XmlFile::XmlFile(std::string path, const std::string& text, const char* root_nam
   const tinyxml2::XMLElement* root = document_.RootElement();
   if (!root) throw InputError(path_, 1, "has no element, " + wanted);
   if (std::strcmp(root->Name(), root_name) != 0)
-    throw InputError(path_, root->GetLineNum(),
-                     "has the root element <" + std::string(root->Name()) + ">, " + wanted);
+    throw InputError(path_, root->GetLineNum(), "has the root element <" + std::string(root->Name()) + ">, " + wanted);
   for (const auto* node = document_.FirstChild(); node; node = node->NextSibling())
     if (node->ToElement() && node != root)
-      throw InputError(path_, node->GetLineNum(),
-                       "goes on outside <" + std::string(root_name) + ">, " + wanted);
+      throw InputError(path_, node->GetLineNum(), "goes on outside <" + std::string(root_name) + ">, " + wanted);
 }
 
 }  // namespace manycontact::io

@@ -11,9 +11,12 @@ namespace manycontact {
 
 std::string to_string(Order order) {
   switch (order) {
-    case Order::kLeafToRoot: return "leaf-to-root";
-    case Order::kContactsEarly: return "contacts-early";
-    case Order::kCamd: return "camd";
+    case Order::kLeafToRoot:
+      return "leaf-to-root";
+    case Order::kContactsEarly:
+      return "contacts-early";
+    case Order::kCamd:
+      return "camd";
   }
   return "?";
 }
@@ -70,7 +73,8 @@ std::vector<int> leaf_to_root(const Scene& scene, const Island& island) {
 
 // CAMD with the joints before the contacts.
 std::vector<int> camd(const Island& island, const sparse::UpperCsc& K) {
-  if (island.nv == 0) return sparse::camd_order(K, {});  // CAMD does not take a set that is all there is but not the first
+  if (island.nv == 0)
+    return sparse::camd_order(K, {});  // CAMD does not take a set that is all there is but not the first
   std::vector<int> set(island.size(), 0);
   std::fill(set.begin() + island.nv, set.end(), 1);
   return sparse::camd_order(K, set);
@@ -100,8 +104,8 @@ std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& 
   return J;
 }
 
-// A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many directions
-// as it has rows; it uses up those that do it best.
+// A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
+// directions as it has rows; it uses up those that do it best.
 std::vector<int> contacts_early(const Scene& scene, const Island& island, const IslandSupport& support) {
   constexpr double kDistinct = 1e-3;  // of the largest: less is no direction of its own
   const int ncontacts = static_cast<int>(island.contacts.size());

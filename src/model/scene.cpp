@@ -37,8 +37,8 @@ void check_attachment(const Scene& scene, const Attachment& a, const std::string
     throw std::invalid_argument("add_contact: '" + contact + "' names joint " + std::to_string(a.joint) + " of " +
                                 std::to_string(njoints));
   if (a.robot >= 0 && a.joint < 0 && scene.robots[a.robot].model->floating_base)
-    throw std::invalid_argument("add_contact: '" + contact + "' names the fixed base of '" + scene.robots[a.robot].name +
-                                "', which has a floating one");
+    throw std::invalid_argument("add_contact: '" + contact + "' names the fixed base of '" +
+                                scene.robots[a.robot].name + "', which has a floating one");
   if (!a.placement.R.allFinite() || !a.placement.p.allFinite())
     throw std::invalid_argument("add_contact: '" + contact + "' has a placement that is not finite");
 }

@@ -224,9 +224,10 @@ TEST(ActionApi, ControlLimits) {
 TEST(ActionApi, TerminalConstraintBounds) {
   Walker w;
   const auto model = w.model();
-  w.constraints->addConstraint("a torques", std::make_shared<ConstraintModelResidual>(
-      w.state, std::make_shared<ResidualModelControl>(w.state, w.nu), Eigen::VectorXd::Constant(w.nu, -50),
-      Eigen::VectorXd::Constant(w.nu, 50)));
+  w.constraints->addConstraint("a torques",
+                               std::make_shared<ConstraintModelResidual>(
+                                   w.state, std::make_shared<ResidualModelControl>(w.state, w.nu),
+                                   Eigen::VectorXd::Constant(w.nu, -50), Eigen::VectorXd::Constant(w.nu, 50)));
   w.constraints->addConstraint("com", w.com_within(-1, 2));
   const auto data = model->createData();
   model->calc(data, w.x);
@@ -324,7 +325,8 @@ TEST(ActionApi, ProtectedMembers) {
 
 // A user's own model on the base class: a = u - q on each coordinate, cost |u|^2 / 2 + |x|^2 / 2.
 struct Springs : DifferentialActionModelAbstract {
-  Springs(std::shared_ptr<StateMultibody> state, std::size_t nu) : DifferentialActionModelAbstract(state, nu, 5, 2, 1) {}
+  Springs(std::shared_ptr<StateMultibody> state, std::size_t nu)
+      : DifferentialActionModelAbstract(state, nu, 5, 2, 1) {}
   using DifferentialActionModelAbstract::calc;
   using DifferentialActionModelAbstract::calcDiff;
   using DifferentialActionModelAbstract::unone_;
@@ -341,7 +343,8 @@ struct Springs : DifferentialActionModelAbstract {
 };
 
 TEST(ActionApi, BaseClass) {
-  const SceneFile file = load_text("<scene name=\"arm\"><robot name=\"arm\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
+  const SceneFile file =
+      load_text("<scene name=\"arm\"><robot name=\"arm\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
   const auto state = std::make_shared<StateMultibody>(file.scene);
   const std::size_t nv = state->get_nv();
   Springs model(state, nv);
@@ -412,9 +415,11 @@ TEST(ActionApi, NamesWithTpl) {
   const auto contacts = std::make_shared<ContactModelMultipleTpl<Scalar>>(state, actuation->get_nu());
   contacts->addContact("left", std::make_shared<ContactModel6DTpl<Scalar>>(state, w.left, w.left_pref, LOCAL, w.nu));
   const auto costs = std::make_shared<CostModelSumTpl<Scalar>>(state, actuation->get_nu());
-  costs->addCost("u", std::make_shared<CostModelResidualTpl<Scalar>>(
-                          state, std::make_shared<ActivationModelQuadTpl<Scalar>>(w.nu),
-                          std::make_shared<ResidualModelControlTpl<Scalar>>(state, w.nu)), 1);
+  costs->addCost(
+      "u",
+      std::make_shared<CostModelResidualTpl<Scalar>>(state, std::make_shared<ActivationModelQuadTpl<Scalar>>(w.nu),
+                                                     std::make_shared<ResidualModelControlTpl<Scalar>>(state, w.nu)),
+      1);
   DifferentialActionModelContactFwdDynamicsTpl<Scalar> model(state, actuation, contacts, costs);
   const std::shared_ptr<DifferentialActionDataAbstractTpl<Scalar>> data = model.createData();
   model.calc(data, w.x, w.u);
@@ -422,7 +427,9 @@ TEST(ActionApi, NamesWithTpl) {
 }
 
 template <class Scalar>
-concept HasScalar = requires { typename StateMultibodyTpl<Scalar>; };
+concept HasScalar = requires {
+  typename StateMultibodyTpl<Scalar>;
+};
 static_assert(HasScalar<double> && !HasScalar<float>);
 
 }  // namespace

@@ -36,7 +36,9 @@ void expect_true_derivatives(const Problem& p) {
   SceneData oracle(scene, {Method::kDense, {}});
   solve(scene, s.q, s.v, s.u, oracle);
   const std::vector<double> condition = conditions(scene, oracle);
-  EXPECT_LT(errors<double>(scene, solution, oracle.a, oracle.f, condition, free_accelerations(scene, s.q, s.v, s.u)).excess, 1);
+  EXPECT_LT(
+      errors<double>(scene, solution, oracle.a, oracle.f, condition, free_accelerations(scene, s.q, s.v, s.u)).excess,
+      1);
   EXPECT_TRUE(d.xout == solution.a);
   model->calcDiff(data, p.x, p.u);
   const std::vector<MatX<Quad>> truth = differences(scene, solution, s);

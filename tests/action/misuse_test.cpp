@@ -18,7 +18,8 @@ void expect_refused(const char* file, int line, Call&& call, const std::vector<s
     ADD_FAILURE() << "another exception: " << e.what();
   }
 }
-#define EXPECT_INVALID(call, ...) expect_refused<std::invalid_argument>(__FILE__, __LINE__, [&] { call; }, {__VA_ARGS__})
+#define EXPECT_INVALID(call, ...) \
+  expect_refused<std::invalid_argument>(__FILE__, __LINE__, [&] { call; }, {__VA_ARGS__})
 
 std::string n(std::size_t number) { return std::to_string(number); }
 
@@ -125,7 +126,8 @@ TEST_F(Misuse, DataOfAModelThatIsGone) {
   EXPECT_TRUE(copy.checkData(old));
   EXPECT_EQ(difference_of(*evaluated(copy, w.x, u, old), *evaluated(*model, w.x, u)), 0);
   first->~ActionModel();
-  auto* second = new (place) ActionModel(w.state, w.actuation, w.contacts, std::make_shared<CostModelSum>(w.state, w.nu));
+  auto* second =
+      new (place) ActionModel(w.state, w.actuation, w.contacts, std::make_shared<CostModelSum>(w.state, w.nu));
   EXPECT_FALSE(second->checkData(old));
   EXPECT_INVALID(second->calc(old, w.x, u), "created by another model");
   second->~ActionModel();
@@ -203,7 +205,8 @@ TEST_F(Misuse, NullState) {
 
 TEST_F(Misuse, PartsOfAnotherState) {
   const Walker o;
-  const std::string what = "of another state, this one's is expected", one = "belongs to another state, this one's is expected";
+  const std::string what = "of another state, this one's is expected",
+                    one = "belongs to another state, this one's is expected";
   EXPECT_INVALID(ActionModel(w.state, o.actuation, w.contacts, w.costs), "an actuation " + what);
   EXPECT_INVALID(ActionModel(w.state, w.actuation, o.contacts, w.costs), "contacts " + what);
   EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, o.costs), "costs " + what);
@@ -222,16 +225,17 @@ TEST_F(Misuse, PartsOfAnotherNu) {
                  "contacts " + given, expected);
   EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, std::make_shared<CostModelSum>(w.state, 5)),
                  "costs " + given, expected);
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, w.costs,
-                             std::make_shared<ConstraintModelManager>(w.state, 5)),
-                 "constraints " + given, expected);
+  EXPECT_INVALID(
+      ActionModel(w.state, w.actuation, w.contacts, w.costs, std::make_shared<ConstraintModelManager>(w.state, 5)),
+      "constraints " + given, expected);
   const std::string has = "\"c\" has nu = 5, " + n(w.nu) + " is expected";
   EXPECT_INVALID(w.contacts->addContact("c", std::make_shared<ContactModel6D>(w.state, w.left, w.left_pref, 5)), has);
   const auto residual = std::make_shared<ResidualModelControl>(w.state, 5);
   EXPECT_INVALID(w.costs->addCost("c", std::make_shared<CostModelResidual>(w.state, residual), 1), has);
   EXPECT_INVALID(w.constraints->addConstraint("c", std::make_shared<ConstraintModelResidual>(w.state, residual)), has);
   EXPECT_INVALID(ResidualModelJointEffort(w.state, w.actuation, 5), "nu is 5", n(w.nu));
-  EXPECT_INVALID(CostModelResidual(w.state, std::make_shared<ActivationModelQuad>(4), residual), "nr = 4", "5 is expected");
+  EXPECT_INVALID(CostModelResidual(w.state, std::make_shared<ActivationModelQuad>(4), residual), "nr = 4",
+                 "5 is expected");
 }
 
 TEST_F(Misuse, Names) {
@@ -275,7 +279,8 @@ TEST_F(Misuse, PartsAddedAfterCreateData) {
   w.constraints->addConstraint("more", w.com_within(-2, 2));
   EXPECT_INVALID(model->calc(data, w.x, u), "constraints " + what);
   EXPECT_INVALID(model->calc(data, w.x), "constraints " + what);
-  expect_refused<std::logic_error>(__FILE__, __LINE__, [&] { model->calcDiff(data, w.x); }, {"calc(data, x) is expected"});
+  expect_refused<std::logic_error>(__FILE__, __LINE__, [&] { model->calcDiff(data, w.x); },
+                                   {"calc(data, x) is expected"});
   EXPECT_NO_THROW(evaluated(*model, w.x, u));
 }
 
@@ -347,8 +352,9 @@ TEST_F(Misuse, StatesThatAreNone) {
 TEST_F(Misuse, ContactsGoneBeforeCalcDiff) {
   model->calc(data, w.x, u);
   w.contacts->removeContact("right");
-  expect_refused<std::logic_error>(__FILE__, __LINE__, [&] { model->calcDiff(data, w.x, u); },
-                                   {"::calcDiff", "it uses the values of the last calc", "calc(data, x, u) is expected"});
+  expect_refused<std::logic_error>(
+      __FILE__, __LINE__, [&] { model->calcDiff(data, w.x, u); },
+      {"::calcDiff", "it uses the values of the last calc", "calc(data, x, u) is expected"});
 }
 
 TEST_F(Misuse, Frames) {
@@ -383,7 +389,8 @@ TEST_F(Misuse, ResidualsWithoutTheirContact) {
   w.contacts->addContact("twice", w.left_contact, false);
   EXPECT_INVALID(model->createData(), "several contacts (left, twice), one is expected");
   EXPECT_INVALID(ResidualModelContactForce(w.state, w.left, Vec6<double>::Zero(), 4, w.nu), "nc is 4", "1, 2, 3 or 6");
-  EXPECT_INVALID(ResidualModelContactFrictionCone(w.state, w.left, FrictionCone(), w.nu, false), "fwddyn is false", "true is expected");
+  EXPECT_INVALID(ResidualModelContactFrictionCone(w.state, w.left, FrictionCone(), w.nu, false), "fwddyn is false",
+                 "true is expected");
 }
 
 }  // namespace

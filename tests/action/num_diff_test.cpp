@@ -1,11 +1,12 @@
-// Everything the action model differentiates, against its numerical twin: every residual with every activation as a cost
-// and as a constraint, on every contact and actuation, running and terminal; one by one and in their sum.
+// Everything the action model differentiates, against its numerical twin: every residual with every activation as a
+// cost and as a constraint, on every contact and actuation, running and terminal; one by one and in their sum.
+
+#include "manycontact/action/num_diff.hpp"
 
 #include <gtest/gtest.h>
 
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
-#include "manycontact/action/num_diff.hpp"
 #include "spatial/compare.hpp"
 
 namespace manycontact::test {
@@ -35,11 +36,16 @@ std::shared_ptr<ActivationModelAbstract> activation(int k, std::size_t nr, std::
   Eigen::VectorXd lower = random_vector(n, rng), upper = lower + random_vector(n, rng).cwiseAbs();
   if (n > 1) lower[0] = -std::numeric_limits<double>::infinity();
   switch (k % 5) {
-    case 0: return std::make_shared<ActivationModelQuad>(nr);
-    case 1: return std::make_shared<ActivationModelWeightedQuad>(weights);
-    case 2: return std::make_shared<ActivationModelQuadraticBarrier>(ActivationBounds(lower, upper, 0.9));
-    case 3: return std::make_shared<ActivationModelWeightedQuadraticBarrier>(ActivationBounds(lower, upper), weights);
-    default: return std::make_shared<ActivationModelSmooth1Norm>(nr, 0.1);
+    case 0:
+      return std::make_shared<ActivationModelQuad>(nr);
+    case 1:
+      return std::make_shared<ActivationModelWeightedQuad>(weights);
+    case 2:
+      return std::make_shared<ActivationModelQuadraticBarrier>(ActivationBounds(lower, upper, 0.9));
+    case 3:
+      return std::make_shared<ActivationModelWeightedQuadraticBarrier>(ActivationBounds(lower, upper), weights);
+    default:
+      return std::make_shared<ActivationModelSmooth1Norm>(nr, 0.1);
   }
 }
 
@@ -115,9 +121,9 @@ TEST_P(NumDiff, ResidualsAndConstraints) {
 TEST_P(NumDiff, CostsWithEveryActivation) {
   int k = GetParam().seed;
   for (const NamedResidual& r : residuals)
-    p.costs->addCost(r.name,
-                     std::make_shared<CostModelResidual>(p.state, activation(k++, r.residual->get_nr(), rng), r.residual),
-                     uniform(rng, 0.1, 2), false);
+    p.costs->addCost(
+        r.name, std::make_shared<CostModelResidual>(p.state, activation(k++, r.residual->get_nr(), rng), r.residual),
+        uniform(rng, 0.1, 2), false);
   const auto model = p.model(false);
   DifferentialActionModelNumDiff twin(model, true);  // its Hessians are not looked at
   const auto data = model->createData(), numbers = twin.createData();
@@ -149,9 +155,9 @@ TEST_P(NumDiff, CostsWithEveryActivation) {
 TEST_P(NumDiff, HessiansAreGaussNewtons) {
   int k = GetParam().seed;
   for (const NamedResidual& r : residuals)
-    p.costs->addCost(r.name,
-                     std::make_shared<CostModelResidual>(p.state, activation(k++, r.residual->get_nr(), rng), r.residual),
-                     uniform(rng, 0.1, 2));
+    p.costs->addCost(
+        r.name, std::make_shared<CostModelResidual>(p.state, activation(k++, r.residual->get_nr(), rng), r.residual),
+        uniform(rng, 0.1, 2));
   const auto model = p.model(false);
   const auto data = model->createData();
   model->calc(data, p.x, p.u);
@@ -191,8 +197,10 @@ TEST(NumDiffTwin, HessiansBySecondDifferences) {
   Problem p = problem_of({"", 40, Actuated::kFull});
   const std::size_t nu = p.actuation->get_nu();
   std::mt19937 rng(1);
-  p.costs->addCost("u", std::make_shared<CostModelResidual>(
-                            p.state, activation(1, nu, rng), std::make_shared<ResidualModelControl>(p.state, nu)), 2);
+  p.costs->addCost("u",
+                   std::make_shared<CostModelResidual>(p.state, activation(1, nu, rng),
+                                                       std::make_shared<ResidualModelControl>(p.state, nu)),
+                   2);
   const auto model = p.model();
   DifferentialActionModelNumDiff twin(model);
   const auto data = model->createData(), numbers = twin.createData();

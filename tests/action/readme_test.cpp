@@ -1,5 +1,5 @@
-// The table in include/manycontact/action/README.md is complete and names tests that exist; action.hpp and tpl.hpp leave
-// nothing out.
+// The table in include/manycontact/action/README.md is complete and names tests that exist; action.hpp and tpl.hpp
+// leave nothing out.
 
 #include <gtest/gtest.h>
 
@@ -40,18 +40,65 @@ std::vector<fs::path> headers() {
 }
 
 // Members of both seeds' pages, inherited and protected ones included.
-const std::set<std::string> members = {
-    "ActuationModelAbstract", "Base", "ConstraintModelManager", "ContactModelMultiple", "crocoContactModelMultiple",
-    "CostModelSum", "Data", "DifferentialActionDataAbstract", "MathBase", "MatrixXs", "Scalar", "StateAbstract",
-    "StateMultibody", "VectorXs",
-    "DifferentialActionModelContactFwdDynamicsTpl", "~DifferentialActionModelContactFwdDynamicsTpl",
-    "DifferentialActionModelAbstractTpl", "calc", "calcDiff", "checkData", "createData", "get_actuation",
-    "get_armature", "get_constraints", "get_contacts", "get_costs", "get_damping_factor", "get_g_lb", "get_g_ub",
-    "get_ng", "get_nh", "get_pinocchio", "print", "quasiStatic", "set_armature", "set_damping_factor",
-    "get_has_control_limits", "get_nr", "get_nu", "get_state", "get_u_lb", "get_u_ub", "quasiStatic_x", "set_g_lb",
-    "set_g_ub", "set_u_lb", "set_u_ub",
-    "g_lb_", "g_ub_", "has_control_limits_", "ng_", "nh_", "nr_", "nu_", "state_", "u_lb_", "u_ub_", "unone_",
-    "update_has_control_limits"};
+const std::set<std::string> members = {"ActuationModelAbstract",
+                                       "Base",
+                                       "ConstraintModelManager",
+                                       "ContactModelMultiple",
+                                       "crocoContactModelMultiple",
+                                       "CostModelSum",
+                                       "Data",
+                                       "DifferentialActionDataAbstract",
+                                       "MathBase",
+                                       "MatrixXs",
+                                       "Scalar",
+                                       "StateAbstract",
+                                       "StateMultibody",
+                                       "VectorXs",
+                                       "DifferentialActionModelContactFwdDynamicsTpl",
+                                       "~DifferentialActionModelContactFwdDynamicsTpl",
+                                       "DifferentialActionModelAbstractTpl",
+                                       "calc",
+                                       "calcDiff",
+                                       "checkData",
+                                       "createData",
+                                       "get_actuation",
+                                       "get_armature",
+                                       "get_constraints",
+                                       "get_contacts",
+                                       "get_costs",
+                                       "get_damping_factor",
+                                       "get_g_lb",
+                                       "get_g_ub",
+                                       "get_ng",
+                                       "get_nh",
+                                       "get_pinocchio",
+                                       "print",
+                                       "quasiStatic",
+                                       "set_armature",
+                                       "set_damping_factor",
+                                       "get_has_control_limits",
+                                       "get_nr",
+                                       "get_nu",
+                                       "get_state",
+                                       "get_u_lb",
+                                       "get_u_ub",
+                                       "quasiStatic_x",
+                                       "set_g_lb",
+                                       "set_g_ub",
+                                       "set_u_lb",
+                                       "set_u_ub",
+                                       "g_lb_",
+                                       "g_ub_",
+                                       "has_control_limits_",
+                                       "ng_",
+                                       "nh_",
+                                       "nr_",
+                                       "nu_",
+                                       "state_",
+                                       "u_lb_",
+                                       "u_ub_",
+                                       "unone_",
+                                       "update_has_control_limits"};
 
 // Tests of tests/action, "Suite.Test".
 std::set<std::string> all_tests() {
@@ -101,9 +148,9 @@ TEST(ActionReadme, UmbrellaIncludesEveryHeader) {
 
 // Classes that Crocoddyl has no name for need none with Tpl.
 TEST(ActionReadme, EveryClassHasItsTplName) {
-  const std::set<std::string> own = {"BlockSparse", "IslandColumns", "ResidualBlock", "Dependence", "CostDerivatives",
-                                     "FrameResidual", "ContactResidual", "CentroidalResidual", "GravityResidual",
-                                     "Vector3MaskType", "MatrixStorage"};
+  const std::set<std::string> own = {"BlockSparse",     "IslandColumns",   "ResidualBlock",   "Dependence",
+                                     "CostDerivatives", "FrameResidual",   "ContactResidual", "CentroidalResidual",
+                                     "GravityResidual", "Vector3MaskType", "MatrixStorage"};
   const std::string tpl = read(kFloor / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

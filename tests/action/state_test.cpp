@@ -1,9 +1,9 @@
 // StateMultibody: the manifold's laws, its Jacobians against differences, bounds; and the actuations.
 
+#include <gtest/gtest.h>
+
 #include "action/problem.hpp"
 #include "spatial/compare.hpp"
-
-#include <gtest/gtest.h>
 
 namespace manycontact::test {
 namespace {
@@ -55,8 +55,9 @@ TEST_P(State, JdiffIsTheDerivative) {
 TEST_P(State, JintegrateIsTheDerivative) {
   const auto Js = state->Jintegrate_Js(x0, dx);
   const Eigen::VectorXd there = state->integrate_x(x0, dx);
-  const auto by_x = difference(
-      [&](const Eigen::VectorXd& h) { return state->diff_dx(there, state->integrate_x(state->integrate_x(x0, h), dx)); });
+  const auto by_x = difference([&](const Eigen::VectorXd& h) {
+    return state->diff_dx(there, state->integrate_x(state->integrate_x(x0, h), dx));
+  });
   const auto by_dx =
       difference([&](const Eigen::VectorXd& h) { return state->diff_dx(there, state->integrate_x(x0, dx + h)); });
   EXPECT_LT(error_of(Js[0], by_x), 1e-7);
@@ -113,7 +114,8 @@ TEST(StateOfAScene, KnowsFramesByTheirJoints) {
     ++joints;
     fixed += frame.merged;
     const std::string robot = file.scene.robots[0].name + "/";
-    EXPECT_EQ(state.get_model()->getFrameId(robot + frame.parent_joint), state.get_model()->getFrameId(robot + frame.name));
+    EXPECT_EQ(state.get_model()->getFrameId(robot + frame.parent_joint),
+              state.get_model()->getFrameId(robot + frame.name));
     EXPECT_EQ(alone.get_model()->getFrameId(frame.parent_joint), alone.get_model()->getFrameId(frame.name));
   }
   EXPECT_EQ(joints + 1, static_cast<int>(file.scene.robots[0].model->frames.size()));

@@ -104,31 +104,34 @@ TEST_P(Changes, TakeEffect) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Changes,
-    testing::Values(
-        Change{"gains", [](Walker& w) { w.left_contact->set_gains({30, 5}); }},
-        Change{"reference",
-               [](Walker& w) {
-                 SE3<double> pref = w.left_pref;
-                 pref.p.z() += 0.1;
-                 w.left_contact->set_reference(pref);
-               }},
-        Change{"type", [](Walker& w) { w.left_contact->set_type(LOCAL_WORLD_ALIGNED); }},
-        Change{"type_world", [](Walker& w) { w.left_contact->set_type(WORLD); }},
-        Change{"id", [](Walker& w) { w.left_contact->set_id(w.state->get_model()->getFrameId("left_shank")); }},
-        Change{"id_on_the_same_body",
-               [](Walker& w) { w.left_contact->set_id(w.state->get_model()->getFrameId("left_foot")); }},
-        Change{"status_of_a_cost", [](Walker& w) { w.costs->changeCostStatus("com", false); }},
-        Change{"weight", [](Walker& w) { w.costs->get_costs().at("com")->weight = 3; }},
-        Change{"id_of_a_residual",
-               [](Walker& w) {
-                 auto& residual = *w.costs->get_costs().at("hand")->cost->get_residual();
-                 dynamic_cast<ResidualModelFramePlacement&>(residual).set_id(w.right);
-               }},
-        Change{"reference_of_a_cost",
-               [](Walker& w) {
-                 auto& residual = *w.costs->get_costs().at("state2")->cost->get_residual();
-                 dynamic_cast<ResidualModelState&>(residual).set_reference(w.x_rest);
-               }}),
+    testing::Values(Change{"gains",
+                           [](Walker& w) {
+                             w.left_contact->set_gains({30, 5});
+                           }},
+                    Change{"reference",
+                           [](Walker& w) {
+                             SE3<double> pref = w.left_pref;
+                             pref.p.z() += 0.1;
+                             w.left_contact->set_reference(pref);
+                           }},
+                    Change{"type", [](Walker& w) { w.left_contact->set_type(LOCAL_WORLD_ALIGNED); }},
+                    Change{"type_world", [](Walker& w) { w.left_contact->set_type(WORLD); }},
+                    Change{"id",
+                           [](Walker& w) { w.left_contact->set_id(w.state->get_model()->getFrameId("left_shank")); }},
+                    Change{"id_on_the_same_body",
+                           [](Walker& w) { w.left_contact->set_id(w.state->get_model()->getFrameId("left_foot")); }},
+                    Change{"status_of_a_cost", [](Walker& w) { w.costs->changeCostStatus("com", false); }},
+                    Change{"weight", [](Walker& w) { w.costs->get_costs().at("com")->weight = 3; }},
+                    Change{"id_of_a_residual",
+                           [](Walker& w) {
+                             auto& residual = *w.costs->get_costs().at("hand")->cost->get_residual();
+                             dynamic_cast<ResidualModelFramePlacement&>(residual).set_id(w.right);
+                           }},
+                    Change{"reference_of_a_cost",
+                           [](Walker& w) {
+                             auto& residual = *w.costs->get_costs().at("state2")->cost->get_residual();
+                             dynamic_cast<ResidualModelState&>(residual).set_reference(w.x_rest);
+                           }}),
     [](const auto& info) { return info.param.name; });
 
 TEST(Switching, GettersOfTheContact) {

@@ -72,7 +72,8 @@ struct Walker : Problem {
 };
 
 /// The data after calc and calcDiff.
-inline DataPtr evaluated(ActionModel& model, const Eigen::VectorXd& x, const Eigen::VectorXd& u, DataPtr data = nullptr) {
+inline DataPtr evaluated(ActionModel& model, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                         DataPtr data = nullptr) {
   if (!data) data = model.createData();
   model.calc(data, x, u);
   model.calcDiff(data, x, u);

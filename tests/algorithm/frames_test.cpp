@@ -71,7 +71,8 @@ TEST_P(FramesTest, VelocityAndClassicalAccelerationAreThoseOfTheOrigin) {
 
 TEST_P(FramesTest, SpatialAccelerationIsTheDerivativeOfSpatialVelocity) {
   const Quad h(1e-12);
-  for (FrameAxes axes : {FrameAxes::kLocal, FrameAxes::kWorld}) {  // those in which the components' derivative is spatial
+  for (FrameAxes axes :
+       {FrameAxes::kLocal, FrameAxes::kWorld}) {  // those in which the components' derivative is spatial
     const auto velocity = [&](const Quad& t) { return frame_velocity<Quad>(at(t), base, joint, placement, axes); };
     const Vec6<Quad> difference = (velocity(h) - velocity(-h)) / (2 * h);
     const Vec6<Quad> a = frame_acceleration<Quad>(at(0), base, joint, placement, axes);

@@ -22,8 +22,10 @@ using Row = std::map<std::string, std::string>;
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells{""};
   for (char c : line)
-    if (c == ',') cells.emplace_back();
-    else cells.back() += c;
+    if (c == ',')
+      cells.emplace_back();
+    else
+      cells.back() += c;
   return cells;
 }
 

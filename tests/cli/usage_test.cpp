@@ -12,9 +12,9 @@ class Usage : public Program {};
 TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   const Outcome top = run({"--help"});
   EXPECT_EQ(top.status, 0);
-  for (const char* part :
-       {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE", "stability SCENE --out DIR", "chart SCENE... --out DIR",
-        "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
+  for (const char* part : {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
+                           "stability SCENE --out DIR", "chart SCENE... --out DIR", "--method M", "--order O",
+                           "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
   for (const char* command : {"solve", "inspect", "chart", "simulate", "stability"}) {
     const Outcome help = run({command, "--help"});

@@ -141,7 +141,8 @@ Quad far_from(const VecX<Quad>& x, const VecX<Quad>& y) {
 }
 
 TEST(RefinedTruth, IsTheDenseOne) {
-  for (const char* name : {"humanoid_hands_and_feet", "feet_on_corners", "quadruped_loop", "two_humanoids_carry_beam"}) {
+  for (const char* name :
+       {"humanoid_hands_and_feet", "feet_on_corners", "quadruped_loop", "two_humanoids_carry_beam"}) {
     SCOPED_TRACE(name);
     SceneFile file = load_scene(std::string(MANYCONTACT_SOURCE_DIR "/models/") + name + ".xml");
     std::mt19937 rng(5);
@@ -165,8 +166,8 @@ TEST(RefinedTruth, OwnsUpToNotKnowing) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml");
   SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
   (void)solve(file.scene, file.q, file.v, file.u, data);
-  const Truth<Quad> truth = refine_truth<Quad>(file.scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(),
-                                               file.u.cast<Quad>(), 61);
+  const Truth<Quad> truth =
+      refine_truth<Quad>(file.scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(), file.u.cast<Quad>(), 61);
   EXPECT_FALSE(truth.regular[0]);
   for (const Quad& a : truth.a) EXPECT_TRUE(a != a);
 }

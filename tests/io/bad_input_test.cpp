@@ -20,14 +20,13 @@ std::string link(const std::string& name, const std::string& inertial) {
 }
 
 std::string mass(const std::string& m, const std::string& ixx = "1") {
-  return "<mass value=\"" + m + "\"/><inertia ixx=\"" + ixx +
-         "\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>";
+  return "<mass value=\"" + m + "\"/><inertia ixx=\"" + ixx + "\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>";
 }
 
-std::string joint(const std::string& attributes, const std::string& inside = "",
-                  const std::string& parent = "a", const std::string& child = "b") {
-  return "<joint " + attributes + "><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/>" +
-         inside + "</joint>";
+std::string joint(const std::string& attributes, const std::string& inside = "", const std::string& parent = "a",
+                  const std::string& child = "b") {
+  return "<joint " + attributes + "><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/>" + inside +
+         "</joint>";
 }
 
 // Line 1 opens the robot; links a (2), b (3), c (4), d (5); joints r, f, p on lines 6 to 8.
@@ -111,8 +110,7 @@ TEST_F(BadInput, FilesThatAreNotXml) {
   expect_scene_error("<scene>\n\n<robot name=1/></scene>", 3, "is not XML");
   expect_scene_error("<scene", 1, "is not XML");
   expect_scene_error("<!-- nothing -->", 1, "has no element");
-  expect_scene_error("\n<robot/>", 2,
-                     "has the root element <robot>, expected XML with one root element <scene>");
+  expect_scene_error("\n<robot/>", 2, "has the root element <robot>, expected XML with one root element <scene>");
   expect_scene_error("<scene/>\n<scene/>", 2, "goes on outside <scene>");
   expect_scene_error("<scene/>\nmore", 2, "is not XML");
   expect_scene_error(std::string("<scene>\n\0</scene>", 17), 2, "zero byte");
@@ -215,16 +213,14 @@ TEST_F(BadInput, Robots) {
       {"", "<joint name=\"root\" q=\"0 0 0 1 0 0 1\"/>", 4, "expected a unit quaternion"},
       {R"(u="gravity")", "<u>1 2 3 4</u>", 3, "u=\"gravity\" and <u> both give the torques"},
       {R"(u="gravity")", "<joint name=\"r\" u=\"1\"/>", 3, "u=\"gravity\" and u of joint 'r' both"},
-      {R"(xyz="0 0 1")", "<q>0 0 0 0 0 0 1 0 0 0 0</q>", 3,
-       "xyz of <robot> and q both place the floating base"},
+      {R"(xyz="0 0 1")", "<q>0 0 0 0 0 0 1 0 0 0 0</q>", 3, "xyz of <robot> and q both place the floating base"},
       {R"(rpy="0 0 1")", "<joint name=\"root\" q=\"0 0 0 0 0 0 1\"/>", 3, "rpy of <robot> and q both place"},
   };
   for (const SceneCase& c : cases) {
     const std::string attributes = c.attributes;
     const std::string base = attributes.find("base=") == std::string::npos ? " base=\"floating\"" : "";
-    expect_scene_error("<scene>\n<!-- -->\n<robot name=\"a\" urdf=\"good.urdf\"" + base + " " + attributes +
-                           ">" + (std::string(c.inside) == "text" ? "" : "\n") + c.inside +
-                           "</robot></scene>",
+    expect_scene_error("<scene>\n<!-- -->\n<robot name=\"a\" urdf=\"good.urdf\"" + base + " " + attributes + ">" +
+                           (std::string(c.inside) == "text" ? "" : "\n") + c.inside + "</robot></scene>",
                        c.line, c.says);
   }
 }
@@ -234,15 +230,13 @@ TEST_F(BadInput, ScenesAndNames) {
   expect_scene_error("<scene gravity=\"0 0\"/>", 1, "gravity of <scene> has 2 numbers, expected 3");
   expect_scene_error("<scene\n damping=\"-1\"/>", 2, "damping of <scene> is -1, expected 0 or more");
   expect_scene_error("<scene friction=\"1\"/>", 1, "unknown attribute 'friction'");
-  expect_scene_error("<scene>\n<body/></scene>", 2,
-                     "unknown element <body>, expected one of 'robot', 'contact'");
+  expect_scene_error("<scene>\n<body/></scene>", 2, "unknown element <body>, expected one of 'robot', 'contact'");
   expect_scene_error("<scene>\n<robot urdf=\"good.urdf\"/></scene>", 2, "<robot> has no attribute 'name'");
   expect_scene_error("<scene>\n<robot name=\"\" urdf=\"good.urdf\"/></scene>", 2, "is empty");
   expect_scene_error("<scene>\n<robot name=\"a/b\" urdf=\"good.urdf\"/></scene>", 2, "without '/'");
   expect_scene_error("<scene>\n<robot name=\"a\"/></scene>", 2, "<robot> has no attribute 'urdf'");
   expect_scene_error("<scene>\n<robot name=\"a\" urdf=\"\"/></scene>", 2, "urdf of <robot> is empty");
-  expect_scene_error("<scene>\n" + a + "\n" + a + "</scene>", 3,
-                     "a robot named 'a' exists already on line 2");
+  expect_scene_error("<scene>\n" + a + "\n" + a + "</scene>", 3, "a robot named 'a' exists already on line 2");
   expect_scene_error(
       "<scene>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/>\n"
       "<robot name=\"b1\" urdf=\"good.urdf\"/></scene>",
@@ -269,12 +263,9 @@ TEST_F(BadInput, Contacts) {
       {R"(name="" type="3d" frame="a/b")", "name of <contact> is empty"},
       {R"(name="c" frame="a/b")", "<contact> has no attribute 'type'"},
       {R"(name="c" type="3d")", "<contact> has no attribute 'frame'"},
-      {R"(name="c" type="3D" frame="a/b")",
-       "type of <contact> is '3D', expected one of '1d', '2d', '3d', '6d'"},
-      {R"(name="c" type="3d" frame="a/b" mu="1")",
-       "<contact> has an unknown attribute 'mu', did you mean 'to'?"},
-      {R"(name="c" type="3d" frame="a/b" reference_frame="LOCAL")",
-       "reference_frame of <contact> is 'LOCAL'"},
+      {R"(name="c" type="3D" frame="a/b")", "type of <contact> is '3D', expected one of '1d', '2d', '3d', '6d'"},
+      {R"(name="c" type="3d" frame="a/b" mu="1")", "<contact> has an unknown attribute 'mu', did you mean 'to'?"},
+      {R"(name="c" type="3d" frame="a/b" reference_frame="LOCAL")", "reference_frame of <contact> is 'LOCAL'"},
       {R"(name="c" type="3d" frame="a/b" active="yes")", "active of <contact> is 'yes'"},
       {R"(name="c" type="3d" frame="a/b" gains="1")", "gains of <contact> has 1 number, expected 2"},
       {R"(name="c" type="3d" frame="a/b" offset="1 2")", "offset of <contact> has 2 numbers, expected 3"},
@@ -291,10 +282,8 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="h+1/b")", "expected it without +k or -k"},
       {R"(name="c" type="3d" frame="a/b" to="a/b")", "contact 'c' ties frame 'b' of robot 'a' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h/b")", "contact 'c0' ties frame 'b' of robot 'h0' to itself"},
-      {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")",
-       "contact 'c0' ties frame 'b' of robot 'h0' to it"},
-      {R"(name="c" type="3d" frame="a/b" to="a/c")",
-       "ties frames 'b' and 'c' of robot 'a', which are on one body"},
+      {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")", "contact 'c0' ties frame 'b' of robot 'h0' to it"},
+      {R"(name="c" type="3d" frame="a/b" to="a/c")", "ties frames 'b' and 'c' of robot 'a', which are on one body"},
       {R"(name="c" type="3d" frame="a/a")", "holds frame 'a' of robot 'a', which cannot move, to the world"},
       {R"(name="c" type="3d" frame="a/a" to="h0/a")", "which cannot move, to the world"},
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
@@ -312,8 +301,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="h/b" to="h+1/b" wrap="1")", "wrap of <contact> is '1'"},
       {R"(name="c" type="3d" frame="a/b" to_offset="0 0 0")", "to_offset of <contact> needs a target"},
       {R"(name="c" type="3d" frame="a/b" to_offset_quat_xyzw="0 0 0 1")", "needs a target"},
-      {R"(name="c" type="3d" frame="a/b" to="h0/b" xyz="0 0 0")",
-       "xyz of <contact> places a contact in the world"},
+      {R"(name="c" type="3d" frame="a/b" to="h0/b" xyz="0 0 0")", "xyz of <contact> places a contact in the world"},
       {R"(name="c" type="3d" frame="a/b" to="h0/b" quat_xyzw="0 0 0 1")", "places a contact in the world"},
       {R"(name="ok" type="3d" frame="a/b")", "a contact named 'ok' exists already on line 4"},
       {R"(name="many1" type="3d" frame="a/b")", "a contact named 'many1' exists already"},
@@ -360,8 +348,7 @@ TEST_F(BadInput, Urdf) {
       {3, link("b", mass("-2")), 3, "link 'b' and what is merged into it have the mass -2 kg"},
       {3, link("b", mass("1", "-3")), 3, "the principal moment of inertia -3 kg m^2 (trace -1)"},
       {4, link("c", mass("1", "-3")), 3, "link 'b' and what is merged into it"},
-      {3, link("b", "<origin xyz=\"1e200 0 0\"/>" + mass("1e200")), 3,
-       "an inertia too large to compute with"},
+      {3, link("b", "<origin xyz=\"1e200 0 0\"/>" + mass("1e200")), 3, "an inertia too large to compute with"},
       {6, joint(R"(type="fixed")"), 6, "<joint> has no attribute 'name'"},
       {6, joint(R"(name="f" type="fixed")"), 7, "joint 'f' exists already on line 6"},
       {6, joint(R"(name="r")"), 6, "<joint> has no attribute 'type'"},

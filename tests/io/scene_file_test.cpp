@@ -180,8 +180,7 @@ TEST_F(SceneFileTest, ArrangedInLineAndGrid) {
 }
 
 TEST_F(SceneFileTest, ArrangedInACircle) {
-  const SceneFile s =
-      load(R"(<robot name="a" urdf="robot.urdf" base="floating" copies="6" arrange="circle" spacing="2"
+  const SceneFile s = load(R"(<robot name="a" urdf="robot.urdf" base="floating" copies="6" arrange="circle" spacing="2"
       xyz="0.1 0.2 0.3" rpy="0 0 0.7"/>
     <robot name="b" urdf="sub/slider.urdf" copies="2" arrange="circle" spacing="2"/>
     <robot name="c" urdf="sub/slider.urdf" copies="1" arrange="circle" spacing="2"/>)");
@@ -195,8 +194,7 @@ TEST_F(SceneFileTest, ArrangedInACircle) {
 }
 
 TEST_F(SceneFileTest, CopiesShareQBesideTheArrangement) {
-  const SceneFile s =
-      load(R"(<robot name="a" urdf="robot.urdf" base="floating" copies="4" arrange="circle" spacing="2">
+  const SceneFile s = load(R"(<robot name="a" urdf="robot.urdf" base="floating" copies="4" arrange="circle" spacing="2">
     <q>1 0 3 0.6 0 0 0.8 0.4 0.5</q><joint name="hip" v="2"/><u>3 4</u></robot>)");
   const SE3<double> own = {rotation_of_quaternion(0.6, 0., 0., 0.8), Vec3<double>(1, 0, 3)};
   for (int i = 0; i < 4; ++i) {
@@ -235,9 +233,8 @@ TEST_F(SceneFileTest, ContactAttributes) {
   const Model& m = *s.scene.robots[0].model;
   EXPECT_EQ(c.A.robot, 0);
   EXPECT_EQ(c.A.joint, m.find_joint("hip"));
-  expect_near(c.A.placement,
-              m.frames[m.find_frame("foot")].placement *
-                  SE3<double>{rotation_of_quaternion(0., 0., 0.6, 0.8), Vec3<double>(0.1, 0, 0)});
+  expect_near(c.A.placement, m.frames[m.find_frame("foot")].placement *
+                                 SE3<double>{rotation_of_quaternion(0., 0., 0.6, 0.8), Vec3<double>(0.1, 0, 0)});
   EXPECT_EQ(c.B.robot, -1);
   expect_near(c.B.placement, yaw(std::numbers::pi, 1, 2, 3));
   EXPECT_EQ(contact(s, "c2").type, ContactType::k2D);
@@ -258,11 +255,9 @@ TEST_F(SceneFileTest, ReferencesLeftOutAreResolved) {
       for (const bool orientation : {true, false}) {
         std::string attributes = world ? "" : " to=\"b/foot\"";
         if (position) attributes += std::string(world ? " xyz" : " to_offset") + "=\"0.1 0.2 0.3\"";
-        if (orientation)
-          attributes += std::string(world ? " quat_xyzw" : " to_offset_quat_xyzw") + "=\"0 0.6 0 0.8\"";
+        if (orientation) attributes += std::string(world ? " quat_xyzw" : " to_offset_quat_xyzw") + "=\"0 0.6 0 0.8\"";
         SCOPED_TRACE(attributes);
-        const SceneFile s =
-            load(robots + "<contact name=\"c\" type=\"6d\" frame=\"a/hand\"" + attributes + "/>");
+        const SceneFile s = load(robots + "<contact name=\"c\" type=\"6d\" frame=\"a/hand\"" + attributes + "/>");
         const Contact& c = contact(s, "c");
         Contact resolved = c;
         resolve_reference(s.scene, s.q, true, true, resolved);
@@ -348,8 +343,7 @@ TEST_F(SceneFileTest, ContactsToOtherCopies) {
 }
 
 TEST_F(SceneFileTest, ManyCopiesTakeLinearTime) {
-  const SceneFile s =
-      load(R"(<robot name="herd" urdf="robot.urdf" base="floating" copies="50000" arrange="circle"/>
+  const SceneFile s = load(R"(<robot name="herd" urdf="robot.urdf" base="floating" copies="50000" arrange="circle"/>
     <contact name="foot" type="3d" frame="herd/foot"/>
     <contact name="hold" type="6d" frame="herd/hand" to="herd+1/trunk" wrap="true"/>)");
   EXPECT_EQ(s.scene.nrobots(), 50000);
@@ -371,8 +365,7 @@ TEST(SceneFile, SharedScenes) {
     std::stringstream json;
     json << in.rdbuf();
     std::string names = "\"velocity_names\":[";
-    for (const std::string& n : velocity_names(s.scene))
-      names += (names.back() == '[' ? "\"" : ",\"") + n + "\"";
+    for (const std::string& n : velocity_names(s.scene)) names += (names.back() == '[' ? "\"" : ",\"") + n + "\"";
     EXPECT_NE(json.str().find(names + "]"), std::string::npos) << names;
   }
   EXPECT_GT(scenes, 0);

@@ -36,19 +36,18 @@ std::string link(const std::string& name, double mass = 1, const std::string& or
          "izz=\"0.15\"/></inertial></link>\n";
 }
 
-std::string joint(const std::string& name, const std::string& type, const std::string& parent,
-                  const std::string& child, const std::string& inside = "") {
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                  const std::string& inside = "") {
   const bool limited = inside.find("<limit") != std::string::npos;
-  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
-         "\"/><child link=\"" + child + "\"/>" + inside +
-         (limited ? "" : "<limit effort=\"5\" velocity=\"6\" lower=\"-1\" upper=\"2\"/>") + "</joint>\n";
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
+         "\"/>" + inside + (limited ? "" : "<limit effort=\"5\" velocity=\"6\" lower=\"-1\" upper=\"2\"/>") +
+         "</joint>\n";
 }
 
 const std::string kTurned = "<origin xyz=\"0.1 0.2 0.3\" rpy=\"0.4 -0.5 0.6\"/>";
 
 SE3<double> turned() {
-  return {rotation_about<double>(Vec3<double>::UnitZ(), 0.6) *
-              rotation_about<double>(Vec3<double>::UnitY(), -0.5) *
+  return {rotation_about<double>(Vec3<double>::UnitZ(), 0.6) * rotation_about<double>(Vec3<double>::UnitY(), -0.5) *
               rotation_about<double>(Vec3<double>::UnitX(), 0.4),
           Vec3<double>(0.1, 0.2, 0.3)};
 }
@@ -64,9 +63,7 @@ void expect_near(const Inertia<double>& a, const Inertia<double>& b) {
   EXPECT_LT((a.I - b.I).cwiseAbs().maxCoeff(), kTight);
 }
 
-const Frame& frame(const Model& model, const std::string& name) {
-  return model.frames.at(model.find_frame(name));
-}
+const Frame& frame(const Model& model, const std::string& name) { return model.frames.at(model.find_frame(name)); }
 
 UrdfOptions floating() {
   UrdfOptions o;
@@ -75,9 +72,8 @@ UrdfOptions floating() {
 }
 
 TEST(Urdf, NumbersJointsDepthFirstByName) {
-  const Model m =
-      load(link("base") + link("b") + link("a") + link("a1") + joint("j_b", "revolute", "base", "b") +
-           joint("j_a", "continuous", "base", "a") + joint("j_c", "prismatic", "a", "a1"));
+  const Model m = load(link("base") + link("b") + link("a") + link("a1") + joint("j_b", "revolute", "base", "b") +
+                       joint("j_a", "continuous", "base", "a") + joint("j_c", "prismatic", "a", "a1"));
   ASSERT_EQ(m.njoints(), 3);
   EXPECT_EQ(m.joints[0].name, "j_a");
   EXPECT_EQ(m.joints[1].name, "j_c");
@@ -125,9 +121,8 @@ TEST(Urdf, FloatingBaseAvoidsTheNameOfAJoint) {
 
 TEST(Urdf, MergesFixedJoints) {
   const std::string com = "<origin xyz=\"0.3 0.1 -0.2\" rpy=\"0.4 -0.5 0.6\"/>";
-  const Model m =
-      load(link("a") + link("b", 2) + link("c", 3, com) + link("d", 4) + joint("j", "revolute", "a", "b") +
-           joint("f", "fixed", "b", "c", kTurned) + joint("k", "revolute", "c", "d", kTurned));
+  const Model m = load(link("a") + link("b", 2) + link("c", 3, com) + link("d", 4) + joint("j", "revolute", "a", "b") +
+                       joint("f", "fixed", "b", "c", kTurned) + joint("k", "revolute", "c", "d", kTurned));
   ASSERT_EQ(m.njoints(), 2);
   EXPECT_EQ(m.notes.merged, std::vector<std::string>{"f"});
   expect_near(frame(m, "c").placement, turned());
@@ -138,8 +133,7 @@ TEST(Urdf, MergesFixedJoints) {
   I << 0.1, 0.01, 0.02, 0.01, 0.2, 0.03, 0.02, 0.03, 0.15;
   Inertia<double> expected = Inertia<double>::from_com(2, Vec3<double>::Zero(), I);
   const Mat3<double> R = turned().R;
-  expected +=
-      Inertia<double>::from_com(3, Vec3<double>(0.3, 0.1, -0.2), R * I * R.transpose()).transformed(turned());
+  expected += Inertia<double>::from_com(3, Vec3<double>(0.3, 0.1, -0.2), R * I * R.transpose()).transformed(turned());
   expect_near(m.joints[0].inertia, expected);
 }
 
@@ -165,8 +159,7 @@ TEST(Urdf, LockedJointsLeaveTheModel) {
 }
 
 TEST(Urdf, PlanarJointsTurnZToTheAxisAndKeepTheLinkFrame) {
-  const Model flat =
-      load(link("a") + link("b") + joint("j", "planar", "a", "b", "<axis xyz=\"0 0 1\"/>" + kTurned));
+  const Model flat = load(link("a") + link("b") + joint("j", "planar", "a", "b", "<axis xyz=\"0 0 1\"/>" + kTurned));
   const Inertia<double> inertia = flat.joints[0].inertia;
   expect_near(flat.joints[0].placement, turned());
   for (const char* axis : {"0 0 1", "0 0 -1", "1 0 0", "0 -3 0", "1 2 3", "1e-9 0 -1", "1 -1 -5", ""}) {
@@ -204,9 +197,8 @@ TEST(Urdf, ArmatureSparesTheFloatingBase) {
 }
 
 TEST(Urdf, NotesWhatIsNotModelled) {
-  const Model m =
-      load(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b", "<mimic joint=\"k\"/>") +
-           joint("k", "revolute", "b", "c", "<dynamics damping=\"1\"/>"));
+  const Model m = load(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b", "<mimic joint=\"k\"/>") +
+                       joint("k", "revolute", "b", "c", "<dynamics damping=\"1\"/>"));
   EXPECT_EQ(m.notes.mimic, std::vector<std::string>{"j"});
   EXPECT_EQ(m.notes.dynamics, std::vector<std::string>{"k"});
   EXPECT_EQ(m.nv, 2);

@@ -73,8 +73,9 @@ TEST(LeastNorm, IsThatOfTheDecomposition) {
     const Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod(c.A);
     const MatrixXd inverse = cod.pseudoInverse();
     const double size = c.A.norm(), cond = inverse.norm() * size;
-    for (const VectorXd& b : {VectorXd(random_matrix(c.A.rows(), 1, rng)), VectorXd(c.A * random_matrix(c.A.cols(), 1, rng)),
-                              VectorXd(VectorXd::Zero(c.A.rows()))}) {
+    for (const VectorXd& b :
+         {VectorXd(random_matrix(c.A.rows(), 1, rng)), VectorXd(c.A * random_matrix(c.A.cols(), 1, rng)),
+          VectorXd(VectorXd::Zero(c.A.rows()))}) {
       const VectorXd x = sparse::least_norm_solution(c.A.rows(), c.A.cols(), entries_of(c.A), b);
       ASSERT_EQ(x.size(), c.A.cols());
       const VectorXd expected = cod.solve(b);

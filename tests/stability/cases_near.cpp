@@ -66,33 +66,30 @@ void add_straight_legs(Cases& cases) {
       });
     for (ContactType type : {k1D, k3D, k6D})
       for (bool world : {false, true})
-        cases.add(
-            "arm stretched, tool " + to_string(type) + (world ? " in the world's axes" : "") + at, [=] {
-              Problem p = robot("arm", false);
-              for (const char* joint : {"shoulder_yaw", "shoulder_pitch", "upper_arm_yaw", "forearm_yaw", "wrist_yaw"})
-                bend(p, joint, 0.3);
-              bend(p, "elbow", angle);
-              bend(p, "wrist_pitch", angle);
-              hold(p, type, "tool", {0, 0, 0}, world ? ReferenceFrame::kWorld : ReferenceFrame::kLocal);
-              return p;
-            });
+        cases.add("arm stretched, tool " + to_string(type) + (world ? " in the world's axes" : "") + at, [=] {
+          Problem p = robot("arm", false);
+          for (const char* joint : {"shoulder_yaw", "shoulder_pitch", "upper_arm_yaw", "forearm_yaw", "wrist_yaw"})
+            bend(p, joint, 0.3);
+          bend(p, "elbow", angle);
+          bend(p, "wrist_pitch", angle);
+          hold(p, type, "tool", {0, 0, 0}, world ? ReferenceFrame::kWorld : ReferenceFrame::kLocal);
+          return p;
+        });
   }
   for (double angle : {1e-1, 1e-4, 1e-8, 0.0})
     for (ContactType type : {k3D, k6D})
-      cases.add(
-          "humanoid's straight knees, soles and trunk " + to_string(type) + ", " + power(angle) + " rad",
-          [=] {
-            Problem p = robot("humanoid", true);
-            for (const char* side : {"left", "right"}) {
-              bend(p, std::string(side) + "_hip_pitch", -angle / 2);
-              bend(p, std::string(side) + "_knee", angle);
-              bend(p, std::string(side) + "_ankle_pitch", -angle / 2);
-            }
-            hold(p, type, "left_sole");
-            hold(p, type, "right_sole");
-            hold(p, k6D, "pelvis");
-            return p;
-          });
+      cases.add("humanoid's straight knees, soles and trunk " + to_string(type) + ", " + power(angle) + " rad", [=] {
+        Problem p = robot("humanoid", true);
+        for (const char* side : {"left", "right"}) {
+          bend(p, std::string(side) + "_hip_pitch", -angle / 2);
+          bend(p, std::string(side) + "_knee", angle);
+          bend(p, std::string(side) + "_ankle_pitch", -angle / 2);
+        }
+        hold(p, type, "left_sole");
+        hold(p, type, "right_sole");
+        hold(p, k6D, "pelvis");
+        return p;
+      });
 }
 
 }  // namespace manycontact::test

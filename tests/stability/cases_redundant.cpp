@@ -30,9 +30,7 @@ Problem twice(const Structure& s, ContactType first, ContactType second, double 
   return p;
 }
 
-std::string pair_name(ContactType first, ContactType second) {
-  return to_string(first) + "+" + to_string(second);
-}
+std::string pair_name(ContactType first, ContactType second) { return to_string(first) + "+" + to_string(second); }
 
 }  // namespace
 

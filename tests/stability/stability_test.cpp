@@ -39,7 +39,8 @@ class Summary : public testing::Environment {
         if (cell.beyond_bound > 0) beyond.push_back(cell.beyond_bound);
     std::sort(beyond.begin(), beyond.end());
     if (!beyond.empty())
-      std::cout << "true error over its bound: median " << beyond[beyond.size() / 2] << ", largest " << beyond.back() << "\n";
+      std::cout << "true error over its bound: median " << beyond[beyond.size() / 2] << ", largest " << beyond.back()
+                << "\n";
     if (std::getenv("MANYCONTACT_WRITE_PAGE") && done.size() == all_causes().size())
       std::ofstream(page_path()) << page(done);
   }
@@ -57,7 +58,8 @@ TEST_P(Stability, NoWrongAnswers) {
   EXPECT_EQ(count(rows, Outcome::kMislabelled), 0) << "statuses mixed up";
   for (const Row& row : rows)
     for (std::size_t k = 0; k < row.cells.size(); ++k)
-      EXPECT_LE(row.cells[k].beyond_bound, 1) << row.which->name << " by " << table_ways()[k].name << " " << row.cells[k].note;
+      EXPECT_LE(row.cells[k].beyond_bound, 1)
+          << row.which->name << " by " << table_ways()[k].name << " " << row.cells[k].note;
   for (const Row& row : rows) {
     if (!row.which->demanded) continue;
     for (std::size_t k = 0; k < row.cells.size(); ++k) {

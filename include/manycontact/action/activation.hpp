@@ -10,8 +10,8 @@ namespace manycontact {
 struct ActivationDataAbstract {
   explicit ActivationDataAbstract(std::size_t nr) : Ar(Eigen::VectorXd::Zero(nr)), Arr(nr) { Arr.setZero(); }
   virtual ~ActivationDataAbstract() = default;
-  double a_value = 0;                             // by calc
-  Eigen::VectorXd Ar;                             // nr: by calcDiff
+  double a_value = 0;                                 // by calc
+  Eigen::VectorXd Ar;                                 // nr: by calcDiff
   Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: by calcDiff
 };
 

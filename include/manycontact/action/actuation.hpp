@@ -1,6 +1,6 @@
 #pragma once
-// tau(x, u): how controls become torques on the velocity coordinates. Interface of Crocoddyl's ActuationModelAbstract; the
-// matrices are sparse, so that a scene of many robots does not pay n^2.
+// tau(x, u): how controls become torques on the velocity coordinates. Interface of Crocoddyl's ActuationModelAbstract;
+// the matrices are sparse, so that a scene of many robots does not pay n^2.
 
 #include <Eigen/SparseCore>
 
@@ -14,12 +14,12 @@ struct ActuationDataAbstract {
   explicit ActuationDataAbstract(const ActuationModelAbstract* model);
   virtual ~ActuationDataAbstract() = default;
 
-  Eigen::VectorXd tau;                       // nv: by calc
-  Eigen::VectorXd u;                         // nu: by commands
-  Eigen::SparseMatrix<double> dtau_dx;       // nv x ndx: by calcDiff
-  Eigen::SparseMatrix<double> dtau_du;       // nv x nu: by calcDiff
-  Eigen::SparseMatrix<double> Mtau;          // nu x nv: by torqueTransform
-  std::vector<bool> tau_set;                 // nv: actuated coordinates
+  Eigen::VectorXd tau;                  // nv: by calc
+  Eigen::VectorXd u;                    // nu: by commands
+  Eigen::SparseMatrix<double> dtau_dx;  // nv x ndx: by calcDiff
+  Eigen::SparseMatrix<double> dtau_du;  // nv x nu: by calcDiff
+  Eigen::SparseMatrix<double> Mtau;     // nu x nv: by torqueTransform
+  std::vector<bool> tau_set;            // nv: actuated coordinates
 };
 
 class ActuationModelAbstract {

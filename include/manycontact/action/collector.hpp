@@ -19,15 +19,15 @@ struct IslandColumns {
 struct DataCollector {
   DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
 
-  Scene scene;           // the state's robots, the contacts in the order of their names, damping, armature
-  SceneData solution;    // kinematics of the last calc; accelerations, forces and derivatives of the last calc(data, x, u)
+  Scene scene;         // the state's robots, the contacts in the order of their names, damping, armature
+  SceneData solution;  // kinematics of the last calc; the rest of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
-  std::vector<IslandColumns> islands;   // of solution.islands
-  // Derivatives by the state and the control, per island [a; f] x [q | v | u]. For a custom actuation, da/dtau is multiplied
-  // out; for a selection they are the solution's own.
+  std::vector<IslandColumns> islands;  // of solution.islands
+  // Derivatives by the state and the control, per island [a; f] x [q | v | u]. For a custom actuation, da/dtau is
+  // multiplied out; for a selection they are the solution's own.
   PanelView panel(std::size_t island) const;
-  std::vector<RowMajorMatrix> custom;   // per island, for a custom actuation
+  std::vector<RowMajorMatrix> custom;  // per island, for a custom actuation
 
   const Kinematics<double>& kinematics(int robot) const { return solution.robots[robot].kin; }
   /// The contact model's data on this frame. Throws std::invalid_argument when there is none, or more than one.

@@ -51,13 +51,13 @@ struct ConstraintDataManager {
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
   std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals they were created by
   DataCollector* shared = nullptr;
-  std::size_t version = 0, status = 0;         // of the model when last laid out
+  std::size_t version = 0, status = 0;  // of the model when last laid out
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
   // Parts of the residuals' blocks that are rows of g, and of h.
   struct Part {
-    std::size_t block = 0;          // of the residual
-    std::vector<int> from, to;      // rows of the block, rows of g (of h)
+    std::size_t block = 0;             // of the residual
+    std::vector<int> from, to;         // rows of the block, rows of g (of h)
     std::size_t xplan = 0, uplan = 0;  // in the sparse matrices
   };
   std::map<std::string, std::vector<Part>> g_parts, h_parts;
@@ -89,7 +89,7 @@ class ConstraintModelManager {
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
   const ConstraintModelContainer& get_constraints() const { return constraints_; }
   std::size_t get_nu() const { return nu_; }
-  std::size_t get_ng() const { return ng_; }      // of the active constraints
+  std::size_t get_ng() const { return ng_; }  // of the active constraints
   std::size_t get_nh() const { return nh_; }
   std::size_t get_ng_T() const { return ng_T_; }  // of those that hold in a terminal node
   std::size_t get_nh_T() const { return nh_T_; }

@@ -1,6 +1,6 @@
 #pragma once
-// Contacts by Crocoddyl's names and constructors, sobec's for 1D and 3D, and one between two bodies; and their stack. The
-// equations are those of contact/rows.hpp, evaluated by the action model; here is only what a contact is.
+// Contacts by Crocoddyl's names and constructors, sobec's for 1D and 3D, and one between two bodies; and their stack.
+// The equations are those of contact/rows.hpp, evaluated by the action model; here is only what a contact is.
 
 #include <map>
 #include <set>
@@ -14,20 +14,21 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
 
 /// Numbers of one contact, filled by the action model. The columns of Jc and da0_dx are those of the robots of A and B'
-/// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for v.
-/// Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
+/// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for
+/// v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
 struct ContactDataAbstract {
-  Eigen::MatrixXd Jc;       // nc x v_columns: by calc
-  Eigen::VectorXd a0;       // nc: by calc
-  Eigen::MatrixXd da0_dx;   // nc x 2 v_columns: by calcDiff; derivative of J a + a0 at the accelerations held constant
-  Eigen::VectorXd f;        // nc: by calc; force on A at its origin, in the contact's reference frame; zero when inactive
-  PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // nc x f_x_columns: by calcDiff, when force derivatives are on
-  PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // nc x f_u_columns
+  Eigen::MatrixXd Jc;      // nc x v_columns: by calc
+  Eigen::VectorXd a0;      // nc: by calc
+  Eigen::MatrixXd da0_dx;  // nc x 2 v_columns: by calcDiff; derivative of J a + a0 at the accelerations held constant
+  Eigen::VectorXd f;  // nc: by calc; force on A at its origin, in the contact's reference frame; zero when inactive
+  // By calcDiff, when force derivatives are on: nc x f_x_columns, nc x f_u_columns.
+  PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};
+  PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};
   std::vector<int> v_columns;
   const std::vector<int>* f_x_columns = nullptr;
   const std::vector<int>* f_u_columns = nullptr;
   FrameIndex frame = 0;
-  int index = -1;           // in the scene of the action data
+  int index = -1;  // in the scene of the action data
   bool active = true;
 };
 
@@ -68,7 +69,8 @@ class ContactModel1D : public ContactModelAbstract {
  public:
   /// The component along rotation^T e_z, which stands at xref [m]. nu: of the action, default the state's nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
-                 const Eigen::Matrix3d& rotation, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Matrix3d& rotation, std::size_t nu,
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
@@ -131,8 +133,8 @@ class ContactModel6D : public ContactModelAbstract {
 /// A frame A held to a frame B' = `to` times `offset`, on another body of any robot.
 class ContactModelBetweenBodies : public ContactModelAbstract {
  public:
-  ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id, FrameIndex to,
-                            const SE3<double>& offset, ReferenceFrame type, std::size_t nu,
+  ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
+                            FrameIndex to, const SE3<double>& offset, ReferenceFrame type, std::size_t nu,
                             const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(),
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
   FrameIndex get_to() const { return to_; }
@@ -181,7 +183,7 @@ class ContactModelMultiple {
   std::size_t get_nu() const { return nu_; }
   const std::set<std::string>& get_active_set() const { return active_set_; }
   const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
-  std::size_t get_version() const { return version_; }    // of the set of contacts, not of their status
+  std::size_t get_version() const { return version_; }  // of the set of contacts, not of their status
   void print(std::ostream& os) const;
 
  private:

@@ -50,8 +50,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
             const ConstVectorRef& u) override;
   /// Touches neither accelerations nor forces.
   void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
-  /// Derivatives at the x, u of the last calc, whatever x, u are given. Throw std::logic_error unless that calc was of the
-  /// same kind, with the same costs and constraints active.
+  /// Derivatives at the x, u of the last calc, whatever x, u are given. Throw std::logic_error unless that calc was of
+  /// the same kind, with the same costs and constraints active.
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
@@ -84,7 +84,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// Those of the active constraints; or what set_g_lb, set_g_ub gave, until constraints are added, removed or switched.
+  /// Those of the active constraints; or what set_g_lb, set_g_ub gave, until constraints are added, removed or
+  /// switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   void set_g_lb(const Eigen::VectorXd& g_lb) override;
@@ -101,7 +102,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t number_of_parts() const;
   template <class Use>
   void each_status(Use&& use) const;
-  // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use them.
+  // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use
+  // them.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
@@ -128,12 +130,12 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
 
   // Kept by the model.
   internal::Stage stage = internal::Stage::kFresh;
-  std::shared_ptr<const void> owner;   // the model's identity
+  std::shared_ptr<const void> owner;  // the model's identity
   std::size_t contacts_version = 0;
   std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models;
-  Eigen::VectorXd x, u;   // of the last calc
+  Eigen::VectorXd x, u;      // of the last calc
   std::vector<bool> status;  // of the costs, then of the constraints, at the last calc
-  bool laid_out = true;   // columns and blocks fit the islands
+  bool laid_out = true;      // columns and blocks fit the islands
 };
 
 }  // namespace manycontact

@@ -12,7 +12,7 @@ class CostModelResidual;
 struct CostDataResidual {
   CostDataResidual(CostModelResidual* model, DataCollector* shared);
   double cost = 0;
-  std::shared_ptr<const ResidualModelAbstract> of_residual;      // the models that made the data
+  std::shared_ptr<const ResidualModelAbstract> of_residual;  // the models that made the data
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
@@ -63,15 +63,15 @@ struct CostItem {
 };
 
 struct CostDataSum {
-  double cost = 0;                           // by calc
-  CostDerivatives* derivatives = &own;       // by calcDiff
+  double cost = 0;                      // by calc
+  CostDerivatives* derivatives = &own;  // by calcDiff
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
   DataCollector* shared = nullptr;
-  std::size_t version = 0;                   // of the model's set of costs
+  std::size_t version = 0;  // of the model's set of costs
   struct Plan {
-    std::size_t xx = 0, xu = 0, uu = 0;      // the cost's first block in each sparse matrix
+    std::size_t xx = 0, xu = 0, uu = 0;  // the cost's first block in each sparse matrix
   };
-  std::vector<Plan> plans;                   // per cost, in their order
+  std::vector<Plan> plans;  // per cost, in their order
   CostDerivatives own;
 
   CostDataSum() = default;

@@ -15,13 +15,13 @@ struct DifferentialActionDataAbstract : CostDerivatives {
   explicit DifferentialActionDataAbstract(const DifferentialActionModelAbstract* model);
   virtual ~DifferentialActionDataAbstract() = default;
 
-  double cost = 0;            // by calc
-  Eigen::VectorXd xout;       // nv: accelerations, by calc(data, x, u)
-  Eigen::MatrixXd Fx, Fu;     // nv x ndx, nv x nu: by calcDiff(data, x, u)
-  Eigen::VectorXd r;          // nr: residuals of the active costs, stacked in the order of their names
-  Eigen::VectorXd g, h;       // ng, nh: by calc; equality constraints h = 0
-  Eigen::MatrixXd Gx, Gu;     // ng x ndx, ng x nu
-  Eigen::MatrixXd Hx, Hu;     // nh x ndx, nh x nu
+  double cost = 0;         // by calc
+  Eigen::VectorXd xout;    // nv: accelerations, by calc(data, x, u)
+  Eigen::MatrixXd Fx, Fu;  // nv x ndx, nv x nu: by calcDiff(data, x, u)
+  Eigen::VectorXd r;       // nr: residuals of the active costs, stacked in the order of their names
+  Eigen::VectorXd g, h;    // ng, nh: by calc; equality constraints h = 0
+  Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu
+  Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu
 
   BlockSparse Fx_blocks, Fu_blocks, Gx_blocks, Gu_blocks, Hx_blocks, Hu_blocks;
   const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }
@@ -90,7 +90,7 @@ class DifferentialActionModelAbstract {
 
  protected:
   void update_has_control_limits();
-  std::size_t nu_, nr_, ng_, nh_;  // of a model with stacks of costs and constraints: as at construction; getters follow
+  std::size_t nu_, nr_, ng_, nh_;  // of a model with stacks of costs, constraints: as at construction; getters follow
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;

@@ -51,7 +51,8 @@ inline void check_size(const char* where, const char* what, Eigen::Index given, 
 template <class Data>
 Data& check_data(const char* where, const std::shared_ptr<Data>& data) {
   if (data == nullptr)
-    throw std::invalid_argument(std::string(where) + ": the data are a null pointer, data of createData() are expected");
+    throw std::invalid_argument(std::string(where) +
+                                ": the data are a null pointer, data of createData() are expected");
   return *data;
 }
 

@@ -24,8 +24,8 @@ class Multibody {
 
   int nq = 0, nv = 0;
   std::vector<BodyFrame> frames;
-  Eigen::VectorXd armature;      // nv
-  Eigen::VectorXd effortLimit;   // nv; infinite where the file gives none, and on floating bases
+  Eigen::VectorXd armature;     // nv
+  Eigen::VectorXd effortLimit;  // nv; infinite where the file gives none, and on floating bases
 
   const Scene& scene() const { return scene_; }
   /// "left_sole" when there is one robot, "r0/left_sole"; a joint's name is its link's, unless a link has that name.

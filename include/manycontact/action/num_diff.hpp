@@ -8,8 +8,8 @@ namespace manycontact {
 
 class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
  public:
-  /// with_gauss_approx: Hessians Rx^T Rx, ... of the stacked residuals, right for costs 1/2 |r|^2 of weight 1; otherwise
-  /// second differences of the cost.
+  /// with_gauss_approx: Hessians Rx^T Rx, ... of the stacked residuals, right for costs 1/2 |r|^2 of weight 1;
+  /// otherwise second differences of the cost.
   explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
                                           bool with_gauss_approx = false);
 

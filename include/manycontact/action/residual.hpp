@@ -56,8 +56,8 @@ class ResidualModelAbstract {
   virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Lays out data.blocks; called by createData and again when the islands change (a contact was switched). By default one
-  /// block of everything.
+  /// Lays out data.blocks; called by createData and again when the islands change (a contact was switched). By default
+  /// one block of everything.
   virtual void lay_out(ResidualDataAbstract& data) const;
   /// False when the data must be laid out again: they are of another frame, say.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }

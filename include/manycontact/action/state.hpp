@@ -1,6 +1,6 @@
 #pragma once
-// The state x = [q; v] of a scene, nx = nq + nv, and its tangent dx = [dq; dv], ndx = 2 nv; dq lives in each joint's own
-// child frame. Interface of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes throw std::invalid_argument.
+// The state x = [q; v] of a scene, nx = nq + nv, and its tangent dx = [dq; dv], ndx = 2 nv; dq lives in each joint's
+// own child frame. Interface of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes throw std::invalid_argument.
 
 #include "manycontact/action/multibody.hpp"
 

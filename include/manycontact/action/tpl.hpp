@@ -1,6 +1,6 @@
 #pragma once
-// Every class of this floor under the name that code written for Crocoddyl may spell out, StateMultibodyTpl<double>. The
-// only scalar is double.
+// Every class of this floor under the name that code written for Crocoddyl may spell out, StateMultibodyTpl<double>.
+// The only scalar is double.
 
 #include <concepts>
 
@@ -13,6 +13,7 @@
 #include "manycontact/action/residuals/state_residuals.hpp"
 
 namespace manycontact {
+// clang-format off
 
 template <std::same_as<double> Scalar> using ActivationDataAbstractTpl = ActivationDataAbstract;
 template <std::same_as<double> Scalar> using ActivationModelAbstractTpl = ActivationModelAbstract;
@@ -97,4 +98,5 @@ template <std::same_as<double> Scalar> using ResidualModelControlTpl = ResidualM
 template <std::same_as<double> Scalar> using ResidualModelJointEffortTpl = ResidualModelJointEffort;
 template <std::same_as<double> Scalar> using ResidualModelJointAccelerationTpl = ResidualModelJointAcceleration;
 
+// clang-format on
 }  // namespace manycontact

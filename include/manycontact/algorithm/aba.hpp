@@ -1,6 +1,6 @@
 #pragma once
-// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, written in the tree frame, where articulated
-// inertias pass to the parent by addition.
+// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, written in the tree frame, where
+// articulated inertias pass to the parent by addition.
 
 #include <span>
 
@@ -11,10 +11,10 @@ namespace manycontact {
 template <class S>
 struct AbaData {
   explicit AbaData(const Model& model);
-  std::vector<Mat6<S>> IA;  // njoints: articulated inertia
-  std::vector<Vec6<S>> pA;  // njoints: articulated bias force
-  Mat6X<S> U;               // 6 x nv: IA S
-  VecX<S> u;                // nv: tau - S^T pA, then D^-1 u
+  std::vector<Mat6<S>> IA;    // njoints: articulated inertia
+  std::vector<Vec6<S>> pA;    // njoints: articulated bias force
+  Mat6X<S> U;                 // 6 x nv: IA S
+  VecX<S> u;                  // nv: tau - S^T pA, then D^-1 u
   std::vector<Mat6<S>> Dinv;  // njoints: (S^T IA S + armature)^-1 in the leading nv x nv block
   std::vector<Vec6<S>> a;     // njoints: accelerations, a_base = -g
 };

@@ -1,7 +1,7 @@
 #pragma once
 // Placement, velocity, acceleration and Jacobian of a frame fixed on a robot's body. Reference frames as in Pinocchio:
-// local: the frame's own axes and origin; world: world axes, at the world's origin; local_world_aligned: world axes, at the
-// frame's origin.
+// local: the frame's own axes and origin; world: world axes, at the world's origin; local_world_aligned: world axes, at
+// the frame's origin.
 
 #include "manycontact/algorithm/kinematics.hpp"
 
@@ -9,8 +9,8 @@ namespace manycontact {
 
 enum class FrameAxes { kLocal, kWorld, kLocalWorldAligned };
 
-/// oMf in the world. joint, placement: of the frame on its joint's body (model/model.hpp); joint -1: the fixed base, whose
-/// placement in the world is `base`. After forward_kinematics.
+/// oMf in the world. joint, placement: of the frame on its joint's body (model/model.hpp); joint -1: the fixed base,
+/// whose placement in the world is `base`. After forward_kinematics.
 template <class S>
 SE3<S> frame_placement(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement);
 

@@ -15,15 +15,15 @@ struct Kinematics {
   explicit Kinematics(const Model& model);
 
   // by forward_kinematics, from q
-  Vec3<S> origin;                // the tree frame's origin in the world [m]
-  std::vector<SE3<S>> oMi;       // njoints: placement of each child frame
-  Mat6X<S> J;                    // 6 x nv: motion subspace S_i of each velocity coordinate
-  std::vector<Inertia<S>> Y;     // njoints: inertia of each body
+  Vec3<S> origin;             // the tree frame's origin in the world [m]
+  std::vector<SE3<S>> oMi;    // njoints: placement of each child frame
+  Mat6X<S> J;                 // 6 x nv: motion subspace S_i of each velocity coordinate
+  std::vector<Inertia<S>> Y;  // njoints: inertia of each body
 
   // by forward_accelerations, from v and qdd
-  std::vector<Vec6<S>> v;        // njoints: spatial velocity
-  std::vector<Vec6<S>> a;        // njoints: spatial acceleration minus gravity
-  Vec6<S> a_base;                // what the base accelerates with: -g
+  std::vector<Vec6<S>> v;  // njoints: spatial velocity
+  std::vector<Vec6<S>> a;  // njoints: spatial acceleration minus gravity
+  Vec6<S> a_base;          // what the base accelerates with: -g
 };
 
 /// Placements, motion subspaces and inertias. q: nq. base: the fixed base's placement in the world (a floating base

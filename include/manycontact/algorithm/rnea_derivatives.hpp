@@ -2,8 +2,8 @@
 // Derivatives of inverse dynamics with respect to q (on the tangent space) and v, tree-sparse: tau_i depends on q_j and
 // v_j only where one coordinate is an ancestor of the other.
 //
-// With Psid_j = v_p x S_j, Psidd_j = a_p x S_j + v_p x Psid_j (p: the parent of j's joint), Sd_j = v_j x S_j, and Yc, 2B, f
-// summed over the subtree of i's joint, for an ancestor j of i:
+// With Psid_j = v_p x S_j, Psidd_j = a_p x S_j + v_p x Psid_j (p: the parent of j's joint), Sd_j = v_j x S_j, and Yc,
+// 2B, f summed over the subtree of i's joint, for an ancestor j of i:
 //
 //   dtau_i/dq_j = S_i^T (2B Psid_j + Yc Psidd_j)        dtau_j/dq_i = S_j^T (2B Psid_i + Yc Psidd_i + S_i x* f)
 //   dtau_i/dv_j = S_i^T (2B S_j + Yc (Psid_j + Sd_j))   dtau_j/dv_i = S_j^T (2B S_i + Yc (Psid_i + Sd_i))
@@ -21,10 +21,10 @@ namespace manycontact {
 struct RneaDerivatives {
   explicit RneaDerivatives(const Model& model);
 
-  Mat6X<double> Psid, Psidd, Sv;        // 6 x nv: Psid, Psidd, Psid + Sd
-  std::vector<Vec3<double>> l;          // njoints: linear momentum of the subtree
-  std::vector<Mat3<double>> C;          // njoints: of 2B of the subtree
-  std::vector<Vec6<double>> f;          // njoints: force through the joint
+  Mat6X<double> Psid, Psidd, Sv;           // 6 x nv: Psid, Psidd, Psid + Sd
+  std::vector<Vec3<double>> l;             // njoints: linear momentum of the subtree
+  std::vector<Mat3<double>> C;             // njoints: of 2B of the subtree
+  std::vector<Vec6<double>> f;             // njoints: force through the joint
   std::vector<double> dq_lower, dv_lower;  // dtau_i/dq_j, dtau_i/dv_j
   std::vector<double> dq_upper, dv_upper;  // dtau_j/dq_i, dtau_j/dv_i
 };

@@ -13,8 +13,8 @@ struct BodyVariation {
   Vec6<double> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
 };
 
-/// The tangent's forward pass: xi, v, a of every body along (dq, dv) with qdd held. kin: after forward_accelerations with
-/// qdd. dq, dv, qdd: nv. out: njoints.
+/// The tangent's forward pass: xi, v, a of every body along (dq, dv) with qdd held. kin: after forward_accelerations
+/// with qdd. dq, dv, qdd: nv. out: njoints.
 void tangent_motions(const Model& model, const Kinematics<double>& kin, const double* qdd, const double* dq,
                      const double* dv, std::vector<BodyVariation>& out);
 
@@ -34,7 +34,7 @@ void add_body_adjoints(const Model& model, const Kinematics<double>& kin, const 
 
 /// From gradients per body to gradients per coordinate: wq, wv (nv each), of a scalar that depends on q, v through the
 /// bodies' xi, u, v, a. qdd, and w inside u, are held. Overwrites `adjoint` with sums over subtrees.
-void pull_back(const Model& model, const Kinematics<double>& kin, const double* qdd,
-               const std::vector<Vec6<double>>& u, std::vector<BodyVariation>& adjoint, double* wq, double* wv);
+void pull_back(const Model& model, const Kinematics<double>& kin, const double* qdd, const std::vector<Vec6<double>>& u,
+               std::vector<BodyVariation>& adjoint, double* wq, double* wv);
 
 }  // namespace manycontact

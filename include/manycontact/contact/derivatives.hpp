@@ -3,8 +3,8 @@
 // included), P1, P2, P3 the likewise placed and signed Psid_i, Psidd_i, Psid_i + Sd_i (algorithm/rnea_derivatives.hpp):
 //
 //   d nu/dq_i    = P1 + s_i x v_B                                                    d nu/dv_i    = s_i
-//   d nudot/dq_i = P2 - (v_A + v_B) x P1 + s_i x a_B - v_A x (s_i x v_B)             d nudot/dv_i = P3 - (v_A + v_B) x s_i
-//   d log6(G)/dq_i = Jlog6(G) s_i                      d (R_A^T (p_A - p_B'))/dq_i = s_i,lin - s_i,ang x e
+//   d nudot/dq_i = P2 - (v_A + v_B) x P1 + s_i x a_B - v_A x (s_i x v_B)             d nudot/dv_i = P3 - (v_A + v_B) x
+//   s_i d log6(G)/dq_i = Jlog6(G) s_i                      d (R_A^T (p_A - p_B'))/dq_i = s_i,lin - s_i,ang x e
 //
 // for the joints between A and B'; for joints above both, all are zero. A world-aligned frame turns with W: for every
 // joint above A, with th_i the angular part of A's motion, dW/dq_i y = W (th_i x y) on both parts of y.
@@ -35,8 +35,8 @@ inline Vec6<double> turned(const Vec3<double>& th, const Vec6<double>& y) {
   return out;
 }
 
-/// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd, Sv
-/// of the same robots; f: the contact's force in its own frame. `data` gets the same accelerations.
+/// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd,
+/// Sv of the same robots; f: the contact's force in its own frame. `data` gets the same accelerations.
 void contact_derivatives(const Scene& scene, const Contact& contact, const ContactSupport& support,
                          const Kinematics<double>& kinA, const Kinematics<double>* kinB, const RneaDerivatives& termsA,
                          const RneaDerivatives* termsB, const Eigen::Ref<const Eigen::VectorXd>& f,

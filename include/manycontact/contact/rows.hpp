@@ -33,13 +33,13 @@ struct ContactData {
   ContactData(const Contact& contact, const ContactSupport& support);
 
   // by contact_rows
-  SE3<S> aMA, bMA;                       // A in the tree frame of its own robot, and of B's (of the world)
-  SE3<S> G;                              // B'MA
-  Vec6<S> vA, vB, aA, aB;                // velocities, accelerations (without qdd, minus gravity) of A and X B'
-  Vec6<S> nu, nudot, x;                  // as above; for points x's angular part is zero
-  Mat6X<S> Jl;                           // 6 x cols: J_l, first the columns of support.a, then of support.b
-  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;  // rows x 6
-  MatX<S> J;                             // rows x cols
+  SE3<S> aMA, bMA;         // A in the tree frame of its own robot, and of B's (of the world)
+  SE3<S> G;                // B'MA
+  Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (without qdd, minus gravity) of A and X B'
+  Vec6<S> nu, nudot, x;    // as above; for points x's angular part is zero
+  Mat6X<S> Jl;             // 6 x cols: J_l, first the columns of support.a, then of support.b
+  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6
+  MatX<S> J;                                        // rows x cols
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
 };
 
@@ -48,9 +48,9 @@ template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
-/// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may turn out
-/// to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a hundredth of the
-/// turning times the levers it was computed with. After contact_rows.
+/// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
+/// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a
+/// hundredth of the turning times the levers it was computed with. After contact_rows.
 template <class S>
 S motion_size(const Contact& contact, const ContactData<S>& data) {
   using std::abs;

@@ -55,11 +55,11 @@ struct DerivativeData {
     std::vector<Vec6<double>> fext;  // per joint: contact forces, tree frame
   };
   std::vector<Terms> pool;
-  std::vector<int> slot;                        // per robot: its place in the pool
+  std::vector<int> slot;  // per robot: its place in the pool
   Terms& of(int robot) { return pool[slot[robot]]; }
 
-  std::vector<ContactData<double>> rows;        // per contact, at the solution's accelerations
-  std::vector<ContactDerivatives> contacts;     // per contact
+  std::vector<ContactData<double>> rows;     // per contact, at the solution's accelerations
+  std::vector<ContactDerivatives> contacts;  // per contact
   std::vector<IslandDerivatives> islands;
   std::vector<DependentDerivatives> dependent;  // per island
   std::vector<char> nonzero;                    // scratch of the panel solve
@@ -71,8 +71,8 @@ struct ProductData {
   ProductData(const Scene& scene, const std::vector<ContactSupport>& supports);
 
   struct OfRobot {
-    std::vector<BodyVariation> body;              // njoints: tangents, or adjoints
-    std::vector<Vec6<double>> u;                  // njoints: virtual velocities
+    std::vector<BodyVariation> body;               // njoints: tangents, or adjoints
+    std::vector<Vec6<double>> u;                   // njoints: virtual velocities
     std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
     std::vector<double> w;                         // nv: change of the torques, or the vector behind u
   };
@@ -82,7 +82,7 @@ struct ProductData {
     IslandDerivatives D;
     Eigen::VectorXd rows, columns;  // of D.X: what it gives, what it is applied to; or the other way round
   };
-  std::vector<Dense> dense;  // per island: all its derivatives, where contact rows are dependent
+  std::vector<Dense> dense;            // per island: all its derivatives, where contact rows are dependent
   std::vector<double> b, x, r, scale;  // of an island's system, in place of the solve's, which its error bound needs
 };
 

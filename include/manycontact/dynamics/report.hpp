@@ -40,14 +40,14 @@ struct IslandReport {
   Reason reason = Reason::kNone;       // of the last change of order or method, or of the failure
   bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
   int nv = 0, nc = 0;
-  int rank = 0;                        // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
-  std::vector<int> dependent_rows;     // delta = 0: rows of data.f that depend on the others, ascending; nc - rank of them
-  int factor_nonzeros = 0;             // of L (and the tree's factor), diagonals included
+  int rank = 0;                     // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
+  std::vector<int> dependent_rows;  // delta = 0: rows of data.f that depend on the others, ascending; nc - rank of them
+  int factor_nonzeros = 0;          // of L (and the tree's factor), diagonals included
   int refinement_steps = 0;
-  double residual_dynamics = 0;        // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
-  double residual_contact = 0;         // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
-  double backward_error = 0;           // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
-  double condition = 0;                // 1-norm condition of K, by estimate_condition; 0: not asked for
+  double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
+  double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
+  double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
+  double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
   // Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for
   double error_acceleration = 0, error_forces = 0;
 };

@@ -12,8 +12,8 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 ///     [ J  -delta I] [ -f ] = [   -a0     ]
 ///
 /// per island, with data.options.method. Returns data.report, whose status says what the answer is worth; a failed
-/// island's a and f are NaN. Allocates nothing when the active set is the last one's (CHOLMOD and dense paths excepted).
-/// Throws std::invalid_argument when a size does not fit the scene.
+/// island's a and f are NaN. Allocates nothing when the active set is the last one's (CHOLMOD and dense paths
+/// excepted). Throws std::invalid_argument when a size does not fit the scene.
 const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
                     SceneData& data);
 
@@ -22,10 +22,12 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
                         SceneData& data);
 
 /// After solve: the 1-norm condition number of each island's K, estimated by a few solves with the factor at hand
-/// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse used.
+/// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse
+/// used.
 void estimate_condition(const Scene& scene, SceneData& data);
 
-/// After solve: bounds of the errors of each island's a and f, into the report, by a few solves with the factor at hand:
+/// After solve: bounds of the errors of each island's a and f, into the report, by a few solves with the factor at
+/// hand:
 ///
 ///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + what K and b were computed from))
 ///

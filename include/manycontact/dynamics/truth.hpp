@@ -1,7 +1,7 @@
 #pragma once
-// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that the answers in double
-// are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth is for
-// islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
+// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that the answers in
+// double are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth
+// is for islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
 
 #include "manycontact/dynamics/data.hpp"
 
@@ -9,10 +9,10 @@ namespace manycontact {
 
 template <class S>
 struct Truth {
-  VecX<S> a;               // scene.nv
-  VecX<S> f;               // rows of the active contacts
-  VecX<S> h;               // scene.nv
-  std::vector<int> rank;   // per island
+  VecX<S> a;              // scene.nv
+  VecX<S> f;              // rows of the active contacts
+  VecX<S> h;              // scene.nv
+  std::vector<int> rank;  // per island
   std::vector<bool> regular;
 };
 
@@ -25,8 +25,9 @@ Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const 
 ///
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///
-/// until the backward error stops falling. Islands that sparse-ldl did not answer, or where that ends above 1e4 eps of S,
-/// are solved densely up to `dense_size` unknowns; larger ones are not known: NaN, not regular. rank: nc where refined.
+/// until the backward error stops falling. Islands that sparse-ldl did not answer, or where that ends above 1e4 eps of
+/// S, are solved densely up to `dense_size` unknowns; larger ones are not known: NaN, not regular. rank: nc where
+/// refined.
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size);

@@ -20,8 +20,8 @@ std::string to_string(Order order);
 
 /// The active contact rows' places: what K's pattern depends on, besides the trees.
 struct IslandSupport {
-  std::vector<ContactSupport> contacts;    // per contact of the island, numbered within the robots
-  std::vector<std::vector<int>> columns;   // per contact: the same as columns of the island, a's first, then b's
+  std::vector<ContactSupport> contacts;   // per contact of the island, numbered within the robots
+  std::vector<std::vector<int>> columns;  // per contact: the same as columns of the island, a's first, then b's
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 

@@ -20,13 +20,13 @@ void solve_inertia_unit(const Model& model, const double* L, double* x);
 /// Constant: which contacts meet on which robot, and where their products go in S.
 struct SchurPattern {
   struct OnRobot {
-    std::vector<int> contacts;     // of the island, those that act on the robot
-    std::vector<int> first_row;    // their rows among the robot's
+    std::vector<int> contacts;   // of the island, those that act on the robot
+    std::vector<int> first_row;  // their rows among the robot's
     int rows = 0;
   };
   std::vector<OnRobot> robots;
-  sparse::UpperCsc S;              // nc x nc
-  std::vector<int> slot;           // per robot: of the upper triangle of its product, by columns
+  sparse::UpperCsc S;     // nc x nc
+  std::vector<int> slot;  // per robot: of the upper triangle of its product, by columns
 };
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 

@@ -18,13 +18,13 @@ struct KktSystem {
   void reset(std::shared_ptr<const KktPattern> p);
 };
 
-/// Writes K's values into their slots. M: per robot its packed inertia, J: per contact its J by columns, in the island's
-/// order.
+/// Writes K's values into their slots. M: per robot its packed inertia, J: per contact its J by columns, in the
+/// island's order.
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double delta,
               KktSystem& system);
 
-/// Componentwise backward error max |r_k| / scale_k of x, r and scale being updated. Rows whose scale is below eps times
-/// the largest count as if it were eps times the largest. NaN when x is not finite.
+/// Componentwise backward error max |r_k| / scale_k of x, r and scale being updated. Rows whose scale is below eps
+/// times the largest count as if it were eps times the largest. NaN when x is not finite.
 double backward_error(KktSystem& system);
 
 struct Refinement {

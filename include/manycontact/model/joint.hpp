@@ -23,9 +23,9 @@ struct Joint {
   JointType type = JointType::kRevolute;
   int parent = -1;  // joint, -1: the robot's base
   int idx_q = 0, idx_v = 0;
-  SE3<double> placement;                       // of the joint frame in the parent joint's frame
-  Vec3<double> axis = Vec3<double>::UnitZ();   // unit, in the joint frame (revolute, prismatic)
-  Inertia<double> inertia;                     // of the body, fixed links merged, in the child frame
+  SE3<double> placement;                      // of the joint frame in the parent joint's frame
+  Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
+  Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame
   // Limits, one value per velocity coordinate; infinite where the file gives none.
   Eigen::VectorXd lower, upper;  // position (floating: unused)
   Eigen::VectorXd velocity_limit, effort_limit;
@@ -34,8 +34,8 @@ struct Joint {
   int nv() const { return joint_nv(type); }
 
   // Derived by finalize(Model&), to spare work in the recursions.
-  int axis_kind = 3;                // 0, 1, 2: axis is +x, +y, +z; 3: any
-  bool placement_rotates = true;    // placement.R is not the identity
+  int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any
+  bool placement_rotates = true;  // placement.R is not the identity
 };
 
 }  // namespace manycontact

@@ -13,19 +13,19 @@ namespace manycontact {
 /// A named frame (a link, or a link merged behind fixed joints), fixed on a joint's body.
 struct Frame {
   std::string name;
-  int joint = -1;         // -1: fixed to the robot's base
-  SE3<double> placement;  // in the joint's frame (in the base frame when joint = -1)
-  bool merged = false;    // the link hangs on its joint's body behind fixed or locked joints
-  Inertia<double> inertia;  // of this link alone, in this frame; the joint's inertia has it already
+  int joint = -1;            // -1: fixed to the robot's base
+  SE3<double> placement;     // in the joint's frame (in the base frame when joint = -1)
+  bool merged = false;       // the link hangs on its joint's body behind fixed or locked joints
+  Inertia<double> inertia;   // of this link alone, in this frame; the joint's inertia has it already
   std::string parent_joint;  // the joint of the file that carries the link, fixed ones too; empty for the root
 };
 
 /// What reading the file merged, locked, or did not model; for `inspect` and the summary.
 struct ModelNotes {
-  std::vector<std::string> merged;      // fixed joints
-  std::vector<std::string> locked;      // frozen joints
-  std::vector<std::string> mimic;       // joints with <mimic>, kept independent
-  std::vector<std::string> dynamics;    // joints whose <dynamics> damping or friction is not modelled
+  std::vector<std::string> merged;    // fixed joints
+  std::vector<std::string> locked;    // frozen joints
+  std::vector<std::string> mimic;     // joints with <mimic>, kept independent
+  std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
 struct Model {
@@ -33,7 +33,7 @@ struct Model {
   bool floating_base = false;  // joint 0 is the floating base
   std::vector<Joint> joints;
   std::vector<Frame> frames;
-  Eigen::VectorXd armature;    // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
+  Eigen::VectorXd armature;  // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
   ModelNotes notes;
 
   // Derived by finalize.
@@ -45,8 +45,8 @@ struct Model {
   std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp)
 
   int njoints() const { return static_cast<int>(joints.size()); }
-  int nu() const { return floating_base ? nv - 6 : nv; }         // actuated coordinates: all but a floating base
-  int first_actuated() const { return floating_base ? 6 : 0; }   // they are v[first_actuated() ... nv)
+  int nu() const { return floating_base ? nv - 6 : nv; }        // actuated coordinates: all but a floating base
+  int first_actuated() const { return floating_base ? 6 : 0; }  // they are v[first_actuated() ... nv)
   /// Index of the frame called `name`, -1 if there is none.
   int find_frame(const std::string& frame_name) const;
   /// Index of the joint called `name`, -1 if there is none.

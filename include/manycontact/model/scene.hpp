@@ -13,8 +13,8 @@ namespace manycontact {
 struct Robot {
   std::string name;
   std::shared_ptr<const Model> model;
-  SE3<double> base;                       // fixed base: its placement in the world (unused by a floating base)
-  int idx_q = 0, idx_v = 0, idx_u = 0;    // first coordinate in the scene's q, v, u
+  SE3<double> base;                     // fixed base: its placement in the world (unused by a floating base)
+  int idx_q = 0, idx_v = 0, idx_u = 0;  // first coordinate in the scene's q, v, u
 };
 
 enum class ContactType { k1D, k2D, k3D, k6D };
@@ -69,15 +69,14 @@ struct Scene {
 };
 
 /// Appends a robot and sets its indices; returns its number. Throws std::invalid_argument on a duplicate name.
-int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model,
-              const SE3<double>& base = {});
+int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model, const SE3<double>& base = {});
 
 /// The attachment of a robot's frame, with an offset on it. Throws std::invalid_argument for an unknown name.
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame,
                   const SE3<double>& offset = {});
 
-/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis not
-/// zero; the axis is normalised); returns its number. Throws std::invalid_argument.
+/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis
+/// not zero; the axis is normalised); returns its number. Throws std::invalid_argument.
 int add_contact(Scene& scene, Contact contact);
 
 /// "r0/knee" for each of the nv velocity coordinates.

@@ -9,10 +9,10 @@
 // v is already in the body's frame and needs no correction. What the series leaves out changes a step by O(h^5), as
 // the scheme itself does. Without the brackets floating bases and planar joints fall back to order 2.
 //
-// Where the motion passes a configuration in which J loses rank (a loop of joints in line), stages that come close to it
-// turn their O(h^2) error of the contact into a blow of any size. Every solve is right, energy jumps all the same. The
-// scene's damping bounds the blow, at the price of an acceleration of damping times force in the contacts; 1e-8 to 1e-6
-// kg^-1 serves.
+// Where the motion passes a configuration in which J loses rank (a loop of joints in line), stages that come close to
+// it turn their O(h^2) error of the contact into a blow of any size. Every solve is right, energy jumps all the same.
+// The scene's damping bounds the blow, at the price of an acceleration of damping times force in the contacts; 1e-8 to
+// 1e-6 kg^-1 serves.
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 

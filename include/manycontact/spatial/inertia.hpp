@@ -1,6 +1,6 @@
 #pragma once
-// Spatial inertia as ten numbers about the frame's own origin: mass m, first moment h = m c, rotational inertia I at the
-// origin. In this form inertias given in one frame add, which is what CRBA and merging of fixed links need.
+// Spatial inertia as ten numbers about the frame's own origin: mass m, first moment h = m c, rotational inertia I at
+// the origin. In this form inertias given in one frame add, which is what CRBA and merging of fixed links need.
 
 #include "manycontact/spatial/se3.hpp"
 
@@ -9,8 +9,8 @@ namespace manycontact {
 template <class S>
 struct Inertia {
   S m = S(0);
-  Vec3<S> h = Vec3<S>::Zero();   // kg m
-  Mat3<S> I = Mat3<S>::Zero();   // kg m^2, about the origin, symmetric
+  Vec3<S> h = Vec3<S>::Zero();  // kg m
+  Mat3<S> I = Mat3<S>::Zero();  // kg m^2, about the origin, symmetric
 
   /// From mass, centre of mass and rotational inertia about the centre of mass.
   static Inertia from_com(const S& mass, const Vec3<S>& c, const Mat3<S>& Ic) {

@@ -22,6 +22,7 @@ using InstantiatedScalar = Quad;
 using InstantiatedScalar = double;
 #endif
 
+// clang-format off
 template <class S> using Vec3 = Eigen::Matrix<S, 3, 1>;
 template <class S> using Vec6 = Eigen::Matrix<S, 6, 1>;
 template <class S> using Mat3 = Eigen::Matrix<S, 3, 3>;
@@ -31,5 +32,6 @@ template <class S> using MatX = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>
 template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>>;
+// clang-format on
 
 }  // namespace manycontact

@@ -9,8 +9,8 @@
 namespace manycontact::sparse {
 
 enum class CholmodKind {
-  kSimplicialLdl,   // LDL' of a symmetric matrix with leading minors that are not zero, e.g. quasi-definite
-  kSupernodalLlt,   // LL' of a positive definite matrix; needs the GPL part of CHOLMOD
+  kSimplicialLdl,  // LDL' of a symmetric matrix with leading minors that are not zero, e.g. quasi-definite
+  kSupernodalLlt,  // LL' of a positive definite matrix; needs the GPL part of CHOLMOD
 };
 
 /// Whether kSupernodalLlt was built in (option MANYCONTACT_GPL).

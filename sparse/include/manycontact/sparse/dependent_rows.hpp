@@ -9,8 +9,8 @@
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// solves M a + J^T y = b1 with a least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of least
-// norm: the answer that rank-revealing dense methods give, in a few more operations than a sparse solve.
+// solves M a + J^T y = b1 with a least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of
+// least norm: the answer that rank-revealing dense methods give, in a few more operations than a sparse solve.
 
 #include "manycontact/sparse/ldl.hpp"
 
@@ -18,19 +18,19 @@ namespace manycontact::sparse {
 
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
-  std::vector<int> dropped;       // rows of K, ascending
-  std::vector<int> Np, Ni;        // N by columns, one per dropped row: rows of K ...
-  std::vector<double> Nx;         // ... and values, the 1 of the dropped row first
-  double largest_residual = 0;    // max |J_k - sum z_j J_j| / J_size
-  double largest_entry = 0;       // max |z_j|: the projector loses its square, in units of eps
+  std::vector<int> dropped;     // rows of K, ascending
+  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
+  std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
+  double largest_residual = 0;  // max |J_k - sum z_j J_j| / J_size
+  double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
 
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
   struct Cluster {
-    int first = 0, count = 0;       // in `members`
-    std::size_t gram = 0;           // in `gram`: count x count, by columns
+    int first = 0, count = 0;  // in `members`
+    std::size_t gram = 0;      // in `gram`: count x count, by columns
   };
   std::vector<Cluster> clusters;
-  std::vector<int> members;         // positions in `dropped`
+  std::vector<int> members;  // positions in `dropped`
   std::vector<double> gram;
 
   // scratch
@@ -38,18 +38,20 @@ struct DependentRows {
   std::vector<int> owner;
 };
 
-/// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row of J is
-/// dropped when less than `tolerance` of its pivot is left, or when all of it is below `nothing`; a row of M never. Returns n, or the row
-/// whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
+/// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
+/// of J is dropped when less than `tolerance` of its pivot is left, or when all of it is below `nothing`; a row of M
+/// never. Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
 [[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv,
-                                       double tolerance, double nothing, LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
+                                       double tolerance, double nothing, LdlWorkspace& work, double* Lx, double* D,
+                                       DependentRows& rows);
 
-/// N and its projector, after ldl_factor_dependent; J_size: of J's entries. Sets largest_residual, which is rounding when the dropped rows depend on
-/// the others in truth, and largest_entry.
+/// N and its projector, after ldl_factor_dependent; J_size: of J's entries. Sets largest_residual, which is rounding
+/// when the dropped rows depend on the others in truth, and largest_entry.
 void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, double J_size,
                      const double* Lx, const double* D, DependentRows& rows);
 
-/// y -= P y, and P y into `null_part` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M unused.
+/// y -= P y, and P y into `null_part` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
+/// unused.
 void project_out(DependentRows& rows, double* y, double* null_part = nullptr);
 /// The same for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols);

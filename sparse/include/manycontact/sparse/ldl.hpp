@@ -1,7 +1,7 @@
 #pragma once
-// A = L D L^T of a symmetric matrix in the order given, by SuiteSparse's LDL. No pivoting: whether the pivots were sound
-// is for the caller to judge from D (its signs are A's inertia) and from smallest_pivot_ratio.
-// Source: Davis, Algorithm 849: a concise sparse Cholesky factorization package (2005).
+// A = L D L^T of a symmetric matrix in the order given, by SuiteSparse's LDL. No pivoting: whether the pivots were
+// sound is for the caller to judge from D (its signs are A's inertia) and from smallest_pivot_ratio. Source: Davis,
+// Algorithm 849: a concise sparse Cholesky factorization package (2005).
 
 #include <vector>
 
@@ -12,10 +12,10 @@ namespace manycontact::sparse {
 /// What the pattern alone determines. Constant; shared by all matrices of the pattern.
 struct LdlSymbolic {
   int n = 0;
-  std::vector<int> parent;  // elimination tree
-  std::vector<int> Lp, Li;  // L without its unit diagonal, by columns, rows ascending
+  std::vector<int> parent;      // elimination tree
+  std::vector<int> Lp, Li;      // L without its unit diagonal, by columns, rows ascending
   std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...] ascending, values at Lx[Rk[...]]
-  double flops = 0;         // of the numeric phase: sum of squared column counts
+  double flops = 0;             // of the numeric phase: sum of squared column counts
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
 };
@@ -37,9 +37,9 @@ LdlSymbolic ldl_analyze(const UpperCsc& A);
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
 
-/// X <- A^-1 X for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of A's order is row
-/// row[k] of X. nonzero: n flags in A's order, set where a row of X is not zero (in these columns); overwritten. Zero
-/// rows cost nothing in the forward sweep.
+/// X <- A^-1 X for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of A's order is
+/// row row[k] of X. nonzero: n flags in A's order, set where a row of X is not zero (in these columns); overwritten.
+/// Zero rows cost nothing in the forward sweep.
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 
