@@ -86,7 +86,7 @@ std::vector<double> uncertainty(const Scene& scene, const SceneData& data, const
   }
   const double eps = std::numeric_limits<double>::epsilon();
   // Where rows are dependent, rounding of J turns its null space as well, and with it the forces of least norm.
-  const double c = (8 + depth) * (internal::rank_deficient(d) ? 4 : 1);
+  const double c = (8 + depth) * (internal::rank_deficient(d) ? 8 : 1);
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
