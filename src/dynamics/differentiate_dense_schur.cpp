@@ -55,16 +55,17 @@ void add_to_panels(const Scene& scene, SceneData& data, const Eigen::MatrixXd& a
 }
 
 // residuals[i] <- rhs[i] - K X of each island; the largest of a column beside |K| |X| + |rhs|.
-double find_residuals(SceneData& data, const std::vector<IslandDerivatives::Panel>& rhs,
+double find_residuals(const SceneData& data, const std::vector<IslandDerivatives::Panel>& rhs,
                       std::vector<IslandDerivatives::Panel>& residuals) {
   double worst = 0;
   residuals = rhs;
   for (std::size_t i = 0; i < rhs.size(); ++i) {
-    KktSystem& s = data.islands[i].system;
+    const KktSystem& s = data.islands[i].system;
     const IslandDerivatives& out = data.derivatives->islands[i];
     sparse::residual_panel(s.pattern->K, s.Kx.data(), s.pattern->perm.data(), out.X.data(), residuals[i].data(),
                            static_cast<int>(out.X.cols()), out.cols);
-    const double K = sparse::norm_1(s.pattern->K, s.Kx.data(), s.scale.data());
+    std::vector<double> sums(s.b.size());
+    const double K = sparse::norm_1(s.pattern->K, s.Kx.data(), sums.data());
     for (int c = 0; c < out.cols; ++c) {
       const double left = residuals[i].col(c).cwiseAbs().maxCoeff();
       const double size = K * out.X.col(c).cwiseAbs().maxCoeff() + rhs[i].col(c).cwiseAbs().maxCoeff();
