@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/sparse/union_find.hpp"
+
 namespace manycontact::sparse {
 
 int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
@@ -104,19 +106,11 @@ void make_clusters(int n, DependentRows& rows) {
   // Of each row of K: a column with it, -1; then of each column: its cluster's first.
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
-  int* root = owner.data() + n;
-  const auto find = [root](int c) {
-    while (root[c] != c) c = root[c] = root[root[c]];
-    return c;
-  };
+  UnionFind sets(std::span<int>(owner).subspan(n));
   for (int c = 0; c < d; ++c) {
-    root[c] = c;
     for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) {
       int& of = owner[rows.Ni[p]];
-      if (of >= 0) {
-        const int a = find(of), b = find(c);
-        root[std::max(a, b)] = std::min(a, b);
-      }
+      if (of >= 0) sets.join(of, c);
       of = c;
     }
   }
@@ -130,10 +124,10 @@ void make_clusters(int n, DependentRows& rows) {
   rows.gram.reserve(std::min(most, kReserved));
   rows.t.resize(d);
   for (int c = 0; c < d; ++c) {
-    if (find(c) != c) continue;
+    if (sets.root(c) != c) continue;
     const int first = static_cast<int>(rows.members.size());
     for (int e = c; e < d; ++e)
-      if (find(e) == c) rows.members.push_back(e);
+      if (sets.root(e) == c) rows.members.push_back(e);
     const int count = static_cast<int>(rows.members.size()) - first;
     rows.clusters.push_back({first, count, rows.gram.size()});
     rows.gram.resize(rows.gram.size() + static_cast<std::size_t>(count) * count);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "manycontact/sparse/dependent_rows.hpp"
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::sparse {
 
@@ -94,17 +94,13 @@ struct Block {
 };
 
 std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {
-  std::vector<int> root(rows + cols);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&root](int k) {
-    while (root[k] != k) k = root[k] = root[root[k]];
-    return k;
-  };
-  for (const auto& a : A) root[find(a.row())] = find(rows + a.col());
+  std::vector<int> memory(rows + cols);
+  UnionFind sets(memory);
+  for (const auto& a : A) sets.join(a.row(), rows + a.col());
   std::vector<int> block_of(rows + cols, -1), place(rows + cols);
   std::vector<Block> blocks;
   for (int k = 0; k < rows + cols; ++k) {
-    int& block = block_of[find(k)];
+    int& block = block_of[sets.root(k)];
     if (block < 0) {
       block = static_cast<int>(blocks.size());
       blocks.emplace_back();
@@ -114,7 +110,7 @@ std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {
     list.push_back(k < rows ? k : k - rows);
   }
   for (const auto& a : A)
-    blocks[block_of[find(a.row())]].entries.emplace_back(place[a.row()], place[rows + a.col()], a.value());
+    blocks[block_of[sets.root(a.row())]].entries.emplace_back(place[a.row()], place[rows + a.col()], a.value());
   return blocks;
 }
 

@@ -1,29 +1,14 @@
 #include "manycontact/kkt/island.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
-namespace {
-
-struct UnionFind {
-  std::vector<int> parent;
-  explicit UnionFind(int n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  int root(int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(int i, int j) {
-    i = root(i), j = root(j);
-    parent[std::max(i, j)] = std::min(i, j);  // the root is the smallest member
-  }
-};
-
-}  // namespace
-
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active) {
-  UnionFind sets(scene.nrobots());
+  std::vector<int> memory(scene.nrobots());
+  sparse::UnionFind sets(memory);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (active[c] && scene.contacts[c].B.robot >= 0) sets.join(scene.contacts[c].A.robot, scene.contacts[c].B.robot);
 

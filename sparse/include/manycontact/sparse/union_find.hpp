@@ -1,0 +1,25 @@
+#pragma once
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+namespace manycontact::sparse {
+
+/// Disjoint sets of 0 ... n-1, in memory of the caller's; a set's root is its smallest member.
+class UnionFind {
+ public:
+  explicit UnionFind(std::span<int> memory) : parent_(memory) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(int i, int j) {
+    i = root(i), j = root(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+ private:
+  std::span<int> parent_;
+};
+
+}  // namespace manycontact::sparse
