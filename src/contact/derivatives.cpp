@@ -13,8 +13,7 @@ ContactDerivatives::ContactDerivatives(const Scene& scene, const Contact& contac
     : dx_dq(6, support.cols()), dx_dv(6, support.cols()), F(V6::Zero()), x(V6::Zero()) {
   chain_a = dof_chain(*scene.robots[contact.A.robot].model, contact.A.joint);
   if (contact.B.robot >= 0) chain_b = dof_chain(*scene.robots[contact.B.robot].model, contact.B.joint);
-  turns = contact.reference_frame != ReferenceFrame::kLocal;
-  turn.resize(3, turns ? static_cast<Eigen::Index>(chain_a.size()) : 0);
+  turn.resize(3, static_cast<Eigen::Index>(chain_a.size()));
   S_b.resize(6, static_cast<Eigen::Index>(chain_b.size()));
 }
 
@@ -60,11 +59,11 @@ struct Column {
 
 }  // namespace
 
-void contact_derivatives(const Scene& scene, const Contact& c, const ContactSupport& support,
-                         const Kinematics<double>& kinA, const Kinematics<double>* kinB, const RneaDerivatives& termsA,
-                         const RneaDerivatives* termsB, const Eigen::Ref<const Eigen::VectorXd>& f,
-                         ContactData<double>& data, ContactDerivatives& d) {
-  contact_rows<double>(scene, c, support, kinA, kinB, data);  // with the solution's accelerations: x
+void contact_derivatives(const Contact& c, const ContactSupport& support, const Kinematics<double>& kinA,
+                         const Kinematics<double>* kinB, const RneaDerivatives& termsA, const RneaDerivatives* termsB,
+                         const Eigen::Ref<const Eigen::VectorXd>& f, const ContactData<double>& data,
+                         ContactDerivatives& d) {
+  d.turns = c.reference_frame != ReferenceFrame::kLocal;
   d.x = data.x;
   d.F.noalias() = data.W.transpose() * f;
   const Column column(c, data);

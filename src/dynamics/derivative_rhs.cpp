@@ -1,4 +1,4 @@
-#include "internal.hpp"
+#include "steps.hpp"
 
 // The right-hand sides -dr of an island's derivatives, written into its panel.
 
@@ -61,41 +61,22 @@ void force_columns(const ContactData<double>& rows, const ContactDerivatives& d,
   }
 }
 
-void derivative_terms(const Scene& scene, SceneData& data, const IslandData& d) {
-  DerivativeData& dd = *data.derivatives;
-  contact_forces(scene, data, d.island, [&dd](int r) -> std::vector<V6>& { return dd.of(r).fext; });
-  for (int r : d.island.robots) {
-    const Robot& robot = scene.robots[r];
-    RobotData& rd = data.robots[r];
-    forward_accelerations<double>(*robot.model, data.v.segment(robot.idx_v, robot.model->nv),
-                                  data.a.data() + robot.idx_v, scene.gravity, rd.kin);
-    rnea_derivatives(*robot.model, rd.kin, rd.Yc, dd.of(r).fext, dd.of(r).rnea);
-  }
-  for (int c : d.island.contacts) {
-    const Contact& contact = scene.contacts[c];
-    const int A = contact.A.robot, B = contact.B.robot;
-    contact_derivatives(scene, contact, data.supports[c], data.robots[A].kin, B < 0 ? nullptr : &data.robots[B].kin,
-                        dd.of(A).rnea, B < 0 ? nullptr : &dd.of(B).rnea,
-                        data.f.segment(data.f_offset[c], contact.rows()), dd.rows[c], dd.contacts[c]);
-  }
-}
-
-void derivative_rhs(const Scene& scene, SceneData& data, const IslandData& d, IslandDerivatives& out) {
+void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& d, IslandDerivatives& out) {
   const Island& island = d.island;
-  DerivativeData& dd = *data.derivatives;
   out.X.setZero();
   for (std::size_t k = 0; k < island.robots.size(); ++k)
-    robot_columns(*scene.robots[island.robots[k]].model, dd.of(island.robots[k]).rnea, island.dof_offset[k],
+    robot_columns(*scene.robots[island.robots[k]].model, terms.of(island.robots[k]).rnea, island.dof_offset[k],
                   out.u_offset[k], out);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
+    const std::vector<int>& columns = d.shape->support().columns[k];
     const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
     const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
-    contact_columns(contact, dd.rows[c], dd.contacts[c], d.support.columns[k], oA, island.nv + island.row_offset[k],
+    contact_columns(contact, terms.contacts[c], terms.derivatives[c], columns, oA, island.nv + island.row_offset[k],
                     out);
     if (out.request.q)
-      force_columns(dd.rows[c], dd.contacts[c], d.support.columns[k], oA, oB,
+      force_columns(terms.contacts[c], terms.derivatives[c], columns, oA, oB,
                     out.X.block(0, out.q_first, island.nv, island.nv));
   }
 }

@@ -1,129 +1,109 @@
 #include "manycontact/dynamics/differentiate.hpp"
 
 #include <limits>
-#include <map>
 #include <stdexcept>
 
-#include "internal.hpp"
+#include "steps.hpp"
 
 namespace manycontact {
 
-DerivativeData::DerivativeData(const Scene& scene, const std::vector<ContactSupport>& supports) {
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    rows.emplace_back(scene.contacts[c], supports[c]);
-    contacts.emplace_back(scene, scene.contacts[c], supports[c]);
-  }
-}
-
-void DerivativeData::assign_slots(const Scene& scene, const std::vector<std::vector<int>>& islands) {
-  slot.assign(scene.robots.size(), -1);
-  std::map<const Model*, std::vector<int>> places;  // of each model
-  for (const std::vector<int>& island : islands) {
-    std::map<const Model*, std::size_t> used;
-    for (int r : island) {
-      const Model* model = scene.robots[r].model.get();
-      std::vector<int>& of_model = places[model];
-      const std::size_t k = used[model]++;
-      if (k == of_model.size()) {
-        of_model.push_back(static_cast<int>(pool.size()));
-        pool.push_back({RneaDerivatives(*model), std::vector<Vec6<double>>(model->njoints())});
-      }
-      slot[r] = of_model[k];
-    }
-  }
+void IslandDerivatives::check() const {
+  if (!stamp.current())
+    throw std::logic_error("derivatives of an island: the scene was solved again since, call differentiate first");
 }
 
 namespace internal {
 
-void check_solved(const SceneData& data, const char* function) {
-  if (!data.solved) throw std::logic_error(std::string(function) + ": solve first");
-  if (data.islands_active != data.active)
-    throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
-}
-
-DerivativeData& prepare_derivatives(const Scene& scene, SceneData& data) {
-  if (!data.derivatives) data.derivatives = std::make_unique<DerivativeData>(scene, data.supports);
-  DerivativeData& dd = *data.derivatives;
-  if (dd.islands.size() == data.islands.size()) return dd;
-  std::vector<std::vector<int>> robots;
-  for (const IslandData& d : data.islands) robots.push_back(d.island.robots);
-  dd.pool.clear();
-  dd.assign_slots(scene, robots);
-  dd.islands.assign(data.islands.size(), {});
-  dd.dependent.clear();
-  dd.dependent.resize(data.islands.size());
-  return dd;
-}
-
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
+  out.u_offset.clear();  // so that it is not taken for laid out, should memory run out
   out.request = request;
   out.nv = island.nv;
   out.nc = island.nc;
   out.nu = 0;
-  out.u_offset.clear();
-  for (int r : island.robots) {
-    out.u_offset.push_back(out.nu);
-    out.nu += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
-  }
-  out.u_offset.push_back(out.nu);
+  for (int r : island.robots) out.nu += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
   out.q_first = 0;
   out.v_first = request.q ? out.nv : 0;
   out.u_first = out.v_first + (request.v ? out.nv : 0);
   out.cols = out.u_first + (request.u ? out.nu : 0);
-  out.X.setZero(island.size(), (out.cols + 7) / 8 * 8);
+  remake(out.X, island.size(), (out.cols + 7) / 8 * 8);
+  out.X.setZero();
+  int first = 0;
+  for (int r : island.robots) {
+    out.u_offset.push_back(first);
+    first += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
+  }
+  out.u_offset.push_back(first);
 }
 
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, IslandDerivatives& out) {
-  IslandData& d = data.islands[i];
-  if (d.factor == Factor::kNone) {
+  Workspace& w = *data.workspace;
+  IslandWork& d = *w.islands[i];
+  if (!d.factor) {
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  derivative_terms(scene, data, d);
-  derivative_rhs(scene, data, d, out);
-  if (d.factor == Factor::kDenseSchur) return;
+  const AtSolution at(scene, data, d.island);
+  derivative_terms(scene, data, d.island, data.f);
+  derivative_rhs(scene, *w.linearisation, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
-  DependentDerivatives& dependent = data.derivatives->dependent[i];
-  if (deficient && data.report.islands[i].status == Status::kInconsistent)
-    add_contradiction(scene, data, d, dependent, out);
-  solve_panel(scene, data, d, out);
+  if (deficient && !d.rows) d.rows = std::make_unique<DependentDerivatives>();
+  if (deficient && data.report.islands[i].status == Status::kInconsistent) add_contradiction(scene, data, d, out);
+  solve_panel(scene, d, out, w.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (deficient && out.request.forces) least_norm_forces(scene, data, d, dependent, out);
+  if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);
 }
 
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  internal::check_solved(data, "differentiate");
-  DerivativeData& dd = internal::prepare_derivatives(scene, data);
-  bool dense_schur = false;
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
-    IslandDerivatives& out = dd.islands[i];
-    if (out.request != request || out.X.rows() != data.islands[i].island.size() || out.u_offset.empty())
-      internal::lay_out(scene, data.islands[i].island, request, out);
+  internal::check_solved(scene, data, "differentiate");
+  Workspace& w = *data.workspace;
+  w.derivatives_serial = 0;
+  (void)internal::linearisation_of(scene, data);
+  w.derivatives.islands.resize(w.islands.size());
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandDerivatives& out = w.derivatives.islands[i];
+    const Island& island = w.islands[i]->island;
+    out.stamp = {};
+    if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
+      internal::lay_out(scene, island, request, out);
     internal::differentiate_island(scene, data, i, out);
-    dense_schur |= data.islands[i].factor == Factor::kDenseSchur;
+    out.stamp = {&w.current, data.serial};
   }
-  if (dense_schur) internal::differentiate_dense_schur(scene, data);
-  return dd;
+  w.derivatives_serial = data.serial;
+  return w.derivatives;
+}
+
+const DerivativeData& derivatives(const SceneData& data) {
+  if (!data.workspace || data.workspace->derivatives_serial == 0 || data.workspace->derivatives_serial != data.serial)
+    throw std::logic_error("derivatives: of no solution at hand, call differentiate first");
+  return data.workspace->derivatives;
+}
+
+void release_derivatives(SceneData& data) {
+  if (!data.workspace) return;
+  data.workspace->derivatives_serial = 0;
+  data.workspace->derivatives.islands.clear();
 }
 
 namespace {
 
-// Calls place(block row, block column, scene row, scene column) ... for each island's rows and columns, as index lists.
 struct Places {
   std::vector<int> v, u, f;  // scene's coordinate of each of the island's
 };
 Places places(const Scene& scene, const SceneData& data, const Island& island, bool tau) {
   Places p;
-  for (int r : island.robots) {
-    const Robot& robot = scene.robots[r];
-    for (int i = 0; i < robot.model->nv; ++i) p.v.push_back(robot.idx_v + i);
-    for (int i = 0; i < (tau ? robot.model->nv : robot.model->nu()); ++i)
-      p.u.push_back((tau ? robot.idx_v : robot.idx_u) + i);
-  }
-  for (int c : island.contacts)
-    for (int i = 0; i < scene.contacts[c].rows(); ++i) p.f.push_back(data.f_offset[c] + i);
+  const auto list = [](std::vector<int>& out) {
+    return [&out](int first, int, int n) {
+      for (int i = 0; i < n; ++i) out.push_back(first + i);
+    };
+  };
+  each_velocity_block(scene, island, list(p.v));
+  each_force_block(scene, data.f_offset, island, list(p.f));
+  if (tau)
+    p.u = p.v;
+  else
+    each_torque_block(scene, island, list(p.u));
   return p;
 }
 
@@ -133,19 +113,11 @@ void scatter(const Block& block, const std::vector<int>& rows, const std::vector
     for (Eigen::Index j = 0; j < block.cols(); ++j) out(rows[i], cols[j]) = block(i, j);
 }
 
-const DerivativeData& computed(const SceneData& data) {
-  const DerivativeData* dd = data.derivatives.get();
-  bool complete = dd && dd->islands.size() == data.islands.size();
-  for (std::size_t i = 0; complete && i < data.islands.size(); ++i)  // jvp and vjp leave them without blocks
-    complete = dd->islands[i].X.rows() == data.islands[i].island.size();
-  if (!complete) throw std::logic_error("derivatives: call differentiate first");
-  return *dd;
-}
-
 }  // namespace
 
 SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
-  const DerivativeData& dd = computed(data);
+  internal::check_scene(scene, data, "derivatives");
+  const DerivativeData& dd = derivatives(data);
   const DerivativeRequest request = dd.islands.empty() ? DerivativeRequest{} : dd.islands[0].request;
   SceneDerivatives out;
   const Eigen::Index nf = request.forces ? data.f.size() : 0;
@@ -155,9 +127,9 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
   out.dforces_dq.setZero(nf, out.da_dq.cols());
   out.dforces_dv.setZero(nf, out.da_dv.cols());
   out.dforces_du.setZero(nf, out.da_du.cols());
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, data.islands[i].island, d.request.tau);
+    const Places p = places(scene, data, island_of(data, i), d.request.tau);
     scatter(d.da_dq(), p.v, p.v, out.da_dq);
     scatter(d.da_dv(), p.v, p.v, out.da_dv);
     scatter(d.da_du(), p.v, p.u, out.da_du);
@@ -170,12 +142,13 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
 }
 
 Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data) {
-  const DerivativeData& dd = computed(data);
+  internal::check_scene(scene, data, "derivatives");
+  const DerivativeData& dd = derivatives(data);
   std::vector<Eigen::Triplet<double>> entries;
   int cols = 0, nf = 0;
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, data.islands[i].island, d.request.tau);
+    const Places p = places(scene, data, island_of(data, i), d.request.tau);
     nf = d.request.forces ? static_cast<int>(data.f.size()) : 0;
     const int v_first = d.request.q ? scene.nv : 0, u_first = v_first + (d.request.v ? scene.nv : 0);
     cols = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);

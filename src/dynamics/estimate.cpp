@@ -3,9 +3,9 @@
 #include <functional>
 #include <limits>
 
-#include "internal.hpp"
-#include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
 
 namespace manycontact {
 
@@ -13,22 +13,9 @@ namespace {
 
 using Apply = std::function<void(double*)>;
 
-Eigen::MatrixXd dense_matrix(const KktSystem& s) {
-  const sparse::UpperCsc& K = s.pattern->K;
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(K.n, K.n);
-  for (int j = 0; j < K.n; ++j)
-    for (int k = K.p[j]; k < K.p[j + 1]; ++k) out(K.i[k], j) = out(j, K.i[k]) = s.Kx[k];
-  return out;
-}
-
 // x <- K^-1 x (or K's generalised inverse) by the factor at hand.
-Apply inverse(const Scene& scene, IslandData& d) {
-  if (d.factor != Factor::kDenseSchur) return [&](double* x) { internal::solve_with_factor(scene, d, x); };
-  // a factor of the whole scene: here the island's own is needed
-  return [lu = dense_matrix(d.system).partialPivLu(), n = d.island.size()](double* x) {
-    Eigen::Map<Eigen::VectorXd> rhs(x, n);
-    rhs = lu.solve(rhs).eval();
-  };
+Apply inverse(IslandWork& d) {
+  return [&d](double* x) { d.factor->solve(x); };
 }
 
 double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
@@ -64,16 +51,16 @@ void contact_rounding(const Contact& c, const ContactData<double>& d, const doub
 }
 
 // |r| + c eps (everything the rows were computed from), in elimination order.
-std::vector<double> uncertainty(const Scene& scene, const SceneData& data, const IslandData& d) {
-  const KktSystem& s = d.system;
-  const int* iperm = s.pattern->iperm.data();
+std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
+  const KktVectors& s = d.v;
+  const int* iperm = d.K.pattern->iperm.data();
   std::vector<double> w(d.island.size(), 0.0), a(d.island.nv);  // in the island's order
   for (int k = 0; k < d.island.nv; ++k) a[k] = s.x[iperm[k]];
   int depth = 0;
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Model& model = *scene.robots[d.island.robots[k]].model;
     const int o = d.island.dof_offset[k];
-    inertia_rounding(model, data.robots[d.island.robots[k]], a.data() + o, w.data() + o);
+    inertia_rounding(model, work.robots[d.island.robots[k]], a.data() + o, w.data() + o);
     for (int i : model.dof_depth) depth = std::max(depth, i);
   }
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
@@ -81,12 +68,12 @@ std::vector<double> uncertainty(const Scene& scene, const SceneData& data, const
     const int first = d.island.nv + d.island.row_offset[k];
     double f = 0, of_row = 0;
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
-    contact_rounding(contact, data.contacts[d.island.contacts[k]], a.data(), d.support.columns[k], f, of_row, w);
+    contact_rounding(contact, work.contacts[d.island.contacts[k]], a.data(), d.shape->support().columns[k], f, of_row, w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
   const double eps = std::numeric_limits<double>::epsilon();
   // Where rows are dependent, rounding of J turns its null space as well, and with it the forces of least norm.
-  const double c = (8 + depth) * (internal::rank_deficient(d) ? 8 : 1);
+  const double c = (tolerance::kBoundRounding + depth) * (internal::rank_deficient(d) ? tolerance::kBoundDependent : 1);
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
@@ -104,8 +91,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
   const auto scale = [&](double* x) {
     for (int k = 0; k < n; ++k) x[k] *= w[k];
   };
-  constexpr double kSure = 3;  // the estimate is a lower bound, nearly always within this
-  return kSure *
+  return tolerance::kNormEstimate *
          sparse::norm_1_estimate(
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
@@ -113,26 +99,23 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
 }  // namespace
 
 void estimate_errors(const Scene& scene, SceneData& data) {
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
-    IslandData& d = data.islands[i];
+  internal::check_solved(scene, data, "estimate_errors");
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    IslandWork& d = *data.workspace->islands[i];
     IslandReport& report = data.report.islands[i];
     report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
-    if (d.factor == Factor::kNone) continue;
-    for (int r : d.island.robots)  // kin.a as solve had it: derivatives leave the solution's accelerations there
-      forward_accelerations<double>(*scene.robots[r].model,
-                                    data.v.segment(scene.robots[r].idx_v, scene.robots[r].model->nv), nullptr,
-                                    scene.gravity, data.robots[r].kin);
-    const Apply solve = inverse(scene, d);
-    const std::vector<double> w = uncertainty(scene, data, d);
+    if (!d.factor) continue;
+    const std::vector<double> w = uncertainty(scene, *data.workspace, d);
+    const int* iperm = d.K.pattern->iperm.data();
     std::vector<char> kept(w.size());
     const auto relative = [&](int first, int count) {
       double size = 0;
       std::fill(kept.begin(), kept.end(), 0);
       for (int k = first; k < first + count; ++k) {
-        kept[d.system.pattern->iperm[k]] = 1;
-        size = std::max(size, std::abs(d.system.x[d.system.pattern->iperm[k]]));
+        kept[iperm[k]] = 1;
+        size = std::max(size, std::abs(d.v.x[iperm[k]]));
       }
-      const double error = count > 0 ? bound(solve, w, kept) : 0;
+      const double error = count > 0 ? bound(inverse(d), w, kept) : 0;
       return error == 0 ? 0 : error / size;
     };
     report.error_acceleration = relative(0, d.island.nv);
@@ -142,16 +125,16 @@ void estimate_errors(const Scene& scene, SceneData& data) {
 }
 
 void estimate_condition(const Scene& scene, SceneData& data) {
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
-    IslandData& d = data.islands[i];
-    KktSystem& s = d.system;
-    if (d.factor == Factor::kNone) {
+  internal::check_solved(scene, data, "estimate_condition");
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    IslandWork& d = *data.workspace->islands[i];
+    if (!d.factor) {
       data.report.islands[i].condition = std::numeric_limits<double>::infinity();
       continue;
     }
     std::vector<double> sums(d.island.size());
-    const double norm = sparse::norm_1(s.pattern->K, s.Kx.data(), sums.data());
-    data.report.islands[i].condition = norm * sparse::inverse_norm_1(d.island.size(), inverse(scene, d));
+    const double norm = sparse::norm_1(d.K.pattern->K, d.K.values.data(), sums.data());
+    data.report.islands[i].condition = norm * sparse::inverse_norm_1(d.island.size(), inverse(d));
   }
   summarise(data.report);
 }

@@ -1,8 +1,10 @@
 #include <cmath>
 #include <limits>
 
-#include "internal.hpp"
+#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
 
 namespace manycontact::internal {
 
@@ -11,7 +13,7 @@ namespace {
 // A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis, has
 // none. No pivot shows that: it may have nothing to cancel with.
 void drop_rounding(const Model& model, RobotData& r) {
-  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  constexpr double kRounding = tolerance::kRounding * std::numeric_limits<double>::epsilon();
   for (int i = 0; i < model.nv; ++i) {
     const Inertia<double>& Y = r.Yc[model.dof_joint[i]];
     const auto S = r.kin.J.col(i);
@@ -22,11 +24,11 @@ void drop_rounding(const Model& model, RobotData& r) {
 
 }  // namespace
 
-void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, const Island& island) {
+void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, const Island& island) {
   for (int i : island.robots) {
     const Robot& robot = scene.robots[i];
     const Model& model = *robot.model;
-    RobotData& r = data.robots[i];
+    RobotData& r = w.robots[i];
     forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
     inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
@@ -35,28 +37,33 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Sc
   }
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
-    contact_rows<double>(scene, contact, data.supports[c], data.robots[contact.A.robot].kin,
-                         contact.B.robot < 0 ? nullptr : &data.robots[contact.B.robot].kin, data.contacts[c]);
+    contact_rows<double>(scene, contact, w.supports[c], w.robots[contact.A.robot].kin,
+                         contact.B.robot < 0 ? nullptr : &w.robots[contact.B.robot].kin, w.contacts[c]);
   }
 }
 
-void assemble_island(const Scene& scene, const SceneData& data, const std::shared_ptr<const KktPattern>& pattern,
-                     IslandData& d) {
-  if (d.system.pattern != pattern) d.system.reset(pattern);
-  const int* iperm = pattern->iperm.data();
-  double* b = d.system.b.data();
+void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& d) {
+  const Workspace& w = *data.workspace;
+  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(order);
+  if (d.K.pattern != pattern) d.K.reset(pattern);
+  assemble(d.M, d.J, damping, d.K);
+  d.K.row_size = 0;
+  for (int c : d.island.contacts)
+    d.K.row_size = std::max(d.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
+
+  const int* iperm = pattern->iperm.data();  // b = [tau - h; -a0]
+  double* b = d.v.b.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
-    const Eigen::VectorXd& h = data.robots[d.island.robots[k]].h;
+    const Eigen::VectorXd& h = w.robots[d.island.robots[k]].h;
     const int* to = iperm + d.island.dof_offset[k];
     for (int i = 0; i < robot.model->nv; ++i) b[to[i]] = data.tau[robot.idx_v + i] - h[i];
   }
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const auto& a0 = data.contacts[d.island.contacts[k]].a0;
+    const auto& a0 = w.contacts[d.island.contacts[k]].a0;
     const int* to = iperm + d.island.nv + d.island.row_offset[k];
     for (int i = 0; i < a0.size(); ++i) b[to[i]] = -a0[i];
   }
-  assemble(d.M, d.J, scene.damping, d.system);
 }
 
 }  // namespace manycontact::internal

@@ -1,4 +1,4 @@
-#include "internal.hpp"
+#include "steps.hpp"
 
 // With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
 // space. Differentiated at constant rank, P df = P dJ y with y = J^+ f; dJ y is the derivative of J(q) y at constant y,
@@ -11,35 +11,32 @@ namespace {
 using V6 = Vec6<double>;
 
 // w.y with J y = w.f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.)
-void any_motion(const IslandData& d, DependentDerivatives& w) {
-  if (d.factor == Factor::kDense) {
-    w.y = d.dense->cod.transpose().solve(w.f);  // J^+ f
-    return;
-  }
-  const int* iperm = d.system.pattern->iperm.data();
+void any_motion(const IslandWork& d, DependentDerivatives& w) {
+  const int* iperm = d.K.pattern->iperm.data();
   w.x.setZero(d.island.size());
   w.y.resize(d.island.nv);
   for (int k = 0; k < d.island.nc; ++k) w.x[iperm[d.island.nv + k]] = w.f[k];
-  sparse::ldl_solve(d.system.pattern->ldl, d.Lx.data(), d.D.data(), w.x.data());
+  d.factor->solve(w.x.data());
   for (int k = 0; k < d.island.nv; ++k) w.y[k] = w.x[iperm[k]];
 }
 
 // w.D = d(J(q) y)/dq, nc x nv.
-void jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& d, DependentDerivatives& w) {
+void jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, DependentDerivatives& w) {
   const Island& island = d.island;
+  const Linearisation& lin = *work.linearisation;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     if (w.kin.size() == k) w.kin.emplace_back(*robot.model);
-    w.kin[k] = data.robots[island.robots[k]].kin;
+    w.kin[k] = work.robots[island.robots[k]].kin;
     forward_accelerations<double>(*robot.model, w.y.segment(island.dof_offset[k], robot.model->nv), nullptr,
                                   scene.gravity, w.kin[k]);
   }
   w.D.setZero(island.nc, island.nv);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
-    const ContactSupport& support = data.supports[island.contacts[c]];
-    const ContactData<double>& rows = data.derivatives->rows[island.contacts[c]];
-    const ContactDerivatives& terms = data.derivatives->contacts[island.contacts[c]];
+    const ContactSupport& support = work.supports[island.contacts[c]];
+    const ContactData<double>& rows = lin.contacts[island.contacts[c]];
+    const ContactDerivatives& terms = lin.derivatives[island.contacts[c]];
     const int a = local_robot(island, contact.A.robot),
               b = contact.B.robot < 0 ? -1 : local_robot(island, contact.B.robot);
     V6 vB = V6::Zero(), nu = V6::Zero();
@@ -51,7 +48,7 @@ void jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& 
       const V6 s = rows.Jl.col(k);
       V6 dnu = cross_motion(s, vB);
       if (parent >= 0) dnu += sign * M.act_inverse(cross_motion(w.kin[robot].v[parent], w.kin[robot].J.col(i)));
-      const int col = d.support.columns[c][k];
+      const int col = d.shape->support().columns[c][k];
       w.D.block(island.row_offset[c], col, contact.rows(), 1).noalias() += rows.W * dnu;
       nu += s * w.y[col];
       ++k;
@@ -67,54 +64,42 @@ void jacobian_rate(const Scene& scene, const SceneData& data, const IslandData& 
   }
 }
 
-}  // namespace
-
-void least_norm_forces(const Scene& scene, SceneData& data, IslandData& d, DependentDerivatives& w,
-                       IslandDerivatives& out) {
-  w.f.resize(d.island.nc);
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int n = scene.contacts[d.island.contacts[c]].rows();
-    w.f.segment(d.island.row_offset[c], n) = data.f.segment(data.f_offset[d.island.contacts[c]], n);
-  }
-  any_motion(d, w);
-  jacobian_rate(scene, data, d, w);
-  auto df = out.X.block(out.nv, out.q_first, out.nc, out.nv);  // += P D
-  if (d.factor == Factor::kDense) {
-    const Eigen::MatrixXd x = d.dense->cod.transpose().solve(Eigen::MatrixXd(w.D));  // J^+ D
-    df += w.D - d.dense->J * x;
-    return;
-  }
-  w.kept.setZero(d.island.size(), d.island.nv);
-  w.kept.bottomRows(d.island.nc) = w.D;
-  sparse::project_out_panel(d.rows, d.system.pattern->perm.data(), w.kept.data(), d.island.nv, 0, d.island.nv);
-  df += w.D - w.kept.bottomRows(d.island.nc);
+// The island's part of the scene's forces.
+void take_forces(const Scene& scene, const SceneData& data, const Island& island, Eigen::VectorXd& f) {
+  f.resize(island.nc);
+  each_force_block(scene, data.f_offset, island,
+                   [&](int from, int to, int n) { f.segment(to, n) = data.f.segment(from, n); });
 }
 
-void add_contradiction(const Scene& scene, SceneData& data, IslandData& d, DependentDerivatives& w,
-                       IslandDerivatives& out) {
+}  // namespace
+
+void least_norm_forces(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out) {
+  DependentDerivatives& w = *d.rows;
+  take_forces(scene, data, d.island, w.f);
+  any_motion(d, w);
+  jacobian_rate(scene, *data.workspace, d, w);
+  w.kept.setZero(d.island.size(), d.island.nv);
+  w.kept.bottomRows(d.island.nc) = w.D;
+  d.factor->project_out_panel(w.kept.data(), d.island.nv, d.island.nv);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(d.island.nc);  // += P D
+}
+
+void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out) {
   // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is
   // what a force rho would add to -dr1.
-  const DerivativeData& dd = *data.derivatives;
+  DependentDerivatives& w = *d.rows;
+  const Linearisation& lin = *data.workspace->linearisation;
   IslandDerivatives& rho = w.with_rho;
   if (rho.X.rows() != d.island.size()) lay_out(scene, d.island, {true, false, false, false}, rho);
-  w.f.resize(d.island.nc);
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int contact = d.island.contacts[c];
-    auto f = data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
-    auto kept = w.f.segment(d.island.row_offset[c], f.size());
-    kept = f;
-    f += dd.rows[contact].W * dd.contacts[contact].x;
-  }
-  derivative_terms(scene, data, d);
-  derivative_rhs(scene, data, d, rho);
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int contact = d.island.contacts[c], rows = scene.contacts[contact].rows();
-    data.f.segment(data.f_offset[contact], rows) = w.f.segment(d.island.row_offset[c], rows);
-  }
-  derivative_terms(scene, data, d);
+  w.with = data.f;
+  for (int c : d.island.contacts)
+    w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
+  derivative_terms(scene, data, d.island, w.with);
+  derivative_rhs(scene, lin, d, rho);
+  derivative_terms(scene, data, d.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
   rho.X.bottomRows(rho.nc).setZero();
-  solve_panel(scene, data, d, rho);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
+  solve_panel(scene, d, rho, data.workspace->panel);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
   out.X.block(out.nv, out.q_first, out.nc, out.nv) -= rho.X.block(rho.nv, 0, rho.nc, rho.nv);
 }
 

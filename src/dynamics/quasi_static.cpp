@@ -2,55 +2,48 @@
 
 #include <limits>
 
-#include "internal.hpp"
 #include "manycontact/sparse/least_norm.hpp"
+#include "steps.hpp"
 
 namespace manycontact {
-
-namespace {
-
-void check_size(const char* what, Eigen::Index given, Eigen::Index expected) {
-  if (given != expected)
-    throw std::invalid_argument(std::string("quasi_static: ") + what + " has " + std::to_string(given) +
-                                " numbers, the scene expects " + std::to_string(expected));
-}
-
-}  // namespace
 
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                              const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
                              SceneData& data) {
-  check_size("q", q.size(), scene.nq);
-  check_size("tau0", tau0.size(), scene.nv);
-  check_size("a column of B", B.rows(), scene.nv);
+  internal::check_scene(scene, data, "quasi_static");
+  internal::check_size("quasi_static", "q", q.size(), scene.nq);
+  internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
+  internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
-  data.solved = false;  // its kinematics are overwritten
+  internal::give_up_solution(data);  // its kinematics are overwritten
+  Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
   Eigen::VectorXd h = -tau0;
   std::vector<Eigen::Triplet<double>> A;  // [B J^T]
   for (int u = 0; u < nu; ++u)
     for (Eigen::SparseMatrix<double>::InnerIterator it(B, u); it; ++it) A.emplace_back(it.row(), u, it.value());
-  for (IslandData& d : data.islands) {
-    d.factor = Factor::kNone;
-    internal::evaluate(scene, q, rest, data, d.island);
-    const bool usable = internal::check_input(scene, q, rest, rest, d.island) == Reason::kNone;
-    for (int r : d.island.robots) {
+  w.kinematics_known = true;
+  for (const auto& d : w.islands) {
+    const Island& island = d->island;
+    internal::evaluate(scene, q, rest, w, island);
+    const bool usable = internal::check_input(scene, q, rest, rest, island) == Reason::kNone;
+    for (int r : island.robots) {
       auto of_robot = h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv);
-      of_robot += data.robots[r].h;
+      of_robot += w.robots[r].h;
       if (!usable) of_robot.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
-    for (int c : d.island.contacts) {
+    for (int c : island.contacts) {
       const Contact& contact = scene.contacts[c];
-      const Eigen::MatrixXd& J = data.contacts[c].J;
+      const Eigen::MatrixXd& J = w.contacts[c].J;
       int column = 0;
       const auto add = [&](int robot, int i) {
         for (Eigen::Index row = 0; row < J.rows(); ++row)
           A.emplace_back(scene.robots[robot].idx_v + i, nu + data.f_offset[c] + row, J(row, column));
         ++column;
       };
-      for (int i : data.supports[c].a) add(contact.A.robot, i);
-      for (int i : data.supports[c].b) add(contact.B.robot, i);
+      for (int i : w.supports[c].a) add(contact.A.robot, i);
+      for (int i : w.supports[c].b) add(contact.B.robot, i);
     }
   }
   return sparse::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h).head(nu);

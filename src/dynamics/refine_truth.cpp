@@ -1,6 +1,7 @@
 #include <limits>
 
-#include "internal.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {
@@ -17,8 +18,8 @@ struct System {
 };
 
 template <class S>
-System<S> assemble_system(const Scene& scene, const TruthTerms<S>& t, const IslandData& d, const VecX<S>& u) {
-  const KktPattern& p = *d.system.pattern;
+System<S> assemble_system(const Scene& scene, const TruthTerms<S>& t, const IslandWork& d, const VecX<S>& u) {
+  const KktPattern& p = *d.K.pattern;
   System<S> s{p.K, std::vector<S>(p.K.nonzeros(), S(0)), std::vector<S>(p.size(), S(0)), {}, {}};
   const int* slot = p.M_slot.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
@@ -63,23 +64,20 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Whether x was found.
+// Whether x was found. Each step ends with a residual, so x gains one step more than that needs: by the condition of K
+// it is the less accurate of the two.
 template <class S>
-bool refine_island(const Scene& scene, IslandData& d, System<S>& s) {
-  constexpr int kSteps = 60;
-  const S small = 10000 * std::numeric_limits<S>::epsilon();
+bool refine_island(IslandWork& d, System<S>& s) {
   std::vector<double> dx(s.b.size());
-  S error(1);
-  for (int step = 0; step < kSteps; ++step) {
-    for (std::size_t k = 0; k < dx.size(); ++k) dx[k] = static_cast<double>(s.r[k]);
-    internal::solve_with_factor(scene, d, dx.data());
-    for (std::size_t k = 0; k < dx.size(); ++k) s.x[k] += S(dx[k]);  // x += K^-1 r
-    const S before = error;
-    error = backward_error(s);
-    // one step more than the residual needs: x itself still gains by the condition of K
-    if (!(error < S(0.5) * before)) break;
-  }
-  return error < small;
+  const double small = tolerance::kTruthRounding * static_cast<double>(std::numeric_limits<S>::epsilon());
+  const sparse::Refinement refinement = sparse::refine(
+      tolerance::kTruthSteps, 0, [&] { return static_cast<double>(backward_error(s)); },
+      [&] {
+        for (std::size_t k = 0; k < dx.size(); ++k) dx[k] = static_cast<double>(s.r[k]);
+        d.factor->solve(dx.data());
+        for (std::size_t k = 0; k < dx.size(); ++k) s.x[k] += S(dx[k]);  // x += K^-1 r
+      });
+  return refinement.backward_error < small;
 }
 
 }  // namespace
@@ -87,7 +85,7 @@ bool refine_island(const Scene& scene, IslandData& d, System<S>& s) {
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
-  internal::check_solved(data, "refine_truth");
+  internal::check_solved(scene, data, "refine_truth");
   const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
   const S nan = std::numeric_limits<S>::quiet_NaN();
   Truth<S> out;
@@ -96,12 +94,14 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
   out.h.resize(scene.nv);
   for (int r = 0; r < scene.nrobots(); ++r)
     out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.h[r];
-  for (IslandData& d : data.islands) {
-    if (d.factor == Factor::kLdl) {
+  for (const auto& island : data.workspace->islands) {
+    IslandWork& d = *island;
+    if (d.factor && d.factor->method() == Method::kSparseLdl && !internal::rank_deficient(d)) {
       System<S> s = assemble_system(scene, terms, d, u);
-      if (refine_island(scene, d, s)) {
-        for (int k = 0; k < d.island.nc; ++k) s.x[d.system.pattern->iperm[d.island.nv + k]] *= -1;  // x = [a; -f]
-        internal::scatter(scene, data, d, s.x.data(), out.a, out.f);
+      if (refine_island(d, s)) {
+        const KktPattern& p = *d.K.pattern;
+        for (int k = 0; k < d.island.nc; ++k) s.x[p.iperm[d.island.nv + k]] *= -1;  // x = [a; -f]
+        internal::scatter(scene, data.f_offset, p, d.island, s.x.data(), out.a, out.f);
         out.rank.push_back(d.island.nc);
         out.regular.push_back(true);
         continue;

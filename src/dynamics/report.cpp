@@ -4,36 +4,6 @@
 
 namespace manycontact {
 
-std::string to_string(Method method) {
-  switch (method) {
-    case Method::kDense:
-      return "dense";
-    case Method::kDenseSchur:
-      return "dense-schur";
-    case Method::kSparseLdl:
-      return "sparse-ldl";
-    case Method::kSparseCholmod:
-      return "sparse-cholmod";
-    case Method::kSparseSupernodal:
-      return "sparse-supernodal";
-    case Method::kAuto:
-      return "auto";
-  }
-  return "?";
-}
-
-std::optional<Method> method_from_string(const std::string& name) {
-  for (Method m : kMethods)
-    if (to_string(m) == name) return m;
-  return std::nullopt;
-}
-
-std::optional<Order> order_from_string(const std::string& name) {
-  for (Order o : kOrders)
-    if (to_string(o) == name) return o;
-  return std::nullopt;
-}
-
 std::string to_string(Status status) {
   switch (status) {
     case Status::kOk:
@@ -46,32 +16,6 @@ std::string to_string(Status status) {
       return "regularised";
     case Status::kFailed:
       return "failed";
-  }
-  return "?";
-}
-
-std::string to_string(Reason reason) {
-  switch (reason) {
-    case Reason::kNone:
-      return "none";
-    case Reason::kZeroPivot:
-      return "a pivot was zero";
-    case Reason::kWrongInertia:
-      return "the inertia of K was not (nv, nc, 0)";
-    case Reason::kSmallPivot:
-      return "a pivot was lost in cancellation: dependent contact rows, or nearly";
-    case Reason::kLargeResidual:
-      return "refinement did not reach a small residual";
-    case Reason::kNotFinite:
-      return "the state, the torques or the system is not finite";
-    case Reason::kDampingLost:
-      return "the damping is lost in rounding; answered without damping";
-    case Reason::kBadDamping:
-      return "the damping is negative or not finite";
-    case Reason::kBadQuaternion:
-      return "a quaternion is not of unit length";
-    case Reason::kSingularInertia:
-      return "the inertia is singular where no contact holds";
   }
   return "?";
 }

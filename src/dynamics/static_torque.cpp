@@ -1,7 +1,7 @@
 #include "manycontact/dynamics/static_torque.hpp"
 
-#include "internal.hpp"
 #include "manycontact/algorithm/rnea.hpp"
+#include "steps.hpp"
 
 namespace manycontact {
 
@@ -15,13 +15,15 @@ StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene
 }
 
 void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s) {
+  const Workspace& w = *data.workspace;
   if (contacts)
-    for (const IslandData& d : data.islands)
-      internal::contact_forces(scene, data, d.island, [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
+    for (const auto& d : w.islands)
+      internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
+                               [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
   s.tau.setZero();  // as the velocity
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    s.kin[r] = data.robots[r].kin;
+    s.kin[r] = w.robots[r].kin;
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);
     if (!contacts) std::fill(s.fext[r].begin(), s.fext[r].end(), Vec6<double>(Vec6<double>::Zero()));
@@ -31,13 +33,13 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
 
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t i, bool contacts, StaticTorque& s,
                               Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
-  const IslandData& d = data.islands[i];
-  const Island& island = d.island;
+  const Workspace& w = *data.workspace;
+  const Island& island = w.islands[i]->island;
   out.setZero();
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const int r = island.robots[k], o = island.dof_offset[k];
     const Model& model = *scene.robots[r].model;
-    rnea_derivatives(model, s.kin[r], data.robots[r].Yc, s.fext[r], s.terms[r]);
+    rnea_derivatives(model, s.kin[r], w.robots[r].Yc, s.fext[r], s.terms[r]);
     // `out` is stored by rows: its transpose by columns, with the triangles exchanged
     unpack_tree(model, s.terms[r].dq_upper, s.terms[r].dq_lower, out.block(o, o, model.nv, model.nv).transpose());
   }
@@ -48,8 +50,8 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
     const Contact& contact = scene.contacts[c];
     const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
     const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
-    internal::force_columns(data.derivatives->rows[c], data.derivatives->contacts[c], d.support.columns[k], oA, oB,
-                            out);
+    internal::force_columns(contact_at_solution(data, c), contact_derivatives_of(data, c),
+                            w.islands[i]->shape->support().columns[k], oA, oB, out);
   }
   out *= -1;
 }

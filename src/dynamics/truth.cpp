@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "manycontact/algorithm/crba.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {

@@ -1,5 +1,6 @@
 #include "truth_terms.hpp"
 
+#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 
 namespace manycontact::internal {

@@ -1,7 +1,9 @@
 #pragma once
 // What the two truths share: the terms of a scene in S, and the dense solution of one island.
 
+#include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::internal {
 

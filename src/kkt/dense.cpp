@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/refine.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
@@ -24,7 +26,7 @@ namespace {
 template <class S>
 bool is_noise(const S& pivot, const S& terms) {
   using std::abs;
-  return !(abs(pivot) > S(16) * std::numeric_limits<S>::epsilon() * terms);
+  return !(abs(pivot) > S(tolerance::kRounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
 template <class S>
@@ -40,7 +42,7 @@ bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A) {
     y = llt.solve(y.template cast<S>()).template cast<double>();
   });
   const S norm = A.cwiseAbs().colwise().sum().maxCoeff();
-  return S(16) * std::numeric_limits<S>::epsilon() * norm * S(inverse) < S(1);
+  return S(tolerance::kRounding) * std::numeric_limits<S>::epsilon() * norm * S(inverse) < S(1);
 }
 
 template <class S>
@@ -86,7 +88,7 @@ void factor(DenseKkt<S>& kkt) {
   if (nc > 0) {
     S largest(0);  // column of J^T, which the first pivot is
     for (int k = 0; k < nc; ++k) largest = std::max(largest, S(kkt.J.row(k).norm()));
-    S threshold(kRankTolerance);
+    S threshold(tolerance::kRank);
     if (kkt.J_size > largest) threshold *= largest > S(0) ? S(kkt.J_size / largest) : S(1);
     kkt.cod.setThreshold(threshold);
     kkt.cod.compute(kkt.J.transpose());
@@ -118,13 +120,19 @@ void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>
     return;
   }
   solve_once<S>(kkt, b1, b2, a, f);
-  // One step of refinement; what least squares leaves of r2 is orthogonal to J's range and changes nothing.
-  const MatX<S> r1 = b1 - kkt.M * a + kkt.J.transpose() * f;
-  const MatX<S> r2 = b2 - kkt.J * a - kkt.delta * f;
-  MatX<S> da, df;
-  solve_once<S>(kkt, r1, r2, da, df);
-  a += da;
-  f += df;
+  // What least squares leaves of r2 is orthogonal to J's range and changes nothing.
+  MatX<S> r1, r2, da, df;
+  sparse::refine_unjudged(
+      1,
+      [&] {
+        r1 = b1 - kkt.M * a + kkt.J.transpose() * f;
+        r2 = b2 - kkt.J * a - kkt.delta * f;
+      },
+      [&] {
+        solve_once<S>(kkt, r1, r2, da, df);
+        a += da;
+        f += df;
+      });
 }
 
 template struct DenseKkt<InstantiatedScalar>;

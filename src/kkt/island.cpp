@@ -1,10 +1,25 @@
 #include "manycontact/kkt/island.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
+
+void number_island(const Scene& scene, Island& island) {
+  island.dof_offset.clear();
+  island.row_offset.clear();
+  island.nv = island.nc = 0;
+  for (int r : island.robots) {
+    island.dof_offset.push_back(island.nv);
+    island.nv += scene.robots[r].model->nv;
+  }
+  for (int c : island.contacts) {
+    island.row_offset.push_back(island.nc);
+    island.nc += scene.contacts[c].rows();
+  }
+}
 
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active) {
   std::vector<int> memory(scene.nrobots());
@@ -20,19 +35,22 @@ std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& ac
       number[root] = static_cast<int>(islands.size());
       islands.emplace_back();
     }
-    Island& island = islands[number[root]];
-    island.robots.push_back(r);
-    island.dof_offset.push_back(island.nv);
-    island.nv += scene.robots[r].model->nv;
+    islands[number[root]].robots.push_back(r);
   }
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    if (!active[c]) continue;
-    Island& island = islands[number[sets.root(scene.contacts[c].A.robot)]];
-    island.contacts.push_back(static_cast<int>(c));
-    island.row_offset.push_back(island.nc);
-    island.nc += scene.contacts[c].rows();
-  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (active[c]) islands[number[sets.root(scene.contacts[c].A.robot)]].contacts.push_back(static_cast<int>(c));
+  for (Island& island : islands) number_island(scene, island);
   return islands;
+}
+
+Island whole_scene(const Scene& scene, const std::vector<char>& active) {
+  Island island;
+  island.robots.resize(scene.robots.size());
+  std::iota(island.robots.begin(), island.robots.end(), 0);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (active[c]) island.contacts.push_back(static_cast<int>(c));
+  number_island(scene, island);
+  return island;
 }
 
 int local_robot(const Island& island, int robot) {

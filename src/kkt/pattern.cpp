@@ -6,20 +6,9 @@
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
-
-std::string to_string(Order order) {
-  switch (order) {
-    case Order::kLeafToRoot:
-      return "leaf-to-root";
-    case Order::kContactsEarly:
-      return "contacts-early";
-    case Order::kCamd:
-      return "camd";
-  }
-  return "?";
-}
 
 IslandSupport island_support(const Scene& scene, const Island& island) {
   IslandSupport s;
@@ -90,7 +79,8 @@ std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& 
     for (int i = 0; i < model.nv; ++i) step[i] = 0.3 + 0.2 * std::sin(1 + 7 * i);
     integrate<double>(model, neutral(model), step, q);
     kin.emplace_back(model);
-    forward_kinematics<double>(model, robot.base, q, kin.back());
+    // whatever the base: the posture has no symmetry as it is, and alike islands see the same
+    forward_kinematics<double>(model, {}, q, kin.back());
     forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
   }
   std::vector<Eigen::MatrixXd> J;
@@ -107,7 +97,6 @@ std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
 // directions as it has rows; it uses up those that do it best.
 std::vector<int> contacts_early(const Scene& scene, const Island& island, const IslandSupport& support) {
-  constexpr double kDistinct = 1e-3;  // of the largest: less is no direction of its own
   const int ncontacts = static_cast<int>(island.contacts.size());
   const std::vector<Eigen::MatrixXd> J = sample_jacobians(scene, island, support);
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
@@ -130,7 +119,7 @@ std::vector<int> contacts_early(const Scene& scene, const Island& island, const 
         if (eliminated[support.columns[c][k]] && !used[support.columns[c][k]]) available.push_back(static_cast<int>(k));
       if (static_cast<Eigen::Index>(available.size()) < J[c].rows()) continue;
       Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-      qr.setThreshold(kDistinct);
+      qr.setThreshold(tolerance::kDistinct);
       qr.compute(J[c](Eigen::all, available));
       if (qr.rank() < J[c].rows()) continue;
       for (Eigen::Index k = 0; k < qr.rank(); ++k)
@@ -143,10 +132,20 @@ std::vector<int> contacts_early(const Scene& scene, const Island& island, const 
   return perm;
 }
 
+// M's pattern and J's.
+sparse::UpperCsc whole_pattern(const Scene& scene, const Island& island, const IslandSupport& support) {
+  Entries all = inertia_entries(scene, island);
+  const Entries J = contact_entries(scene, island, support);
+  all.insert(all.end(), J.begin(), J.end());
+  return sparse::make_pattern(island.size(), std::move(all));
+}
+
+}  // namespace
+
 std::vector<int> elimination_order(const Scene& scene, const Island& island, const IslandSupport& support,
-                                   const sparse::UpperCsc& K, Order order) {
+                                   Order order) {
   if (order == Order::kContactsEarly) return contacts_early(scene, island, support);
-  std::vector<int> by_degree = camd(island, K);
+  std::vector<int> by_degree = camd(island, whole_pattern(scene, island, support));
   if (order == Order::kCamd) return by_degree;
   std::vector<int> perm = leaf_to_root(scene, island);
   for (int k : by_degree)  // among themselves the contacts go by degree
@@ -154,39 +153,24 @@ std::vector<int> elimination_order(const Scene& scene, const Island& island, con
   return perm;
 }
 
-}  // namespace
-
-KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, Order order) {
+KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, Order order,
+                   std::vector<int> perm) {
   KktPattern p;
   p.nv = island.nv;
   p.nc = island.nc;
   p.order = order;
-  const Entries M = inertia_entries(scene, island), J = contact_entries(scene, island, support);
-  Entries all = M;
-  all.insert(all.end(), J.begin(), J.end());
-  const sparse::UpperCsc K = sparse::make_pattern(island.size(), std::move(all));
-  p.perm = elimination_order(scene, island, support, K, order);
+  p.perm = std::move(perm);
   p.iperm = sparse::inverse(p.perm);
-  p.K = sparse::permute(K, p.iperm);
+  p.K = sparse::permute(whole_pattern(scene, island, support), p.iperm);
   const auto slot = [&p](const std::pair<int, int>& entry) {
     const auto [i, j] = std::minmax(p.iperm[entry.first], p.iperm[entry.second]);
     return p.K.slot(i, j);
   };
-  for (const auto& entry : M) p.M_slot.push_back(slot(entry));
-  for (const auto& entry : J) p.J_slot.push_back(slot(entry));
+  for (const auto& entry : inertia_entries(scene, island)) p.M_slot.push_back(slot(entry));
+  for (const auto& entry : contact_entries(scene, island, support)) p.J_slot.push_back(slot(entry));
   for (int k = 0; k < island.nc; ++k) p.diagonal_slot.push_back(slot({island.nv + k, island.nv + k}));
   p.ldl = sparse::ldl_analyze(p.K);
   return p;
-}
-
-std::vector<long> shape_key(const Scene& scene, const Island& island, const IslandSupport& support) {
-  std::vector<long> key;
-  for (int r : island.robots) key.push_back(reinterpret_cast<long>(scene.robots[r].model.get()));
-  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    key.push_back(-scene.contacts[island.contacts[c]].rows());
-    key.insert(key.end(), support.columns[c].begin(), support.columns[c].end());
-  }
-  return key;
 }
 
 }  // namespace manycontact

@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manycontact/sparse/tolerances.hpp"
+
 namespace manycontact {
-
-namespace {
-
-constexpr double kPivotLeft = 1e-11;  // of its diagonal: less may be rounding that earlier pivots passed on
-
-}  // namespace
 
 bool factor_inertia(const Model& model, double* M, double* diagonal) {
   for (int k = 0; k < model.nv; ++k) diagonal[k] = M[model.M_begin[k]];
   for (int k = model.nv - 1; k >= 0; --k) {
     double* row = M + model.M_begin[k];
     const double D = row[0];
-    if (!(D > kPivotLeft * diagonal[k]) || !std::isfinite(1 / D)) return false;
+    if (!(D > tolerance::kPivotLeft * diagonal[k]) || !std::isfinite(1 / D)) return false;
     int a = 1;
     for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i], ++a) {
       const double l = row[a] / D;
@@ -48,8 +44,10 @@ void solve_inertia_unit(const Model& model, const double* L, double* x) {
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support) {
   SchurPattern p;
   p.robots.resize(island.robots.size());
+  p.J_first.assign(1, 0);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
+    p.J_first.push_back(p.J_first.back() + contact.rows() * support.contacts[c].cols());
     const auto act = [&](int robot) {
       SchurPattern::OnRobot& on = p.robots[local_robot(island, robot)];
       on.contacts.push_back(static_cast<int>(c));
@@ -80,7 +78,8 @@ namespace {
 
 // Z <- J^T on one robot: the contacts' columns on it, transposed into place.
 void gather_rows(const Scene& scene, const Island& island, const IslandSupport& support, int r,
-                 const SchurPattern::OnRobot& on, std::span<const std::span<const double>> J, Eigen::MatrixXd& Z) {
+                 const SchurPattern& pattern, std::span<const double> J, Eigen::MatrixXd& Z) {
+  const SchurPattern::OnRobot& on = pattern.robots[r];
   Z.setZero();
   const int first = island.dof_offset[r], end = first + static_cast<int>(Z.rows());
   for (std::size_t k = 0; k < on.contacts.size(); ++k) {
@@ -88,7 +87,8 @@ void gather_rows(const Scene& scene, const Island& island, const IslandSupport& 
     const std::vector<int>& columns = support.columns[c];
     for (std::size_t j = 0; j < columns.size(); ++j) {
       if (columns[j] < first || columns[j] >= end) continue;
-      for (int row = 0; row < rows; ++row) Z(columns[j] - first, on.first_row[k] + row) = J[c][j * rows + row];
+      for (int row = 0; row < rows; ++row)
+        Z(columns[j] - first, on.first_row[k] + row) = J[pattern.J_first[c] + j * rows + row];
     }
   }
 }
@@ -96,8 +96,7 @@ void gather_rows(const Scene& scene, const Island& island, const IslandSupport& 
 }  // namespace
 
 bool form_schur(const Scene& scene, const Island& island, const IslandSupport& support, const SchurPattern& pattern,
-                std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double delta,
-                SchurData& data) {
+                std::span<const double> M, std::span<const double> J, double delta, SchurData& data) {
   const std::size_t n = island.robots.size();
   data.L.resize(n);
   data.scratch.resize(island.nv);
@@ -106,12 +105,14 @@ bool form_schur(const Scene& scene, const Island& island, const IslandSupport& s
   const int* slot = pattern.slot.data();
   for (std::size_t r = 0; r < n; ++r) {
     const Model& model = *scene.robots[island.robots[r]].model;
-    data.L[r].assign(M[r].begin(), M[r].end());
+    const std::span<const double> own = M.first(model.M_begin[model.nv]);
+    M = M.subspan(own.size());
+    data.L[r].assign(own.begin(), own.end());
     if (!factor_inertia(model, data.L[r].data(), data.scratch.data())) return false;
     const SchurPattern::OnRobot& on = pattern.robots[r];
     Eigen::MatrixXd& Z = data.Z[r];
     Z.resize(model.nv, on.rows);
-    gather_rows(scene, island, support, static_cast<int>(r), on, J, Z);
+    gather_rows(scene, island, support, static_cast<int>(r), pattern, J, Z);
     for (int c = 0; c < on.rows; ++c) solve_inertia_transposed(model, data.L[r].data(), Z.col(c).data());
     for (int i = 0; i < model.nv; ++i) Z.row(i) /= std::sqrt(data.L[r][model.M_begin[i]]);
     for (int j = 0; j < on.rows; ++j)  // S += Z^T Z with Z = D^-1/2 L^-T J^T

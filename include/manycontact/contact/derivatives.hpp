@@ -21,7 +21,7 @@ struct ContactDerivatives {
 
   std::vector<int> chain_a, chain_b;  // all coordinates above A and above B', ascending
   Mat6X<double> dx_dq, dx_dv;         // 6 x cols: of x (without the turning of W)
-  Eigen::Matrix3Xd turn;              // 3 x chain_a (world-aligned frames): th_i
+  Eigen::Matrix3Xd turn;              // 3 x chain_a: th_i, where `turns`
   Mat6X<double> S_b;                  // 6 x chain_b (between bodies): columns of B' in A's axes
   Vec6<double> F;                     // W^T f: force on A at its origin, in A's axes
   Vec6<double> x;                     // x at the accelerations of kin
@@ -36,10 +36,10 @@ inline Vec6<double> turned(const Vec3<double>& th, const Vec6<double>& y) {
 }
 
 /// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd,
-/// Sv of the same robots; f: the contact's force in its own frame. `data` gets the same accelerations.
-void contact_derivatives(const Scene& scene, const Contact& contact, const ContactSupport& support,
-                         const Kinematics<double>& kinA, const Kinematics<double>* kinB, const RneaDerivatives& termsA,
-                         const RneaDerivatives* termsB, const Eigen::Ref<const Eigen::VectorXd>& f,
-                         ContactData<double>& data, ContactDerivatives& d);
+/// Sv of the same robots; f: the contact's force in its own frame; data: by contact_rows at the same accelerations.
+void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<double>& kinA,
+                         const Kinematics<double>* kinB, const RneaDerivatives& termsA, const RneaDerivatives* termsB,
+                         const Eigen::Ref<const Eigen::VectorXd>& f, const ContactData<double>& data,
+                         ContactDerivatives& d);
 
 }  // namespace manycontact

@@ -1,96 +1,49 @@
 #pragma once
-// The variable part of a scene: everything `solve` computes and keeps. One per thread; the Scene stays constant.
+// The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread; the Scene
+// stays constant and may be shared.
+//
+// Data belong to the scene they were made for. Under data in use may change: gravity, damping, fixed bases' placements,
+// and of a contact B's placement, reference frame and gains. Robots and their models, the number of contacts, and of a
+// contact its type, A, B's body and axis may not: every function that takes both throws std::invalid_argument where
+// these differ, and new data are needed.
 
-#include <map>
+#include <cstdint>
 #include <memory>
-#include <optional>
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/dynamics/derivative_data.hpp"
 #include "manycontact/dynamics/report.hpp"
-#include "manycontact/kkt/dense.hpp"
-#include "manycontact/kkt/schur.hpp"
-#include "manycontact/kkt/system.hpp"
-#include "manycontact/sparse/cholmod.hpp"
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/model/scene.hpp"
 
 namespace manycontact {
 
-/// One robot's kinematics and dynamics terms, in its tree frame.
-struct RobotData {
-  explicit RobotData(const Model& model);
-  Kinematics<double> kin;           // by evaluate: at q, v, with kin.a the bias accelerations
-  std::vector<Inertia<double>> Yc;  // by evaluate: composite inertias
-  std::vector<Vec6<double>> f;      // scratch of inverse_dynamics
-  std::vector<double> M;            // by evaluate: packed inertia (algorithm/crba.hpp)
-  Eigen::VectorXd h;                // by evaluate: nv, Coriolis, centrifugal, gravity
+/// An answer. Written by solve and solve_tau alone; estimate_condition and estimate_errors complete the report.
+struct Solution {
+  std::uint64_t serial = 0;   // number of the solve, 1, 2, ...; 0: there is no answer, or it was given up
+  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at [m/s, rad/s; N, N m]
+  Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
+  Eigen::VectorXd f;          // rows of the active contacts, in the scene's order: forces on A in the contact's
+                              // reference frame [N, N m]
+  std::vector<int> f_offset;  // per contact: its first row in f, -1 when not active; by prepare
+  Report report;              // what the answer is worth
 };
 
-/// Which factor of the island's K is at hand.
-enum class Factor { kNone, kLdl, kDependent, kCholmod, kSupernodal, kDense, kDenseSchur };
+struct Workspace;  // private to floor dynamics
 
-/// One island's system and its factor.
-struct IslandData {
-  Island island;
-  IslandSupport support;
-  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
-  KktSystem system;
-  Method method = Method::kSparseLdl;              // chosen at set-up
-  std::shared_ptr<const KktPattern> chosen, safe;  // the order chosen, and leaf-to-root
+struct SceneData : Solution {
+  explicit SceneData(const Scene& scene, const Options& options = {});
+  ~SceneData();
+  SceneData(SceneData&&) noexcept;
+  SceneData& operator=(SceneData&&) noexcept;
 
-  Factor factor = Factor::kNone;           // by solve
-  double first_error = 0;                  // backward error before refinement
-  std::vector<double> Lx, D;               // kLdl, kDependent
-  sparse::DependentRows rows;              // kDependent: rows of J dropped, leaf-to-root order
-  bool was_dependent = false;              // the last solve found rows dependent
-  std::optional<sparse::Cholmod> cholmod;  // kCholmod: of K; kSupernodal: of S
-  const KktPattern* cholmod_pattern = nullptr;
-  std::shared_ptr<const SchurPattern> schur_pattern;  // kSupernodal
-  SchurData schur;
-  std::unique_ptr<DenseKkt<double>> dense;  // kDense
-};
-
-/// The whole scene as one dense system: the baseline.
-struct DenseSchurData {
-  Eigen::MatrixXd M, J, Z, S;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I
-  // of something from the start: Eigen leaves a part of an empty one undefined, and moving that is undefined as well
-  Eigen::LLT<Eigen::MatrixXd> llt_M{Eigen::MatrixXd::Identity(1, 1)}, llt_S = llt_M;
-  bool refined = false;  // the factors alone lost digits
-  Eigen::MatrixXd Kinv;  // by differentiate
-  Eigen::VectorXd y, f;
-};
-
-struct SceneData {
-  SceneData(const Scene& scene, const Options& options = {});
-
-  // what the caller may change before a solve
+  // the caller's, between solves
   Options options;
-  std::vector<char> active;  // one per contact
+  std::vector<char> active;  // one per contact: as the scene has it at first
 
-  // by solve
-  bool solved = false;        // all of this is of the islands below
-  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at
-  Eigen::VectorXd a;          // nv: accelerations
-  Eigen::VectorXd f;          // rows of the active contacts, in the scene's order: forces on A in the contact's axes
-  std::vector<int> f_offset;  // per contact: its first row in f, -1 when not active
-  Report report;
-
-  std::vector<RobotData> robots;
-  std::vector<ContactSupport> supports;       // per contact of the scene
-  std::vector<ContactData<double>> contacts;  // per contact of the scene
-  std::vector<IslandData> islands;            // of the active set prepared last
-  std::vector<char> islands_active;           // that set
-  Options islands_options;                    // what they were prepared for
-  std::vector<int> robot_island;              // per robot
-  DenseSchurData dense_schur;
-  std::unique_ptr<DerivativeData> derivatives;  // by differentiate
-  std::unique_ptr<ProductData> products;        // by jvp and vjp
-  sparse::LdlWorkspace ldl_work;
-  // Patterns seen before, by shape and order: a contact set that returns is not analysed again.
-  std::map<std::pair<std::vector<long>, Order>, std::shared_ptr<const KktPattern>> patterns;
+  std::unique_ptr<Workspace> workspace;
 };
 
-/// Finds the islands of data.active and sets up their systems, unless they are set up already. `solve` calls it.
+/// Finds the islands of data.active and sets up their systems, unless they are set up already. `solve` calls it. What
+/// was analysed for any contact set before is not analysed again, and only islands change whose contacts were switched.
+/// Throws std::invalid_argument when data are not of this scene, or `active` has another size.
 void prepare(const Scene& scene, SceneData& data);
 
 /// "left[0]" for each row of f. After prepare or solve.

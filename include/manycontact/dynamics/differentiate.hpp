@@ -1,8 +1,12 @@
 #pragma once
+#include <Eigen/SparseCore>
+
 #include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/derivatives.hpp"
 
 namespace manycontact {
 
+// clang-format off
 /// Derivatives of data.a and data.f at the last solve, with its factor:
 ///
 ///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - S^T u,   r2 = J a + a0 + delta f,
@@ -10,18 +14,25 @@ namespace manycontact {
 /// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
 /// the least-squares accelerations. Blocks of failed islands are NaN.
-/// Allocates nothing after the first call with the same request and active set (CHOLMOD and dense paths excepted).
-/// Throws std::logic_error before the first solve.
+/// Allocates nothing after the first call with the same request and contact set, sparse methods only (README).
+/// Throws std::logic_error before the first solve and when contacts were switched after it, std::invalid_argument when
+/// data are not of this scene.
+// clang-format on
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
 
 /// The scene's matrices in the order of its v, u and of data.f: for callers that want one matrix. Blocks that were not
-/// asked for come out with no columns.
+/// asked for come out with no columns. Throws std::logic_error unless differentiate was called after the last solve.
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
 };
-SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
+[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
 
 /// The same as one sparse matrix, rows [a; f], columns [q | v | u] (those asked for), column-major.
-Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
+
+/// What differentiate computed last.
+const DerivativeData& derivatives(const SceneData& data);
+/// Gives back the memory of derivatives, which the next differentiate takes again.
+void release_derivatives(SceneData& data);
 
 }  // namespace manycontact

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/dynamics/options.hpp"
+#include "manycontact/kkt/options.hpp"
+#include "manycontact/kkt/reason.hpp"
 
 namespace manycontact {
 
@@ -17,21 +18,6 @@ enum class Status {
   kFailed,        // no answer: accelerations and forces are NaN
 };
 std::string to_string(Status status);
-
-/// Why an island was not answered by the method asked for, or not answered at all.
-enum class Reason {
-  kNone,
-  kZeroPivot,        // a pivot was exactly zero or not finite
-  kWrongInertia,     // K's inertia was not (nv, nc, 0)
-  kSmallPivot,       // a pivot was lost in cancellation: dependent rows, or nearly
-  kLargeResidual,    // refinement did not reach a small residual
-  kNotFinite,        // q, v or u is not finite, or K or the right-hand side overflowed
-  kDampingLost,      // regularised: the damping is below the rounding of K, the answer is the one without damping
-  kBadDamping,       // the scene's damping is negative or not finite
-  kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
-  kSingularInertia,  // M is singular and the contacts do not hold what it lets go
-};
-std::string to_string(Reason reason);
 
 struct IslandReport {
   Status status = Status::kOk;
@@ -48,14 +34,15 @@ struct IslandReport {
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
-  // Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for
+  // Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for.
+  // Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest.
   double error_acceleration = 0, error_forces = 0;
 };
 
 struct Report {
   Status status = Status::kOk;
   Method method = Method::kAuto;  // the one asked for
-  std::vector<IslandReport> islands;
+  std::vector<IslandReport> islands;  // with method dense-schur, which takes the scene as one system, a single one
 
   // sums and maxima over islands
   int nv = 0, nc = 0, rank = 0, factor_nonzeros = 0, refinement_steps = 0;

@@ -1,7 +1,9 @@
 #pragma once
 // Torques that would hold the scene still at the last solve's q with its contact forces: g(q) - J^T f.
 
+#include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/derivatives.hpp"
 
 namespace manycontact {
 

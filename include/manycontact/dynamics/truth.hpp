@@ -4,6 +4,7 @@
 // is for islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
 
 #include "manycontact/dynamics/data.hpp"
+#include "manycontact/kkt/dense.hpp"
 
 namespace manycontact {
 

@@ -7,6 +7,7 @@
 
 namespace manycontact {
 
+/// Its robots' velocity coordinates stand one after the other, and so do its contacts' rows.
 struct Island {
   std::vector<int> robots;      // scene numbers, ascending
   std::vector<int> contacts;    // scene numbers of the active ones, ascending
@@ -20,7 +21,45 @@ struct Island {
 /// The islands of the scene with the given contacts active (one flag each), in the order of their first robots.
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active);
 
+/// All robots and all active contacts of the scene as one island, whether contacts join them or not.
+Island whole_scene(const Scene& scene, const std::vector<char>& active);
+
+/// Fills dof_offset, row_offset, nv and nc from robots and contacts.
+void number_island(const Scene& scene, Island& island);
+
 /// Position of a robot in island.robots.
 int local_robot(const Island& island, int robot);
+
+// The walk between an island's coordinates and the scene's, a robot or a contact at a time.
+
+/// use(first in the scene's v, first in the island, count) for each robot.
+template <class Use>
+void each_velocity_block(const Scene& scene, const Island& island, Use&& use) {
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[island.robots[k]];
+    use(robot.idx_v, island.dof_offset[k], robot.model->nv);
+  }
+}
+
+/// use(first in the scene's u, first in the island's torques, count) for each robot.
+template <class Use>
+void each_torque_block(const Scene& scene, const Island& island, Use&& use) {
+  int first = 0;
+  for (int r : island.robots) {
+    const int nu = scene.robots[r].model->nu();
+    use(scene.robots[r].idx_u, first, nu);
+    first += nu;
+  }
+}
+
+/// use(first in the scene's forces, first in the island's rows, count) for each contact. f_offset: per contact of the
+/// scene, its first row among the forces.
+template <class Use>
+void each_force_block(const Scene& scene, const std::vector<int>& f_offset, const Island& island, Use&& use) {
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const int c = island.contacts[k];
+    use(f_offset[c], island.row_offset[k], scene.contacts[c].rows());
+  }
+}
 
 }  // namespace manycontact

@@ -1,22 +1,13 @@
 #pragma once
-// The sparse KKT matrix of an island, K = [M J^T; J -delta I], in an elimination order chosen for it.
+// The pattern of an island's KKT matrix, K = [M J^T; J -delta I], in an order of elimination.
 
-#include <string>
 #include <vector>
 
 #include "manycontact/kkt/island.hpp"
+#include "manycontact/kkt/options.hpp"
 #include "manycontact/sparse/ldl.hpp"
 
 namespace manycontact {
-
-/// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
-enum class Order {
-  kLeafToRoot,     // contacts last: sound whenever J has full rank
-  kContactsEarly,  // a contact as soon as joints that move it in all its directions are eliminated; less fill
-  kCamd,           // SuiteSparse CAMD, all joints before all contacts
-};
-inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
-std::string to_string(Order order);
 
 /// The active contact rows' places: what K's pattern depends on, besides the trees.
 struct IslandSupport {
@@ -38,9 +29,13 @@ struct KktPattern {
 
   int size() const { return nv + nc; }
 };
-KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, Order order);
 
-/// Numbers that are equal for two islands only if all their patterns are.
-std::vector<long> shape_key(const Scene& scene, const Island& island, const IslandSupport& support);
+/// The order in which rows of K are eliminated. kContactsEarly looks at the contacts' J in a posture without symmetry,
+/// so it depends on the contacts' types, axes and places on A's bodies, as well as on the trees.
+std::vector<int> elimination_order(const Scene& scene, const Island& island, const IslandSupport& support, Order order);
+
+/// perm: by elimination_order.
+KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, Order order,
+                   std::vector<int> perm);
 
 }  // namespace manycontact

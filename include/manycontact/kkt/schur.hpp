@@ -25,8 +25,9 @@ struct SchurPattern {
     int rows = 0;
   };
   std::vector<OnRobot> robots;
-  sparse::UpperCsc S;     // nc x nc
-  std::vector<int> slot;  // per robot: of the upper triangle of its product, by columns
+  std::vector<int> J_first;  // per contact: where its J begins among all contacts', by columns
+  sparse::UpperCsc S;        // nc x nc
+  std::vector<int> slot;     // per robot: of the upper triangle of its product, by columns
 };
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 
@@ -38,9 +39,10 @@ struct SchurData {
   Eigen::VectorXd w, y;  // scratch of solves: nv, nc
 };
 
-/// Fills L, Z, Sx. M, J: as in kkt/system.hpp. False when an inertia is not positive definite.
+/// Fills L, Z, Sx. M: the robots' packed inertias, one after the other; J: the contacts' J by columns, likewise. False
+/// when an inertia is not positive definite.
 [[nodiscard]] bool form_schur(const Scene& scene, const Island& island, const IslandSupport& support,
-                              const SchurPattern& pattern, std::span<const std::span<const double>> M,
-                              std::span<const std::span<const double>> J, double delta, SchurData& data);
+                              const SchurPattern& pattern, std::span<const double> M, std::span<const double> J,
+                              double delta, SchurData& data);
 
 }  // namespace manycontact

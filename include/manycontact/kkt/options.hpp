@@ -1,24 +1,35 @@
 #pragma once
+// Ways of solving an island's system: methods and orders of elimination.
+
 #include <optional>
 #include <string>
-
-#include "manycontact/kkt/pattern.hpp"
 
 namespace manycontact {
 
 enum class Method {
   kDense,             // per island, rank-revealing: the oracle
-  kDenseSchur,        // the whole scene as one system, LLT of M and of J M^-1 J^T, as Crocoddyl does: the baseline
+  kDenseSchur,        // the whole scene as one island, LLT of M and of J M^-1 J^T, as Crocoddyl does: the baseline
   kSparseLdl,         // SuiteSparse LDL on K, per island
   kSparseCholmod,     // CHOLMOD's simplicial LDL' on K, per island
   kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL' on the Schur complement, per island
-  kAuto,              // per island, the method and order of least predicted cost
+  kAuto,              // per island, the sparse method and order of least predicted cost
 };
 inline constexpr Method kMethods[] = {Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,
                                       Method::kSparseCholmod, Method::kSparseSupernodal, Method::kAuto};
 std::string to_string(Method method);
 /// The method called `name`, as to_string writes it.
 std::optional<Method> method_from_string(const std::string& name);
+/// Whether a method eliminates K's rows in an order that can be chosen.
+constexpr bool has_order(Method m) { return m == Method::kSparseLdl || m == Method::kSparseCholmod; }
+
+/// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
+enum class Order {
+  kLeafToRoot,     // contacts last: sound whenever J has full rank
+  kContactsEarly,  // a contact as soon as joints that move it in all its directions are eliminated; less fill
+  kCamd,           // SuiteSparse CAMD, all joints before all contacts
+};
+inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
+std::string to_string(Order order);
 std::optional<Order> order_from_string(const std::string& name);
 
 struct Options {

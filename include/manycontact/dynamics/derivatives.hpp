@@ -1,0 +1,59 @@
+#pragma once
+// Derivatives of accelerations and contact forces, as blocks per island.
+
+#include <cstdint>
+#include <vector>
+
+#include "manycontact/spatial/scalar.hpp"
+
+namespace manycontact {
+
+/// What to compute. Columns that are not asked for cost nothing.
+struct DerivativeRequest {
+  bool q = true, v = true, u = true;
+  bool forces = true;  // dforces_*; da_* always
+  bool tau = false;    // da_du, dforces_du are with respect to torques on all velocity coordinates: nv columns, not nu
+  bool operator==(const DerivativeRequest&) const = default;
+};
+
+/// Which solution something was computed from, and which is at hand now.
+struct Stamp {
+  const std::uint64_t* now = nullptr;
+  std::uint64_t serial = 0;
+  bool current() const { return now && serial != 0 && *now == serial; }
+};
+
+/// One island's blocks, views into one row-major panel X with rows [a; f] and columns [q | v | u], all in the island's
+/// order: robots ascending, contacts ascending. q on the tangent space. The views throw std::logic_error when the scene
+/// was solved again, or its contacts were switched, since they were computed.
+struct IslandDerivatives {
+  using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Panel X;  // row stride a multiple of 8; columns past the last are zero. Read it through the views
+  int nv = 0, nc = 0, nu = 0;
+  int q_first = 0, v_first = 0, u_first = 0, cols = 0;
+  DerivativeRequest request;
+  std::vector<int> u_offset;  // per robot of the island: its first torque, and the total
+  Stamp stamp;
+
+  auto da_dq() const { return block(0, q_first, nv, request.q ? nv : 0); }
+  auto da_dv() const { return block(0, v_first, nv, request.v ? nv : 0); }
+  auto da_du() const { return block(0, u_first, nv, request.u ? nu : 0); }
+  auto dforces_dq() const { return block(nv, q_first, nc, request.q ? nv : 0); }
+  auto dforces_dv() const { return block(nv, v_first, nc, request.v ? nv : 0); }
+  auto dforces_du() const { return block(nv, u_first, nc, request.u ? nu : 0); }
+  /// Throws std::logic_error unless these are derivatives of the solution at hand.
+  void check() const;
+
+ private:
+  Eigen::Block<const Panel> block(int row, int col, int rows, int columns) const {
+    check();
+    return X.block(row, col, rows, columns);
+  }
+};
+
+/// By differentiate: one entry per island, as report.islands has them.
+struct DerivativeData {
+  std::vector<IslandDerivatives> islands;
+};
+
+}  // namespace manycontact

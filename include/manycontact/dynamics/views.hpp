@@ -1,0 +1,49 @@
+#pragma once
+// What a solve leaves to be looked at, besides the answer. All throw std::logic_error where what they show was not
+// computed; references stay valid until the data's next call.
+
+#include <span>
+
+#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/contact/rows.hpp"
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/kkt/choose.hpp"
+#include "manycontact/kkt/matrix.hpp"
+
+namespace manycontact {
+
+/// The islands of data.report.islands, after prepare or solve.
+std::size_t island_count(const SceneData& data);
+const Island& island_of(const SceneData& data, std::size_t i);
+/// The number of the island that a robot of the scene is in.
+int island_with_robot(const SceneData& data, int robot);
+/// The method and order chosen for an island when it was set up; its report says which answered.
+Choice choice_of(const SceneData& data, std::size_t i);
+/// The island's trees and contacts, with the analyses made of them.
+const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
+/// Number of shapes analysed so far.
+std::size_t shapes_analysed(const SceneData& data);
+/// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
+const KktMatrix& matrix_of(const SceneData& data, std::size_t i);
+
+/// A robot's bodies in its tree frame, at q, v solved at; accelerations are those without forces or torques (qdd = 0).
+const Kinematics<double>& kinematics_of(const SceneData& data, int robot);
+/// Inertia of each joint's subtree, in the tree frame.
+std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot);
+/// Packed joint-space inertia (algorithm/crba.hpp), and bias torques h (nv).
+std::span<const double> inertia_of(const SceneData& data, int robot);
+const Eigen::VectorXd& bias_of(const SceneData& data, int robot);
+/// The rows of an active contact: J, a0 and what they are made of.
+const ContactData<double>& contact_of(const SceneData& data, int contact);
+/// The coordinates that any contact acts on.
+const ContactSupport& support_of(const SceneData& data, int contact);
+/// The rows at the solution's accelerations and their derivatives; after differentiate.
+const ContactData<double>& contact_at_solution(const SceneData& data, int contact);
+const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact);
+
+/// Places, velocities and inertias of all robots at q (nq), v (nv), for kinematics_of and composite_inertias; gives up
+/// the solution. Throws std::invalid_argument on a wrong size.
+void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                       const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data);
+
+}  // namespace manycontact

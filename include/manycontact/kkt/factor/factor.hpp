@@ -1,0 +1,49 @@
+#pragma once
+// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, cholmod, schur, dense, dense_schur.
+
+#include "manycontact/kkt/matrix.hpp"
+#include "manycontact/kkt/reason.hpp"
+#include "manycontact/kkt/shape.hpp"
+
+namespace manycontact {
+
+/// Scratch memory that factorizations share, one after the other.
+struct FactorScratch {
+  sparse::LdlWorkspace ldl;
+  std::vector<double> scale;  // of pivots
+};
+
+class Factor {
+ public:
+  virtual ~Factor() = default;
+
+  virtual Method method() const = 0;
+  /// Numeric factorization; K must outlive its use. kNone: sound. Otherwise why not, and nothing else may be called.
+  [[nodiscard]] virtual Reason factorize(const KktMatrix& K, FactorScratch& scratch) = 0;
+
+  /// x <- K^-1 x, in K's order of elimination. With dependent rows (damping 0) the generalised inverse that gives
+  /// least-squares accelerations and least-norm forces.
+  virtual void solve(double* x) = 0;
+  /// The same for columns first ... first+cols-1 of a row-major panel with row stride ld, rows in the island's order.
+  /// nonzero: a flag per row of K, in order of elimination, set where a row of X is not zero in these columns;
+  /// overwritten. A factor may make use of zeros or not.
+  virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
+
+  /// Of J.
+  virtual int rank() const = 0;
+  /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.
+  virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
+  /// With P the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_part where that is
+  /// given (of K's size; zero elsewhere). Nothing where rank() is nc.
+  virtual void project_out(double* y, double* null_part) { (void)y, (void)null_part; }
+  /// The same for all columns of a panel as in solve_panel.
+  virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
+
+  /// Of the factor, diagonals included.
+  virtual int nonzeros() const = 0;
+  /// Whether a panel's columns come out as accurate as a single solve: then the backward error of that tells whether
+  /// the panel needs refinement. Otherwise panels are judged by their own residual.
+  virtual bool panel_is_like_solve() const { return true; }
+};
+
+}  // namespace manycontact

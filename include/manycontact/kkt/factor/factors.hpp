@@ -1,0 +1,33 @@
+#pragma once
+// The kinds of factor.
+
+#include <memory>
+
+#include "manycontact/kkt/factor/factor.hpp"
+
+namespace manycontact {
+
+/// K = L D L^T by SuiteSparse's LDL, in K's order. Refused: pivots that are zero, of the wrong sign, or lost in
+/// cancellation.
+std::unique_ptr<Factor> make_ldl_factor();
+
+/// The same, damping 0, where rows of J may depend on each other: those that do are dropped (sparse/dependent_rows.hpp).
+/// K must be in leaf-to-root order. Refused where rounding hides which rows these are.
+std::unique_ptr<Factor> make_dependent_rows_factor();
+
+/// K = L D L^T by CHOLMOD's simplicial part, in K's order.
+std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);
+
+/// M = L^T D L robot by robot, and CHOLMOD's supernodal L L^T of the Schur complement J M^-1 J^T + delta I.
+std::unique_ptr<Factor> make_schur_factor(std::shared_ptr<IslandShape> shape);
+
+/// Dense and rank-revealing (kkt/dense.hpp): the oracle.
+std::unique_ptr<Factor> make_dense_factor();
+
+/// Dense LLT of M and of the Schur complement: the baseline, as Crocoddyl does it.
+std::unique_ptr<Factor> make_dense_schur_factor();
+
+/// The factor that stands behind a method, not kAuto.
+std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> shape);
+
+}  // namespace manycontact

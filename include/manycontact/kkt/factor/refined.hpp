@@ -1,0 +1,26 @@
+#pragma once
+// Any factor with iterative refinement on the true residual: x += K^-1 (b - K x).
+
+#include "manycontact/kkt/factor/factor.hpp"
+#include "manycontact/sparse/refine.hpp"
+
+namespace manycontact {
+
+/// v.x <- K^-1 v.b, v.r and v.scale those of the answer. Where rows are dependent, what they cannot agree on is taken
+/// out of b while K x = b is refined, and left in v.null_part; b and r are as without that when this returns.
+sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps);
+
+/// Memory for refining panels, row-major of K.size() rows.
+struct PanelWork {
+  std::vector<double> B;      // right-hand sides; used up
+  std::vector<double> R;      // residuals, where they are judged
+  std::vector<double> sums;
+  std::vector<char> nonzero;  // a flag per row of K, at least
+};
+
+/// X <- X + K^-1 (B - K X) for a whole panel X with row stride ld, rows in the island's order, padding included: once
+/// where factor.panel_is_like_solve(), and 0 is returned; else until the largest residual of a column is rounding, and
+/// that is returned, relative to |K|_1 |X| + |B|.
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
+
+}  // namespace manycontact

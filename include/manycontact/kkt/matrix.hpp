@@ -1,0 +1,50 @@
+#pragma once
+// The numbers of one island's KKT system, K x = b with x = [a; -f], b = [tau_b; -a0], in a pattern's order of
+// elimination.
+
+#include <memory>
+#include <span>
+
+#include "manycontact/kkt/pattern.hpp"
+
+namespace manycontact {
+
+/// K itself.
+struct KktMatrix {
+  std::shared_ptr<const KktPattern> pattern;
+  std::vector<double> values;  // in the pattern's slots
+  double damping = 0;          // delta
+  /// Rows of J are judged beside this: the largest of the motions they are picked from (contact/rows.hpp, motion_size).
+  /// All of J may be rounding.
+  double row_size = 0;
+
+  /// Takes a pattern and the memory its values need.
+  void reset(std::shared_ptr<const KktPattern> p);
+  int nv() const { return pattern->nv; }
+  int nc() const { return pattern->nc; }
+  int size() const { return pattern->size(); }
+};
+
+/// Writes K's values into their slots. M: per robot its packed inertia, J: per contact its J by columns, in the
+/// island's order.
+void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
+              KktMatrix& K);
+
+/// Copies the robots' packed M, one after the other, and the contacts' J by columns out of K's slots.
+void gather_inertia(const KktMatrix& K, std::vector<double>& M);
+void gather_rows(const KktMatrix& K, std::vector<double>& J);
+
+/// Vectors of a system, all in K's order of elimination.
+struct KktVectors {
+  std::vector<double> b, x;
+  std::vector<double> r, scale;  // residual b - K x, and |b| + |K| |x|
+  std::vector<double> null_part;  // of b: what dependent rows cannot agree on
+
+  void resize(int n);
+};
+
+/// Componentwise backward error max |r_k| / scale_k of x, r and scale being updated. Rows whose scale is below eps
+/// times the largest count as if it were eps times the largest. NaN when x is not finite.
+double backward_error(const KktMatrix& K, KktVectors& v);
+
+}  // namespace manycontact

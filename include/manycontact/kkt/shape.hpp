@@ -1,0 +1,62 @@
+#pragma once
+// What islands of the same trees and contacts share: everything that is analysed, and nothing that is measured.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+
+#include "manycontact/kkt/schur.hpp"
+#include "manycontact/sparse/cholmod.hpp"
+
+namespace manycontact {
+
+/// An island reduced to what patterns and orders depend on. Analyses are made when first asked for and kept. One
+/// thread at a time.
+class IslandShape {
+ public:
+  IslandShape(const Scene& scene, const Island& island);
+
+  const Scene& scene() const { return scene_; }    // the island's robots and contacts alone, numbered as in the island
+  const Island& island() const { return island_; }  // of scene(): all of it
+  const IslandSupport& support() const { return support_; }
+
+  const std::shared_ptr<const KktPattern>& pattern(Order order);
+  const std::shared_ptr<const SchurPattern>& schur();
+  /// CHOLMOD's analysis of K in that order, rows left as they are.
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
+  /// CHOLMOD's analysis of the Schur complement, for its supernodal part.
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod_schur();
+  /// The permutation of Order::kContactsEarly, the only one that depends on where contacts are on their bodies.
+  const std::vector<int>& contacts_early() const { return contacts_early_; }
+
+ private:
+  Scene scene_;
+  Island island_;
+  IslandSupport support_;
+  std::vector<int> contacts_early_;
+  std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
+  std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
+  std::shared_ptr<const SchurPattern> schur_;
+  std::shared_ptr<const sparse::CholmodSymbolic> cholmod_schur_;
+};
+
+/// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared
+/// number by number. Two levels, since places of points on bodies reach the patterns through one permutation only:
+/// islands that differ in such places alone have one shape if their permutations agree.
+class ShapeCache {
+ public:
+  /// Allocates nothing when an island with the same trees and contacts was asked for before.
+  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
+  std::size_t size() const { return shapes_.size(); }
+
+ private:
+  using Key = std::vector<std::uint64_t>;
+  struct Hash {
+    std::size_t operator()(const Key& key) const;
+  };
+  std::unordered_map<Key, std::shared_ptr<IslandShape>, Hash> by_places_, shapes_;
+  Key key_;
+};
+
+}  // namespace manycontact

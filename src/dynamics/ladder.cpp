@@ -1,0 +1,179 @@
+// Ways of solving an island, from the one chosen down to the oracle.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+enum class Way { kChosen, kDependentRows, kDense };
+
+struct Rung {
+  Way way;
+  Order order;
+  double damping;
+};
+
+Factor& factor_of(IslandWork& d, Way way) {
+  const auto made = [](std::unique_ptr<Factor>& factor, auto&& make) -> Factor& {
+    if (!factor) factor = make();
+    return *factor;
+  };
+  if (way == Way::kDependentRows) return made(d.safe, make_dependent_rows_factor);
+  if (way == Way::kDense) return made(d.dense, make_dense_factor);
+  return made(d.chosen, [&d] { return make_factor(d.choice.method, d.shape); });
+}
+
+// Whether a row of the island's J is nothing but rounding beside the contacts' motions: no pivot shows that.
+bool has_vanishing_row(const Scene& scene, const IslandWork& d) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < d.J.size(); ++c) {
+    const Eigen::Index rows = scene.contacts[d.island.contacts[c]].rows();
+    const Eigen::Map<const Eigen::MatrixXd> J(d.J[c].data(), rows, static_cast<Eigen::Index>(d.J[c].size()) / rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double size = J.cols() > 0 ? J.row(i).cwiseAbs().maxCoeff() : 0;
+      smallest = std::min(smallest, size);
+    }
+  }
+  return !d.J.empty() && !(smallest > tolerance::kRank * d.K.row_size);
+}
+
+// The largest term that the contacts' a0 are computed from, and gravity.
+double drift_size(const Scene& scene, const Workspace& w, const Island& island) {
+  double largest = scene.gravity.norm();
+  for (int c : island.contacts) {
+    const ContactData<double>& rows = w.contacts[c];
+    const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
+    largest = std::max({largest, rows.aA.cwiseAbs().maxCoeff(), rows.aB.cwiseAbs().maxCoeff(), v * v,
+                        std::abs(scene.contacts[c].beta) * v});
+  }
+  return largest;
+}
+
+// |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms. Where contacts hold everything all of these are rounding of
+// the terms of drift_size: that is no contradiction.
+bool contradictory(const KktPattern& p, const KktVectors& v, double drift) {
+  double left = 0, Ja = 0, a0 = 0;
+  for (int k = p.nv; k < p.size(); ++k) {
+    const int at = p.iperm[k];
+    left = std::max(left, std::abs(v.r[at]));
+    Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
+    a0 = std::max(a0, std::abs(v.b[at]));
+  }
+  return left > tolerance::kContradiction * (Ja + a0) && left > tolerance::kDriftRounding * drift;
+}
+
+// report.dependent_rows, numbered as data.f has them.
+void name_dependent_rows(const SceneData& data, IslandWork& d, IslandReport& report) {
+  d.factor->dependent_rows(d.dependent);
+  report.dependent_rows.clear();
+  for (int row : d.dependent) {
+    const auto c = std::upper_bound(d.island.row_offset.begin(), d.island.row_offset.end(), row) -
+                   d.island.row_offset.begin() - 1;
+    report.dependent_rows.push_back(data.f_offset[d.island.contacts[c]] + row - d.island.row_offset[c]);
+  }
+  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
+}
+
+bool all_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
+}
+
+// One rung: factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the
+// report is whole.
+Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Rung& rung, IslandWork& d,
+               IslandReport& report) {
+  assemble_island(scene, data, rung.order, rung.damping, d);
+  Factor& factor = factor_of(d, rung.way);
+  report.method = factor.method();
+  report.order = rung.order;
+  if (rung.way == Way::kChosen && rung.damping == 0 && has_vanishing_row(scene, d)) return Reason::kSmallPivot;
+  if (const Reason reason = factor.factorize(d.K, scratch); reason != Reason::kNone) return reason;
+  const sparse::Refinement refinement = solve_refined(factor, d.K, d.v, tolerance::kRefinementSteps);
+  report.factor_nonzeros = factor.nonzeros();
+  report.refinement_steps = refinement.steps;
+  if (!all_finite(d.v.x)) return all_finite(d.K.values) && all_finite(d.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
+  // the oracle's answer is the best there is
+  if (rung.way != Way::kDense && !(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
+
+  d.factor = &factor;
+  d.first_error = refinement.first;
+  report.rank = factor.rank();
+  report.status = Status::kOk;
+  if (rank_deficient(d)) {
+    const bool contradiction = contradictory(*d.K.pattern, d.v, drift_size(scene, *data.workspace, d.island));
+    report.status = contradiction ? Status::kInconsistent : Status::kRedundant;
+    name_dependent_rows(data, d, report);
+  }
+  return Reason::kNone;
+}
+
+// From the chosen way down: leaf-to-root, dropping rows that depend on others, or where damping makes K regular in
+// every order by the same method; the oracle.
+struct Rungs {
+  std::array<Rung, 3> list;
+  int count = 0;
+  void add(const Rung& rung) { list[count++] = rung; }
+};
+Rungs rungs_of(const IslandWork& d, double damping) {
+  Rungs rungs;
+  const auto [method, order] = d.choice;
+  if (method != Method::kDense) rungs.add({Way::kChosen, order, damping});
+  if (method == Method::kDenseSchur) return rungs;  // the baseline stands alone
+  if (method != Method::kDense && damping == 0) rungs.add({Way::kDependentRows, Order::kLeafToRoot, 0});
+  if (has_order(method) && damping > 0 && order != Order::kLeafToRoot)
+    rungs.add({Way::kChosen, Order::kLeafToRoot, damping});
+  rungs.add({Way::kDense, order, damping});
+  return rungs;
+}
+
+}  // namespace
+
+bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
+                  IslandReport& report) {
+  const auto [method, order] = d.choice;
+  // Rows that were dependent in the last solve mostly still are: the first rung would fail.
+  if (d.was_dependent && scene.damping == 0) {
+    const Rung safe{Way::kDependentRows, Order::kLeafToRoot, 0};
+    d.was_dependent = attempt(scene, data, scratch, safe, d, report) == Reason::kNone && rank_deficient(d);
+    if (d.was_dependent) {
+      report.changed_order = order != safe.order;
+      report.reason = Reason::kSmallPivot;
+      return true;
+    }
+    d.factor = nullptr;
+    report.status = Status::kOk;
+  }
+  d.was_dependent = false;
+  const Rungs rungs = rungs_of(d, scene.damping);
+  Reason first = Reason::kNone, last = Reason::kNone;
+  for (int k = 0; k < rungs.count; ++k) {
+    const Rung& rung = rungs.list[k];
+    last = attempt(scene, data, scratch, rung, d, report);
+    if (last != Reason::kNone) {
+      if (k == 0) first = last;
+      continue;
+    }
+    report.reason = first;
+    report.changed_order = rung.way != Way::kDense && rung.order != order;
+    d.was_dependent = rung.way == Way::kDependentRows && rank_deficient(d);
+    if (d.was_dependent) report.reason = Reason::kSmallPivot;
+    return true;
+  }
+  report.reason = last;
+  if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
+  // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
+  if (attempt(scene, data, scratch, {Way::kDependentRows, Order::kLeafToRoot, 0}, d, report) != Reason::kNone)
+    return false;
+  report.status = Status::kRegularised;
+  report.reason = Reason::kDampingLost;
+  return true;
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,92 @@
+#include "linearisation.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "steps.hpp"
+
+namespace manycontact {
+
+Linearisation::Place::Place(const Model& model)
+    : a(model.njoints(), Vec6<double>::Zero()), rnea(model), fext(model.njoints(), Vec6<double>::Zero()) {}
+
+Linearisation::Linearisation(const Scene& scene, const Workspace& w) {
+  std::map<const Model*, int> numbers;
+  for (const Robot& robot : scene.robots)
+    model.push_back(numbers.try_emplace(robot.model.get(), static_cast<int>(numbers.size())).first->second);
+  of_model.resize(numbers.size());
+  used.resize(numbers.size());
+  place.assign(scene.robots.size(), -1);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    contacts.emplace_back(scene.contacts[c], w.supports[c]);
+    derivatives.emplace_back(scene, scene.contacts[c], w.supports[c]);
+  }
+}
+
+void Linearisation::assign(const Scene& scene, const Workspace& w) {
+  if (layout == w.layout) return;
+  for (const auto& island : w.islands) {
+    std::fill(used.begin(), used.end(), 0);
+    for (int r : island->island.robots) {
+      std::vector<int>& places = of_model[model[r]];
+      const std::size_t k = used[model[r]]++;
+      if (k == places.size()) {
+        pool.emplace_back(*scene.robots[r].model);
+        places.push_back(static_cast<int>(pool.size()) - 1);
+      }
+      place[r] = places[k];
+    }
+  }
+  layout = w.layout;
+}
+
+AtSolution::AtSolution(const Scene& scene, SceneData& data, const Island& island)
+    : work_(*data.workspace), island_(island) {
+  Linearisation& lin = *work_.linearisation;
+  exchange();
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    forward_accelerations<double>(*robot.model, data.v.segment(robot.idx_v, robot.model->nv),
+                                  data.a.data() + robot.idx_v, scene.gravity, work_.robots[r].kin);
+  }
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    contact_rows<double>(scene, contact, work_.supports[c], work_.robots[contact.A.robot].kin,
+                         contact.B.robot < 0 ? nullptr : &work_.robots[contact.B.robot].kin, lin.contacts[c]);
+  }
+}
+
+AtSolution::~AtSolution() { exchange(); }
+
+void AtSolution::exchange() {
+  for (int r : island_.robots) work_.robots[r].kin.a.swap(work_.linearisation->of(r).a);
+}
+
+namespace internal {
+
+Linearisation& linearisation_of(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (!w.linearisation) w.linearisation = std::make_unique<Linearisation>(scene, w);
+  w.linearisation->assign(scene, w);
+  return *w.linearisation;
+}
+
+void derivative_terms(const Scene& scene, SceneData& data, const Island& island, const Eigen::VectorXd& f) {
+  Workspace& w = *data.workspace;
+  Linearisation& lin = *w.linearisation;
+  contact_forces(scene, island, lin.contacts, data.f_offset, f,
+                 [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
+  for (int r : island.robots)
+    rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const int A = contact.A.robot, B = contact.B.robot;
+    contact_derivatives(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, lin.of(A).rnea,
+                        B < 0 ? nullptr : &lin.of(B).rnea, f.segment(data.f_offset[c], contact.rows()),
+                        lin.contacts[c], lin.derivatives[c]);
+  }
+}
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,86 @@
+#pragma once
+// Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
+// torques start from.
+
+#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/contact/products.hpp"
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+struct Workspace;
+struct IslandWork;
+
+/// Robots of one model take turns in the places of a pool, islands being linearised one after the other, so that these
+/// stay in the cache.
+struct Linearisation {
+  explicit Linearisation(const Scene& scene, const Workspace& work);
+
+  struct Place {
+    explicit Place(const Model& model);
+    std::vector<Vec6<double>> a;     // njoints: by AtSolution, in exchange with kin.a
+    RneaDerivatives rnea;            // by derivative_terms
+    std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; by derivative_terms
+  };
+  std::vector<Place> pool;
+  std::vector<int> place;  // per robot
+  Place& of(int robot) { return pool[place[robot]]; }
+  const Place& of(int robot) const { return pool[place[robot]]; }
+
+  std::vector<ContactData<double>> contacts;     // per contact, at the solution; by AtSolution
+  std::vector<ContactDerivatives> derivatives;   // per contact; by derivative_terms
+
+  /// Gives the robots of each island places of their own, when islands changed.
+  void assign(const Scene& scene, const Workspace& work);
+
+ private:
+  std::vector<int> model;                  // per robot: number of its model
+  std::vector<std::vector<int>> of_model;  // per model: its places in the pool
+  std::vector<int> used;                   // per model: places taken by the island at hand
+  std::uint64_t layout = 0;                // of the workspace, at the last assign
+};
+
+/// As long as it lives, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
+/// contacts are evaluated at them.
+class AtSolution {
+ public:
+  AtSolution(const Scene& scene, SceneData& data, const Island& island);
+  ~AtSolution();
+  AtSolution(const AtSolution&) = delete;
+
+ private:
+  void exchange();
+  Workspace& work_;
+  const Island& island_;
+};
+
+namespace internal {
+
+/// The linearisation, made when first needed and fit for the islands at hand.
+Linearisation& linearisation_of(const Scene& scene, SceneData& data);
+
+/// Terms of an island's derivatives at the last solve: RNEA's and the contacts', with contact forces f of the scene.
+/// While AtSolution lives.
+void derivative_terms(const Scene& scene, SceneData& data, const Island& island, const Eigen::VectorXd& f);
+
+/// Forces of an island's contacts on its robots' bodies, in their tree frames, into fext(robot)[joint]. contacts: per
+/// contact of the scene, evaluated. f: of the scene.
+template <class Fext>
+void contact_forces(const Scene& scene, const Island& island, const std::vector<ContactData<double>>& contacts,
+                    const std::vector<int>& f_offset, const Eigen::VectorXd& f, Fext&& fext) {
+  for (int r : island.robots) std::fill(fext(r).begin(), fext(r).end(), Vec6<double>(Vec6<double>::Zero()));
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const ContactData<double>& rows = contacts[c];
+    Vec6<double> F;
+    F.noalias() = rows.W.transpose() * f.segment(f_offset[c], contact.rows());
+    if (contact.A.joint >= 0) fext(contact.A.robot)[contact.A.joint] += rows.aMA.act_force(F);
+    if (contact.B.robot >= 0 && contact.B.joint >= 0) fext(contact.B.robot)[contact.B.joint] -= rows.bMA.act_force(F);
+  }
+}
+
+}  // namespace internal
+
+}  // namespace manycontact

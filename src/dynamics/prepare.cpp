@@ -1,0 +1,176 @@
+// Islands of a contact set, from what is at hand: only those whose contacts were switched change, and nothing is
+// analysed twice.
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+#include "manycontact/sparse/union_find.hpp"
+#include "steps.hpp"
+
+namespace manycontact {
+
+IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
+    : shape(std::move(s)), choice(choose(*shape, options)) {
+  K.reset(shape->pattern(choice.order));
+  v.resize(K.size());
+}
+
+namespace {
+
+// Back to the shelf of its shape, for the next island that has it.
+void shelve(Workspace& w, std::unique_ptr<IslandWork> island) {
+  island->was_dependent = false;  // that was another island
+  w.shelves[island->shape.get()].push_back(std::move(island));
+}
+
+std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island& island) {
+  const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island);
+  std::vector<std::unique_ptr<IslandWork>>& shelf = w.shelves[shape.get()];
+  if (shelf.empty()) return std::make_unique<IslandWork>(shape, w.options);
+  std::unique_ptr<IslandWork> out = std::move(shelf.back());
+  shelf.pop_back();
+  return out;
+}
+
+// The island's robots and contacts, of which it has as many as any of its shape.
+void settle(Workspace& w, Island& island, IslandWork& d) {
+  std::swap(d.island, island);
+  d.M.clear();
+  d.J.clear();
+  for (int r : d.island.robots) d.M.emplace_back(w.robots[r].M);
+  for (int c : d.island.contacts) {
+    const Eigen::MatrixXd& J = w.contacts[c].J;
+    d.J.emplace_back(J.data(), static_cast<std::size_t>(J.size()));
+  }
+}
+
+// Robots of islands with a contact that was switched, at either end.
+void loosen(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
+  s.loose.assign(scene.robots.size(), all ? 1 : 0);
+  if (all) return;
+  const auto loosen_island_of = [&](int robot) {
+    if (robot >= 0 && !s.loose[robot])
+      for (int r : w.islands[w.robot_island[robot]]->island.robots) s.loose[r] = 1;
+  };
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (w.active[c] == data.active[c]) continue;
+    loosen_island_of(scene.contacts[c].A.robot);
+    loosen_island_of(scene.contacts[c].B.robot);
+  }
+}
+
+// The loose robots' islands under the contacts now active. Returns how many of s.groups they are.
+std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, bool whole) {
+  s.sets.resize(scene.robots.size());
+  s.group.assign(scene.robots.size(), -1);
+  sparse::UnionFind sets(s.sets);
+  for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (data.active[c] && contact.B.robot >= 0 && s.loose[contact.A.robot])
+      sets.join(contact.A.robot, contact.B.robot);
+  }
+  std::size_t count = 0;
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    if (!s.loose[r]) continue;
+    int& number = s.group[sets.root(r)];
+    if (number < 0) {
+      number = static_cast<int>(count++);
+      if (s.groups.size() < count) s.groups.emplace_back();
+      s.groups[number].robots.clear();
+      s.groups[number].contacts.clear();
+    }
+    s.groups[number].robots.push_back(r);
+  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (data.active[c] && s.loose[scene.contacts[c].A.robot])
+      s.groups[s.group[sets.root(scene.contacts[c].A.robot)]].contacts.push_back(static_cast<int>(c));
+  for (std::size_t k = 0; k < count; ++k) number_island(scene, s.groups[k]);
+  return count;
+}
+
+// w.islands: those that stay, and those of the loose robots.
+void change_islands(const Scene& scene, const SceneData& data, Workspace& w, bool all) {
+  Switching& s = w.switching;
+  loosen(scene, data, w, s, all);
+  s.next.clear();
+  for (std::unique_ptr<IslandWork>& island : w.islands) {
+    if (s.loose[island->island.robots.front()])
+      shelve(w, std::move(island));
+    else
+      s.next.push_back(std::move(island));
+  }
+  w.islands.clear();
+  const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
+  for (std::size_t k = 0; k < count; ++k) {
+    s.next.push_back(take(scene, w, s.groups[k]));
+    settle(w, s.groups[k], *s.next.back());
+  }
+  w.islands.swap(s.next);
+  std::sort(w.islands.begin(), w.islands.end(),
+            [](const auto& x, const auto& y) { return x->island.robots.front() < y->island.robots.front(); });
+  w.robot_island.resize(scene.robots.size());
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    for (int r : w.islands[i]->island.robots) w.robot_island[r] = static_cast<int>(i);
+}
+
+// Memory of derivatives goes with the islands, to the shelf and back.
+void keep_derivatives(Workspace& w) {
+  for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
+    w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);
+}
+void restore_derivatives(Workspace& w) {
+  if (w.derivatives.islands.empty()) return;
+  w.derivatives.islands.resize(w.islands.size());
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    w.derivatives.islands[i] = std::move(w.islands[i]->derivatives);
+}
+
+void lay_out_forces(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  data.f_offset.assign(scene.contacts.size(), -1);
+  int rows = 0;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (!data.active[c]) continue;
+    data.f_offset[c] = rows;
+    rows += scene.contacts[c].rows();
+  }
+  if (data.f.size() != rows) {
+    w.spare_f[data.f.size()].swap(data.f);
+    data.f.swap(w.spare_f[rows]);
+    internal::remake(data.f, rows);
+  }
+  data.f.setZero();
+}
+
+}  // namespace
+
+void prepare(const Scene& scene, SceneData& data) {
+  internal::check_scene(scene, data, "prepare");
+  Workspace& w = *data.workspace;
+  if (data.active.size() != scene.contacts.size())
+    throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
+                                std::to_string(scene.contacts.size()) + " contacts");
+  const bool same_options = w.prepared && w.options == data.options;
+  if (same_options && w.active == data.active) return;
+  internal::give_up_solution(data);
+  const bool all = !same_options || data.options.method == Method::kDenseSchur;
+  w.prepared = false;
+  keep_derivatives(w);
+  if (!same_options) {  // other factors, in other orders
+    w.islands.clear();
+    w.shelves.clear();
+    w.derivatives.islands.clear();
+  }
+  w.options = data.options;
+  change_islands(scene, data, w, all);
+  restore_derivatives(w);
+  lay_out_forces(scene, data);
+  data.report.islands.resize(w.islands.size());
+  w.active = data.active;
+  ++w.layout;
+  w.prepared = true;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,38 @@
+#include "scene_identity.hpp"
+
+namespace manycontact {
+
+SceneIdentity::SceneIdentity(const Scene& scene) {
+  for (const Robot& robot : scene.robots) models_.push_back(robot.model);
+  for (const Contact& contact : scene.contacts) contacts_.push_back(contact);
+}
+
+namespace {
+
+// What may not change under data in use (data.hpp), as `contact` was and is. Null: nothing did.
+const char* changed(const Contact& was, const Contact& is) {
+  if (was.type != is.type) return "type";
+  if (was.A.robot != is.A.robot || was.A.joint != is.A.joint) return "body A";
+  if (was.B.robot != is.B.robot || was.B.joint != is.B.joint) return "body B";
+  if (was.A.placement.p != is.A.placement.p || was.A.placement.R != is.A.placement.R) return "placement on A";
+  return was.axis != is.axis ? "axis" : nullptr;
+}
+
+std::string counts(const char* what, std::size_t was, std::size_t is) {
+  return "they were made for " + std::to_string(was) + " " + what + ", the scene has " + std::to_string(is);
+}
+
+}  // namespace
+
+std::string SceneIdentity::difference(const Scene& scene) const {
+  if (models_.size() != scene.robots.size()) return counts("robots", models_.size(), scene.robots.size());
+  if (contacts_.size() != scene.contacts.size()) return counts("contacts", contacts_.size(), scene.contacts.size());
+  for (std::size_t r = 0; r < models_.size(); ++r)
+    if (models_[r] != scene.robots[r].model) return "robot '" + scene.robots[r].name + "' has another model";
+  for (std::size_t c = 0; c < contacts_.size(); ++c)
+    if (const char* what = changed(contacts_[c], scene.contacts[c]))
+      return "contact '" + scene.contacts[c].name + "' has another " + what;
+  return "";
+}
+
+}  // namespace manycontact

@@ -1,0 +1,75 @@
+#include "manycontact/dynamics/views.hpp"
+
+#include <stdexcept>
+
+#include "steps.hpp"
+
+namespace manycontact {
+
+namespace {
+
+const Workspace& prepared(const SceneData& data) {
+  if (!data.workspace || !data.workspace->prepared) throw std::logic_error("views of a scene's data: prepare first");
+  return *data.workspace;
+}
+
+const Workspace& solved(const SceneData& data) {
+  const Workspace& w = prepared(data);
+  if (!w.kinematics_known) throw std::logic_error("views of a scene's data: solve first");
+  return w;
+}
+
+const Linearisation& linearised(const SceneData& data) {
+  const Workspace& w = solved(data);
+  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial)
+    throw std::logic_error("views of a scene's derivatives: call differentiate first");
+  return *w.linearisation;
+}
+
+}  // namespace
+
+std::size_t island_count(const SceneData& data) { return prepared(data).islands.size(); }
+const Island& island_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->island; }
+int island_with_robot(const SceneData& data, int robot) { return prepared(data).robot_island.at(robot); }
+Choice choice_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->choice; }
+const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i) {
+  return prepared(data).islands.at(i)->shape;
+}
+std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
+const KktMatrix& matrix_of(const SceneData& data, std::size_t i) { return solved(data).islands.at(i)->K; }
+
+const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).kin; }
+std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
+  return solved(data).robots.at(robot).Yc;
+}
+std::span<const double> inertia_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).M; }
+const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).h; }
+const ContactData<double>& contact_of(const SceneData& data, int contact) { return solved(data).contacts.at(contact); }
+const ContactSupport& support_of(const SceneData& data, int contact) { return prepared(data).supports.at(contact); }
+
+const ContactData<double>& contact_at_solution(const SceneData& data, int contact) {
+  return linearised(data).contacts.at(contact);
+}
+const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact) {
+  return linearised(data).derivatives.at(contact);
+}
+
+void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                       const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data) {
+  internal::check_scene(scene, data, "update_kinematics");
+  internal::check_size("update_kinematics", "q", q.size(), scene.nq);
+  internal::check_size("update_kinematics", "v", v.size(), scene.nv);
+  internal::give_up_solution(data);
+  Workspace& w = *data.workspace;
+  for (int i = 0; i < scene.nrobots(); ++i) {
+    const Robot& robot = scene.robots[i];
+    const Model& model = *robot.model;
+    RobotData& r = w.robots[i];
+    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
+    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
+    crba<double>(model, r.kin, r.Yc, r.M.data());
+  }
+  w.kinematics_known = true;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,143 @@
+#pragma once
+// The memory behind SceneData, private to floor dynamics. Each part says who writes it.
+
+#include <map>
+#include <span>
+#include <unordered_map>
+
+#include "linearisation.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/factor/refined.hpp"
+#include "scene_identity.hpp"
+
+namespace manycontact {
+
+/// One robot's kinematics and dynamics terms, in its tree frame. By evaluate, at q, v.
+struct RobotData {
+  explicit RobotData(const Model& model);
+  Kinematics<double> kin;           // kin.a: bias accelerations, but while an AtSolution lives
+  std::vector<Inertia<double>> Yc;  // composite inertias
+  std::vector<Vec6<double>> f;      // scratch of inverse_dynamics
+  std::vector<double> M;            // packed inertia (algorithm/crba.hpp)
+  Eigen::VectorXd h;                // nv, Coriolis, centrifugal, gravity
+};
+
+/// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
+struct DependentDerivatives {
+  std::vector<Kinematics<double>> kin;  // per robot of the island, moving with y
+  Eigen::VectorXd f, x, y;              // nc, size, nv
+  Eigen::VectorXd with;                 // forces of the scene, and what the contacts contradict each other by
+  IslandDerivatives::Panel D, kept;     // nc x nv, size x nv
+  IslandDerivatives with_rho;           // nv columns
+};
+
+/// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf, and
+/// the next island of that shape takes it from there, with all its memory.
+struct IslandWork {
+  explicit IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
+
+  std::shared_ptr<IslandShape> shape;
+  Choice choice;
+
+  // by prepare
+  Island island;
+  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
+
+  // by solve
+  KktMatrix K;
+  KktVectors v;
+  std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
+  Factor* factor = nullptr;                     // the one that answered; null: none did
+  double first_error = 0;                       // backward error before refinement
+  bool was_dependent = false;                   // the last solve found rows dependent
+  std::vector<int> dependent;                   // scratch: rows of J
+
+  // by differentiate, jvp, vjp
+  IslandDerivatives derivatives;                 // while on the shelf; else in Workspace::derivatives
+  std::unique_ptr<DependentDerivatives> rows;    // where contact rows are dependent
+  std::unique_ptr<IslandDerivatives> all;        // jvp, vjp with dependent rows: everything
+};
+
+/// Scratch of jvp and vjp.
+struct ProductWork {
+  struct OfRobot {
+    std::vector<BodyVariation> body;               // njoints: tangents, or adjoints
+    std::vector<Vec6<double>> u;                   // njoints: virtual velocities
+    std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
+    std::vector<double> w;                         // nv: change of the torques, or the vector behind u
+  };
+  explicit ProductWork(const Scene& scene);
+  std::vector<OfRobot> robots;
+  KktVectors v;                // of an island's system
+  Eigen::VectorXd in, out;     // of an island whose derivatives are formed
+};
+
+/// Scratch of prepare.
+struct Switching {
+  std::vector<char> loose;                        // per robot: its island changes
+  std::vector<int> sets, group;                   // per robot: union-find; number of its root's group
+  std::vector<Island> groups;                     // of the loose robots
+  std::vector<std::unique_ptr<IslandWork>> next;  // the islands to be
+};
+
+struct Workspace {
+  explicit Workspace(const Scene& scene);
+
+  SceneIdentity scene;         // the scene these data belong to
+  std::uint64_t solves = 0;    // begun so far
+  std::uint64_t current = 0;   // serial of the solution at hand, 0: none. What stamps point to
+
+  // by prepare, for `active` and `options`
+  bool prepared = false;  // all of this fits; false while it is being changed
+  std::vector<char> active;
+  Options options;
+  std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
+  std::vector<int> robot_island;                     // per robot
+  std::uint64_t layout = 0;                          // changes of islands so far
+  ShapeCache shapes;
+  std::unordered_map<const IslandShape*, std::vector<std::unique_ptr<IslandWork>>> shelves;
+  std::map<Eigen::Index, Eigen::VectorXd> spare_f;   // forces of other sizes
+  Switching switching;
+
+  // by evaluate, update_kinematics
+  bool kinematics_known = false;  // of all robots, at one q and v
+  std::vector<RobotData> robots;
+  std::vector<ContactSupport> supports;       // per contact; constant
+  std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
+
+  // by solve
+  FactorScratch scratch;
+
+  // by differentiate, jvp, vjp
+  std::unique_ptr<Linearisation> linearisation;
+  DerivativeData derivatives;
+  std::uint64_t derivatives_serial = 0;  // the solution they belong to
+  PanelWork panel;
+  std::unique_ptr<ProductWork> products;
+};
+
+namespace internal {
+
+/// Throws std::invalid_argument, in the name of `function`, where data are not of this scene.
+void check_scene(const Scene& scene, const SceneData& data, const char* function);
+/// The same, and std::logic_error unless data holds a solution of the contacts now active.
+void check_solved(const Scene& scene, const SceneData& data, const char* function);
+/// No solution is at hand from here on.
+void give_up_solution(SceneData& data);
+void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);
+
+/// x of n numbers, whatever it held: Eigen's own resize leaves an array freed when memory runs out.
+template <class Matrix>
+void remake(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
+  if (x.rows() == rows && x.cols() == cols) return;
+  x = Matrix();
+  x.resize(rows, cols);
+}
+
+}  // namespace internal
+
+}  // namespace manycontact

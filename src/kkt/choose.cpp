@@ -1,0 +1,98 @@
+#include "manycontact/kkt/choose.hpp"
+
+#include <cstdio>
+#include <limits>
+
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+double predicted_cost_ldl(const KktPattern& p) { return 17.0 * p.size() + 7.0 * p.ldl.nonzeros() + p.ldl.flops; }
+
+double predicted_cost_cholmod(const KktPattern& p) {
+  return 8000 + 50.0 * p.size() + 13.0 * p.ldl.nonzeros() + 1.7 * p.ldl.flops;
+}
+
+double predicted_cost_supernodal(IslandShape& shape) {
+  const SchurPattern& p = *shape.schur();
+  double flops = 0;
+  for (std::size_t r = 0; r < p.robots.size(); ++r) {
+    const Model& model = *shape.scene().robots[r].model;
+    const double rows = p.robots[r].rows;
+    for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
+    flops += 0.5 * rows * rows * model.nv;
+  }
+  const double nc = shape.island().nc;  // S is nearly dense in its supernodes
+  return 33000 + 2.2 * flops + 0.4 * nc * nc + 42.0 * p.S.nonzeros();
+}
+
+double predicted_cost_dense(int nv, int nc) {
+  const double n = nv, m = nc;
+  return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
+}
+
+PredictedCosts predict_costs(IslandShape& shape) {
+  PredictedCosts costs;
+  for (Order order : kOrders) {
+    const KktPattern& pattern = *shape.pattern(order);
+    costs.ldl[static_cast<std::size_t>(order)] = predicted_cost_ldl(pattern);
+    costs.cholmod[static_cast<std::size_t>(order)] = predicted_cost_cholmod(pattern);
+  }
+  costs.supernodal = sparse::supernodal_available() && shape.island().nc > 0 ? predicted_cost_supernodal(shape)
+                                                                             : std::numeric_limits<double>::infinity();
+  costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
+  return costs;
+}
+
+Choice choose(IslandShape& shape, const Options& options) {
+  Choice choice{options.method, Order::kLeafToRoot};
+  const bool ordered = has_order(options.method) || options.method == Method::kAuto;
+  if (options.order) {
+    choice.order = *options.order;
+  } else if (ordered) {
+    double least = predicted_cost_ldl(*shape.pattern(choice.order));
+    for (Order order : kOrders) {
+      const double cost = predicted_cost_ldl(*shape.pattern(order));
+      if (cost < tolerance::kCheaper * least) choice.order = order, least = cost;
+    }
+  }
+  if (options.method != Method::kAuto) return choice;
+  choice.method = Method::kSparseLdl;
+  if (sparse::supernodal_available() && shape.island().nc > 0 &&
+      predicted_cost_supernodal(shape) < predicted_cost_ldl(*shape.pattern(choice.order)))
+    choice.method = Method::kSparseSupernodal;
+  return choice;
+}
+
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", x);
+  return text;
+}
+
+}  // namespace
+
+std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const Options& options) {
+  const std::size_t order = static_cast<std::size_t>(choice.order);
+  const double ldl = costs.ldl[order];
+  const std::string in_order = " in " + to_string(choice.order) + " order";
+  std::string text = to_string(choice.method);
+  if (has_order(choice.method)) text += in_order + (options.order ? " as asked" : "");
+  const bool supernodal = costs.supernodal < std::numeric_limits<double>::infinity();
+  if (options.method == Method::kAuto && supernodal)
+    text += choice.method == Method::kSparseLdl
+                ? ", at " + number(ldl / costs.supernodal) + " of the predicted cost of sparse-supernodal"
+                : ", at " + number(costs.supernodal / ldl) + " of the predicted cost of sparse-ldl" + in_order;
+  if (has_order(choice.method) && !options.order)
+    for (Order other : kOrders)
+      if (const double cost = costs.ldl[static_cast<std::size_t>(other)]; cost < ldl)
+        text += "; " + to_string(other) + " at " + number(cost / ldl) + " of its cost is not cheaper enough";
+  const double least = choice.method == Method::kSparseSupernodal ? costs.supernodal : ldl;
+  if (options.method == Method::kAuto && costs.dense < least)
+    text += "; dense at " + number(costs.dense / least) + " of its cost is not taken, since it allocates";
+  return text;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,54 @@
+#include "manycontact/sparse/cholmod.hpp"
+
+#include <optional>
+
+#include "columns.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "pivots.hpp"
+
+namespace manycontact {
+
+namespace {
+
+class CholmodFactor final : public Factor {
+ public:
+  explicit CholmodFactor(std::shared_ptr<IslandShape> shape) : shape_(std::move(shape)) {}
+
+  Method method() const override { return Method::kSparseCholmod; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
+    if (!cholmod_ || pattern_ != K.pattern) cholmod_.emplace(shape_->cholmod(K.pattern->order));
+    pattern_ = K.pattern;
+    D_.resize(K.size());
+    scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
+    if (!cholmod_->factorize(K.values.data())) return Reason::kZeroPivot;
+    cholmod_->pivots(D_.data());
+    const double ratio = cholmod_->smallest_pivot_ratio(K.values.data(), scratch.scale.data());
+    return internal::judge_pivots(*pattern_, D_.data(), ratio);
+  }
+
+  void solve(double* x) override { cholmod_->solve(x, 1); }
+
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {
+    internal::take_columns(*pattern_, X, ld, first, cols, columns_);
+    cholmod_->solve(columns_.data(), cols);
+    internal::put_columns(*pattern_, columns_, X, ld, first, cols);
+  }
+
+  int rank() const override { return pattern_->nc; }
+  int nonzeros() const override { return cholmod_->factor_nonzeros(); }
+
+ private:
+  std::shared_ptr<IslandShape> shape_;
+  std::shared_ptr<const KktPattern> pattern_;
+  std::optional<sparse::Cholmod> cholmod_;
+  std::vector<double> D_, columns_;
+};
+
+}  // namespace
+
+std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape) {
+  return std::make_unique<CholmodFactor>(std::move(shape));
+}
+
+}  // namespace manycontact

@@ -1,0 +1,79 @@
+#include "manycontact/kkt/dense.hpp"
+
+#include "expand.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+
+namespace manycontact {
+
+namespace {
+
+class DenseFactor final : public Factor {
+ public:
+  Method method() const override { return Method::kDense; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch&) override {
+    pattern_ = K.pattern;
+    internal::expand(K, kkt_.M, kkt_.J);
+    kkt_.delta = K.damping;
+    kkt_.J_size = K.row_size;
+    factor<double>(kkt_);
+    if (kkt_.regular) return Reason::kNone;
+    if (!kkt_.M.allFinite() || !kkt_.J.allFinite()) return Reason::kNotFinite;
+    return kkt_.holds ? Reason::kSmallPivot : Reason::kSingularInertia;
+  }
+
+  void solve(double* x) override {
+    Eigen::MatrixXd b1(kkt_.nv(), 1), b2(kkt_.nc(), 1), a, f;
+    internal::split(*pattern_, x, b1.col(0), b2.col(0));
+    manycontact::solve<double>(kkt_, b1, b2, a, f);
+    internal::join(*pattern_, a.col(0), (-f).eval().col(0), x);
+  }
+
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {
+    auto panel = view(X, ld).middleCols(first, cols);
+    const Eigen::MatrixXd b1 = panel.topRows(kkt_.nv()), b2 = panel.bottomRows(kkt_.nc());
+    Eigen::MatrixXd a, f;
+    manycontact::solve<double>(kkt_, b1, b2, a, f);
+    panel.topRows(kkt_.nv()) = a;
+    panel.bottomRows(kkt_.nc()) = -f;
+  }
+
+  int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
+  void dependent_rows(std::vector<int>& rows) const override {
+    rows.clear();
+    if (kkt_.nc() == 0) return;
+    const auto& order = kkt_.cod.colsPermutation().indices();
+    for (int k = rank(); k < kkt_.nc(); ++k) rows.push_back(order[k]);
+  }
+
+  // P = I - J J^+
+  void project_out(double* y, double* null_part) override {
+    if (rank() == kkt_.nc()) return;
+    Eigen::VectorXd a(kkt_.nv()), b(kkt_.nc());
+    internal::split(*pattern_, y, a, b);
+    const Eigen::VectorXd motion = kkt_.cod.transpose().solve(b), kept = kkt_.J * motion;
+    internal::join(*pattern_, a, kept, y);
+    for (int k = 0; null_part && k < kkt_.nc(); ++k) null_part[pattern_->iperm[kkt_.nv() + k]] += b[k] - kept[k];
+  }
+  void project_out_panel(double* X, int ld, int cols) override {
+    if (rank() == kkt_.nc()) return;
+    auto rows = view(X, ld).leftCols(cols).bottomRows(kkt_.nc());
+    const Eigen::MatrixXd a = kkt_.cod.transpose().solve(Eigen::MatrixXd(rows));
+    rows = kkt_.J * a;
+  }
+
+  int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
+
+ private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<RowMajor> view(double* X, int ld) const { return {X, pattern_->size(), ld}; }
+
+  std::shared_ptr<const KktPattern> pattern_;
+  DenseKkt<double> kkt_;
+};
+
+}  // namespace
+
+std::unique_ptr<Factor> make_dense_factor() { return std::make_unique<DenseFactor>(); }
+
+}  // namespace manycontact

@@ -1,0 +1,119 @@
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "expand.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Smallest Cholesky pivot, relative to the diagonal it came from.
+double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
+  double ratio = 1;
+  for (int k = 0; k < diagonal.size(); ++k) {
+    const double l = llt.matrixLLT()(k, k);
+    ratio = std::min(ratio, l * l / diagonal[k]);
+  }
+  return ratio;
+}
+
+class DenseSchurFactor final : public Factor {
+ public:
+  Method method() const override { return Method::kDenseSchur; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch&) override {
+    pattern_ = K.pattern;
+    inverted_ = false;
+    internal::expand(K, M_, J_);
+    if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
+    llt_M_.compute(M_);
+    if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
+    if (smallest_pivot(llt_M_, M_.diagonal()) < tolerance::kPivotLeft) return Reason::kSingularInertia;
+    Z_ = J_.transpose();
+    if (Z_.cols() == 0) return Reason::kNone;
+    llt_M_.matrixL().solveInPlace(Z_);  // Z = L^-1 J^T
+    S_.setZero(K.nc(), K.nc());
+    S_.selfadjointView<Eigen::Lower>().rankUpdate(Z_.transpose());  // S = Z^T Z + delta I
+    S_.diagonal().array() += K.damping;
+    llt_S_.compute(S_);
+    if (llt_S_.info() != Eigen::Success) return Reason::kSmallPivot;
+    return smallest_pivot(llt_S_, S_.diagonal()) < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
+  }
+
+  // [a; y] with w = L^-1 b1: S y = Z^T w - b2, a = L^-T (w - Z y).
+  void solve(double* x) override {
+    a_.resize(pattern_->nv);
+    y_.resize(pattern_->nc);
+    internal::split(*pattern_, x, a_, y_);
+    llt_M_.matrixL().solveInPlace(a_);
+    if (y_.size() > 0) {
+      y_ = Z_.transpose() * a_ - y_;
+      llt_S_.solveInPlace(y_);
+      a_.noalias() -= Z_ * y_;
+    }
+    llt_M_.matrixU().solveInPlace(a_);
+    internal::join(*pattern_, a_, y_, x);
+  }
+
+  // By the explicit inverse of K, as Crocoddyl does.
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {
+    invert();
+    auto panel = Eigen::Map<RowMajor>(X, pattern_->size(), ld).middleCols(first, cols);
+    const RowMajor product = inverse_ * panel;
+    panel = product;
+  }
+  bool panel_is_like_solve() const override { return false; }
+
+  int rank() const override { return pattern_->nc; }
+  int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
+
+ private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // K^-1 = [Mi - Y Si Y^T, Y Si; Si Y^T, -Si] with Mi = M^-1, Y = Mi J^T, Si = S^-1, written out in full.
+  void invert() {
+    if (inverted_) return;
+    inverted_ = true;
+    const Eigen::Index nv = M_.rows(), nc = J_.rows();
+    inverse_.resize(nv + nc, nv + nc);
+    auto Mi = inverse_.topLeftCorner(nv, nv);
+    Mi = llt_M_.solve(Eigen::MatrixXd::Identity(nv, nv));
+    if (nc == 0) return;
+    const Eigen::MatrixXd Y = Mi * J_.transpose();
+    const Eigen::MatrixXd Si = llt_S_.solve(Eigen::MatrixXd::Identity(nc, nc));
+    inverse_.topRightCorner(nv, nc).noalias() = Y * Si;
+    Mi.noalias() -= inverse_.topRightCorner(nv, nc) * Y.transpose();
+    inverse_.bottomLeftCorner(nc, nv) = inverse_.topRightCorner(nv, nc).transpose();
+    inverse_.bottomRightCorner(nc, nc) = -Si;
+  }
+
+  std::shared_ptr<const KktPattern> pattern_;
+  Eigen::MatrixXd M_, J_, Z_, S_, inverse_;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I, K^-1
+  // of something from the start: Eigen leaves a part of an empty one undefined, and moving that is undefined as well
+  Eigen::LLT<Eigen::MatrixXd> llt_M_{Eigen::MatrixXd::Identity(1, 1)}, llt_S_ = llt_M_;
+  bool inverted_ = false;
+  Eigen::VectorXd a_, y_;
+};
+
+}  // namespace
+
+std::unique_ptr<Factor> make_dense_schur_factor() { return std::make_unique<DenseSchurFactor>(); }
+
+std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> shape) {
+  switch (method) {
+    case Method::kDense:
+      return make_dense_factor();
+    case Method::kDenseSchur:
+      return make_dense_schur_factor();
+    case Method::kSparseCholmod:
+      return make_cholmod_factor(std::move(shape));
+    case Method::kSparseSupernodal:
+      return make_schur_factor(std::move(shape));
+    default:
+      return make_ldl_factor();
+  }
+}
+
+}  // namespace manycontact

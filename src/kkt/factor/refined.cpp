@@ -1,0 +1,92 @@
+#include "manycontact/kkt/factor/refined.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// The contacts' rows of b and r with what was taken out of them.
+void restore(const KktPattern& p, KktVectors& v) {
+  for (int k = 0; k < p.size(); ++k) {
+    if (v.null_part[k] == 0) continue;
+    v.scale[k] -= std::abs(v.b[k]);
+    v.b[k] += v.null_part[k];
+    v.r[k] += v.null_part[k];
+    v.scale[k] += std::abs(v.b[k]);
+  }
+}
+
+}  // namespace
+
+sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps) {
+  const bool dependent = factor.rank() < K.nc();
+  if (dependent) {
+    std::fill(v.null_part.begin(), v.null_part.end(), 0.0);
+    factor.project_out(v.b.data(), v.null_part.data());
+  }
+  v.x = v.b;
+  factor.solve(v.x.data());
+  const sparse::Refinement refinement = sparse::refine(
+      max_steps, tolerance::kRefined, [&] { return backward_error(K, v); },
+      [&] {
+        factor.solve(v.r.data());
+        for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
+      });
+  if (dependent) restore(*K.pattern, v);
+  return refinement;
+}
+
+namespace {
+
+// |K|_1 |X| + |B| column by column, and the largest |R| beside it. Sums: room for three rows.
+double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
+                    std::vector<double>& sums) {
+  sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));
+  const double norm = sparse::norm_1(K.pattern->K, K.values.data(), sums.data());
+  using Row = Eigen::Map<Eigen::RowVectorXd>;
+  using ConstRow = Eigen::Map<const Eigen::RowVectorXd>;
+  Row b(sums.data(), ld), x(sums.data() + ld, ld), r(sums.data() + 2 * ld, ld);
+  b.setZero(), x.setZero(), r.setZero();
+  for (std::ptrdiff_t k = 0; k < K.size(); ++k) {
+    b = b.cwiseMax(ConstRow(B + k * ld, ld).cwiseAbs());
+    x = x.cwiseMax(ConstRow(X + k * ld, ld).cwiseAbs());
+    for (int c = 0; c < ld; ++c)
+      if (const double left = std::abs(R[k * ld + c]); !(left <= r[c]) && !std::isnan(r[c])) r[c] = left;
+  }
+  double worst = 0;
+  for (int c = 0; c < ld; ++c)
+    if (r[c] != 0 && !(r[c] <= worst * (norm * x[c] + b[c]))) worst = r[c] / (norm * x[c] + b[c]);
+  return worst;
+}
+
+}  // namespace
+
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work) {
+  const KktPattern& p = *K.pattern;
+  const std::size_t size = static_cast<std::size_t>(K.size()) * ld;
+  double* B = work.B.data();
+  const auto correct_by = [&](std::vector<double>& R) {
+    std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
+    factor.solve_panel(R.data(), ld, 0, ld, work.nonzero.data());
+    for (std::size_t k = 0; k < size; ++k) X[k] += R[k];
+  };
+  if (factor.panel_is_like_solve()) {
+    sparse::refine_unjudged(
+        1, [&] { sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, B, ld, ld); },
+        [&] { correct_by(work.B); });
+    return 0;
+  }
+  const auto residual = [&] {
+    work.R.assign(B, B + size);
+    sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, work.R.data(), ld, ld);
+    return column_error(K, ld, B, X, work.R.data(), work.sums);
+  };
+  return sparse::refine(tolerance::kPanelSteps - 1, tolerance::kPanelRefined, residual, [&] { correct_by(work.R); })
+      .backward_error;
+}
+
+}  // namespace manycontact

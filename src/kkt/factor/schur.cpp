@@ -1,0 +1,102 @@
+#include "manycontact/kkt/schur.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "columns.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace {
+
+class SchurFactor final : public Factor {
+ public:
+  explicit SchurFactor(std::shared_ptr<IslandShape> shape) : shape_(std::move(shape)) {}
+
+  Method method() const override { return Method::kSparseSupernodal; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch&) override {
+    pattern_ = K.pattern;
+    gather_inertia(K, M_);
+    gather_rows(K, J_);
+    const SchurPattern& p = *shape_->schur();
+    if (!form_schur(shape_->scene(), shape_->island(), shape_->support(), p, M_, J_, K.damping, data_))
+      return Reason::kSingularInertia;
+    if (K.nc() == 0) return Reason::kNone;
+    if (!cholmod_) cholmod_.emplace(shape_->cholmod_schur());
+    if (!cholmod_->factorize(data_.Sx.data())) return Reason::kSmallPivot;
+    return cholmod_->rcond() < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
+  }
+
+  void solve(double* x) override;
+
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {
+    internal::take_columns(*pattern_, X, ld, first, cols, columns_);
+    for (int c = 0; c < cols; ++c) solve(columns_.data() + static_cast<std::ptrdiff_t>(c) * pattern_->size());
+    internal::put_columns(*pattern_, columns_, X, ld, first, cols);
+  }
+
+  int rank() const override { return pattern_->nc; }
+  int nonzeros() const override {
+    return static_cast<int>(M_.size()) + (cholmod_ ? cholmod_->factor_nonzeros() : 0);
+  }
+
+ private:
+  // use(row of S, row of the robot) for each row of J on robot r.
+  template <class Use>
+  void each_row(std::size_t r, Use&& use) const {
+    const SchurPattern::OnRobot& on = shape_->schur()->robots[r];
+    for (std::size_t k = 0; k < on.contacts.size(); ++k) {
+      const int rows = shape_->scene().contacts[on.contacts[k]].rows();
+      for (int i = 0; i < rows; ++i) use(shape_->island().row_offset[on.contacts[k]] + i, on.first_row[k] + i);
+    }
+  }
+
+  std::shared_ptr<IslandShape> shape_;
+  std::shared_ptr<const KktPattern> pattern_;
+  std::vector<double> M_, J_, columns_;
+  SchurData data_;
+  std::optional<sparse::Cholmod> cholmod_;
+};
+
+// [a; y] <- K^-1 [b1; b2] by the Schur complement: with w = D^-1/2 L^-T b1 and Z = D^-1/2 L^-T J^T,
+// S y = Z^T w - b2, a = L^-1 D^-1/2 (w - Z y). x is in elimination order.
+void SchurFactor::solve(double* x) {
+  const int* iperm = pattern_->iperm.data();
+  const Island& island = shape_->island();
+  Eigen::VectorXd& w = data_.w;
+  Eigen::VectorXd& y = data_.y;
+  w.resize(island.nv);
+  y.resize(island.nc);
+  for (int k = 0; k < island.nc; ++k) y[k] = -x[iperm[island.nv + k]];
+  for (std::size_t r = 0; r < island.robots.size(); ++r) {
+    const Model& model = *shape_->scene().robots[r].model;
+    auto wr = w.segment(island.dof_offset[r], model.nv);
+    const double* L = data_.L[r].data();
+    for (int i = 0; i < model.nv; ++i) wr[i] = x[iperm[island.dof_offset[r] + i]];
+    solve_inertia_transposed(model, L, wr.data());
+    for (int i = 0; i < model.nv; ++i) wr[i] /= std::sqrt(L[model.M_begin[i]]);
+    each_row(r, [&](int row, int k) { y[row] += data_.Z[r].col(k).dot(wr); });
+  }
+  if (island.nc > 0) cholmod_->solve(y.data(), 1);
+  for (std::size_t r = 0; r < island.robots.size(); ++r) {
+    const Model& model = *shape_->scene().robots[r].model;
+    auto wr = w.segment(island.dof_offset[r], model.nv);
+    const double* L = data_.L[r].data();
+    each_row(r, [&](int row, int k) { wr -= y[row] * data_.Z[r].col(k); });
+    for (int i = 0; i < model.nv; ++i) wr[i] /= std::sqrt(L[model.M_begin[i]]);
+    solve_inertia_unit(model, L, wr.data());
+    for (int i = 0; i < model.nv; ++i) x[iperm[island.dof_offset[r] + i]] = wr[i];
+  }
+  for (int k = 0; k < island.nc; ++k) x[iperm[island.nv + k]] = y[k];
+}
+
+}  // namespace
+
+std::unique_ptr<Factor> make_schur_factor(std::shared_ptr<IslandShape> shape) {
+  return std::make_unique<SchurFactor>(std::move(shape));
+}
+
+}  // namespace manycontact

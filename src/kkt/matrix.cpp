@@ -1,0 +1,46 @@
+#include "manycontact/kkt/matrix.hpp"
+
+#include "manycontact/sparse/refine.hpp"
+
+namespace manycontact {
+
+void KktMatrix::reset(std::shared_ptr<const KktPattern> p) {
+  values.assign(p->K.nonzeros(), 0.0);  // first: should it throw, the pattern says what fits
+  pattern = std::move(p);
+}
+
+void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
+              KktMatrix& K) {
+  double* Kx = K.values.data();
+  const int* slot = K.pattern->M_slot.data();
+  for (const auto& values : M)
+    for (double value : values) Kx[*slot++] = value;
+  slot = K.pattern->J_slot.data();
+  for (const auto& values : J)
+    for (double value : values) Kx[*slot++] = value;
+  for (int k : K.pattern->diagonal_slot) Kx[k] = -damping;
+  K.damping = damping;
+}
+
+namespace {
+
+void gather(const KktMatrix& K, const std::vector<int>& slots, std::vector<double>& out) {
+  out.resize(slots.size());
+  for (std::size_t k = 0; k < slots.size(); ++k) out[k] = K.values[slots[k]];
+}
+
+}  // namespace
+
+void gather_inertia(const KktMatrix& K, std::vector<double>& M) { gather(K, K.pattern->M_slot, M); }
+void gather_rows(const KktMatrix& K, std::vector<double>& J) { gather(K, K.pattern->J_slot, J); }
+
+void KktVectors::resize(int n) {
+  for (auto* v : {&b, &x, &r, &scale, &null_part}) v->resize(n);
+}
+
+double backward_error(const KktMatrix& K, KktVectors& v) {
+  sparse::residual(K.pattern->K, K.values.data(), v.x.data(), v.b.data(), v.r.data(), v.scale.data());
+  return sparse::componentwise_backward_error(v.r, v.scale);
+}
+
+}  // namespace manycontact

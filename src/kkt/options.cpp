@@ -1,0 +1,47 @@
+#include "manycontact/kkt/options.hpp"
+
+namespace manycontact {
+
+std::string to_string(Method method) {
+  switch (method) {
+    case Method::kDense:
+      return "dense";
+    case Method::kDenseSchur:
+      return "dense-schur";
+    case Method::kSparseLdl:
+      return "sparse-ldl";
+    case Method::kSparseCholmod:
+      return "sparse-cholmod";
+    case Method::kSparseSupernodal:
+      return "sparse-supernodal";
+    case Method::kAuto:
+      return "auto";
+  }
+  return "?";
+}
+
+std::string to_string(Order order) {
+  switch (order) {
+    case Order::kLeafToRoot:
+      return "leaf-to-root";
+    case Order::kContactsEarly:
+      return "contacts-early";
+    case Order::kCamd:
+      return "camd";
+  }
+  return "?";
+}
+
+std::optional<Method> method_from_string(const std::string& name) {
+  for (Method m : kMethods)
+    if (to_string(m) == name) return m;
+  return std::nullopt;
+}
+
+std::optional<Order> order_from_string(const std::string& name) {
+  for (Order o : kOrders)
+    if (to_string(o) == name) return o;
+  return std::nullopt;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,31 @@
+#include "manycontact/kkt/reason.hpp"
+
+namespace manycontact {
+
+std::string to_string(Reason reason) {
+  switch (reason) {
+    case Reason::kNone:
+      return "none";
+    case Reason::kZeroPivot:
+      return "a pivot was zero";
+    case Reason::kWrongInertia:
+      return "the inertia of K was not (nv, nc, 0)";
+    case Reason::kSmallPivot:
+      return "a pivot was lost in cancellation: dependent contact rows, or nearly";
+    case Reason::kLargeResidual:
+      return "refinement did not reach a small residual";
+    case Reason::kNotFinite:
+      return "the state, the torques or the system is not finite";
+    case Reason::kDampingLost:
+      return "the damping is lost in rounding; answered without damping";
+    case Reason::kBadDamping:
+      return "the damping is negative or not finite";
+    case Reason::kBadQuaternion:
+      return "a quaternion is not of unit length";
+    case Reason::kSingularInertia:
+      return "the inertia is singular where no contact holds";
+  }
+  return "?";
+}
+
+}  // namespace manycontact

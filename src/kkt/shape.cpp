@@ -1,0 +1,125 @@
+#include "manycontact/kkt/shape.hpp"
+
+#include <bit>
+
+namespace manycontact {
+
+namespace {
+
+// The body of an attachment, of a robot of the island.
+Attachment on_body(const Island& island, const Attachment& at) {
+  return {at.robot < 0 ? -1 : local_robot(island, at.robot), at.joint, {}};
+}
+
+// Whether a contact's place on A's body decides in which directions a coordinate moves it: not that of a frame, whose
+// directions are all of the body's.
+bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D; }
+
+}  // namespace
+
+IslandShape::IslandShape(const Scene& scene, const Island& island) {
+  for (int r : island.robots) add_robot(scene_, std::to_string(scene_.nrobots()), scene.robots[r].model);
+  for (int c : island.contacts) {
+    const Contact& from = scene.contacts[c];
+    Contact to;
+    to.type = from.type;
+    to.A = on_body(island, from.A);
+    to.B = on_body(island, from.B);
+    if (place_counts(from)) to.A.placement = from.A.placement;
+    if (from.type == ContactType::k1D) to.axis = from.axis;
+    scene_.contacts.push_back(to);
+  }
+  island_ = whole_scene(scene_, std::vector<char>(scene_.contacts.size(), 1));
+  support_ = island_support(scene_, island_);
+  contacts_early_ = elimination_order(scene_, island_, support_, Order::kContactsEarly);
+}
+
+const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
+  auto& p = patterns_[static_cast<std::size_t>(order)];
+  if (!p) {
+    std::vector<int> perm = order == Order::kContactsEarly ? contacts_early_
+                                                           : elimination_order(scene_, island_, support_, order);
+    p = std::make_shared<const KktPattern>(analyze(scene_, island_, support_, order, std::move(perm)));
+  }
+  return p;
+}
+
+const std::shared_ptr<const SchurPattern>& IslandShape::schur() {
+  if (!schur_) schur_ = std::make_shared<const SchurPattern>(analyze_schur(scene_, island_, support_));
+  return schur_;
+}
+
+const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order order) {
+  auto& symbolic = cholmod_[static_cast<std::size_t>(order)];
+  if (!symbolic)
+    symbolic = std::make_shared<const sparse::CholmodSymbolic>(pattern(order)->K, sparse::CholmodKind::kSimplicialLdl,
+                                                               false);
+  return symbolic;
+}
+
+const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod_schur() {
+  if (!cholmod_schur_)
+    cholmod_schur_ =
+        std::make_shared<const sparse::CholmodSymbolic>(schur()->S, sparse::CholmodKind::kSupernodalLlt, true);
+  return cholmod_schur_;
+}
+
+namespace {
+
+using Key = std::vector<std::uint64_t>;
+
+std::uint64_t word(int robot, int joint) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
+}
+
+// The trees, and which bodies which types of contact join.
+void add_structure(const Scene& scene, const Island& island, Key& key) {
+  key.insert(key.end(), {island.robots.size(), island.contacts.size()});
+  for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const Attachment A = on_body(island, contact.A), B = on_body(island, contact.B);
+    key.insert(key.end(), {static_cast<std::uint64_t>(contact.type), word(A.robot, A.joint), word(B.robot, B.joint)});
+  }
+}
+
+// What IslandShape keeps of the contacts' places and axes.
+void add_places(const Scene& scene, const Island& island, Key& key) {
+  const auto add = [&key](const auto& numbers) {
+    for (double x : numbers.reshaped()) key.push_back(std::bit_cast<std::uint64_t>(x));
+  };
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
+    if (contact.type == ContactType::k1D) add(contact.axis);
+  }
+}
+
+}  // namespace
+
+std::size_t ShapeCache::Hash::operator()(const Key& key) const {
+  std::uint64_t h = key.size();
+  for (std::uint64_t x : key) {  // a round of splitmix64 for each word
+    h += x + 0x9e3779b97f4a7c15;
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111eb;
+    h ^= h >> 31;
+  }
+  return h;
+}
+
+const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
+  key_.clear();
+  add_structure(scene, island, key_);
+  add_places(scene, island, key_);
+  if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
+
+  auto fresh = std::make_shared<IslandShape>(scene, island);
+  Key structure;
+  add_structure(scene, island, structure);
+  structure.insert(structure.end(), fresh->contacts_early().begin(), fresh->contacts_early().end());
+  const auto& shape = shapes_.try_emplace(std::move(structure), std::move(fresh)).first->second;
+  return by_places_.try_emplace(key_, shape).first->second;
+}
+
+}  // namespace manycontact
