@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "manycontact/dynamics/differentiate.hpp"
-#include "manycontact/dynamics/products.hpp"
+#include "manycontact/dynamics/jvp.hpp"
 #include "scenes.hpp"
 
 namespace manycontact::bench {

@@ -226,6 +226,7 @@ Cholmod& Cholmod::operator=(Cholmod&&) noexcept = default;
 
 bool Cholmod::factorize(const double* Ax) {
   const CholmodSymbolic::Impl& s = impl_->symbolic;
+  if (s.triangle.n == 0) return true;  // CHOLMOD calls that invalid
   for (std::size_t k = 0; k < s.from.size(); ++k) impl_->values[k] = Ax[s.from[k]];
   cholmod_sparse A = view(s.triangle, s.from.empty() ? Ax : impl_->values.data(), s.supernodal());
   const bool ran = cholmod_factorize(&A, impl_->factor, &impl_->common);
@@ -234,6 +235,7 @@ bool Cholmod::factorize(const double* Ax) {
 }
 
 void Cholmod::solve(double* X, int cols) {
+  if (symbolic().size() == 0) return;
   for (int first = 0; first < cols; first += impl_->most_cols)
     impl_->solve_some(X + static_cast<std::ptrdiff_t>(first) * symbolic().size(),
                       std::min(cols - first, impl_->most_cols));

@@ -10,10 +10,11 @@ DataCollector::DataCollector(const Scene& s, const Options& options, std::shared
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
+    (void)derivatives(solution);  // as for those that are the solution's own
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }
-  const IslandDerivatives& d = solution.derivatives->islands[i];
+  const IslandDerivatives& d = derivatives(solution).islands[i];
   return PanelView(d.X.data(), d.X.rows(), d.cols, Eigen::OuterStride<>(d.X.cols()));
 }
 

@@ -147,16 +147,18 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
   each_status([&](std::size_t k, bool active) { d.status[k] = active; });
   DataCollector& m = *d.multibody;
   m.scene.damping = damping_;
-  if (d.models != models_) {
+  bool same = d.models == models_;
+  if (!same) {
     d.models = models_;
     for (std::size_t r = 0; r < m.scene.robots.size(); ++r) m.scene.robots[r].model = (*models_)[r];
   }
-  if (!internal::update_contacts(*contacts_, m.scene, m.solution)) {  // other coordinates: a new solution
+  same &= internal::update_contacts(*contacts_, m.scene, m.solution);
+  if (!same) {
     m.solution = SceneData(m.scene, m.solution.options);
     internal::update_contacts(*contacts_, m.scene, m.solution);
     d.laid_out = false;
   }
-  if (m.solution.islands_active != m.solution.active) {
+  if (!is_prepared(m.solution)) {
     prepare(m.scene, m.solution);
     d.laid_out = false;
   }
@@ -178,7 +180,7 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
   DataCollector& m = *d.multibody;
   d.u = u;
   actuation_->calc(m.actuation, x, u);
-  solve_tau(m.scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), m.actuation->tau, m.solution);
+  (void)solve_tau(m.scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), m.actuation->tau, m.solution);
   d.xout = m.solution.a;
   internal::fill_contacts(m);
   costs_->calc(d.costs, x, u);
@@ -190,7 +192,7 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
 
 void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
   Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
-  internal::update_kinematics(x, d.multibody->scene, d.multibody->solution);
+  update_kinematics(d.multibody->scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), d.multibody->solution);
   costs_->calc(d.costs, x);
   d.cost = d.costs->cost;
   internal::stack_residuals(*costs_, *d.costs, d.r);

@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "fwddyn_steps.hpp"
-#include "manycontact/algorithm/crba.hpp"
 
 namespace manycontact {
 
@@ -71,8 +70,8 @@ bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneDa
     const auto moved = [](const Attachment& a, const Attachment& b) {
       return a.robot != b.robot || a.joint != b.joint;
     };
-    same &= from.type == to.type && from.reference_frame == to.reference_frame && !moved(from.A, to.A) &&
-            !moved(from.B, to.B);
+    same &= from.type == to.type && !moved(from.A, to.A) && !moved(from.B, to.B) && from.axis == to.axis &&
+            from.A.placement.p == to.A.placement.p && from.A.placement.R == to.A.placement.R;
     to.type = from.type;
     to.reference_frame = from.reference_frame;
     to.A = from.A;
@@ -92,18 +91,6 @@ bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMulti
   return true;
 }
 
-void update_kinematics(const ConstVectorRef& x, const Scene& scene, SceneData& solution) {
-  solution.solved = false;
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    const Robot& robot = scene.robots[r];
-    const Model& model = *robot.model;
-    RobotData& data = solution.robots[r];
-    forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), data.kin);
-    forward_accelerations<double>(model, x.segment(scene.nq + robot.idx_v, model.nv), nullptr, scene.gravity, data.kin);
-    crba<double>(model, data.kin, data.Yc, data.M.data());
-  }
-}
-
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene) {
   const std::vector<int>& selection = actuation.selection();
   const auto is = [&](bool bases) {
@@ -121,7 +108,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   DataCollector& m = *data.multibody;
   const Actuation how = kind(actuation, m.scene);
   const int nv = m.scene.nv, nu = static_cast<int>(actuation.get_nu());
-  m.islands.assign(m.solution.islands.size(), {});
+  m.islands.assign(island_count(m.solution), {});
   m.custom.assign(how == Actuation::kCustom ? m.islands.size() : 0, {});
   data.Fx.setZero();
   data.Fu.setZero();
@@ -129,7 +116,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   data.Fu_blocks.clear();
   for (std::size_t i = 0; i < m.islands.size(); ++i) {
     IslandColumns& columns = m.islands[i];
-    for (int r : m.solution.islands[i].island.robots) {
+    for (int r : island_of(m.solution, i).robots) {
       const Robot& robot = m.scene.robots[r];
       for (int k = 0; k < robot.model->nv; ++k) columns.v.push_back(robot.idx_v + k);
       for (int k = 0; how == Actuation::kActuated && k < robot.model->nu(); ++k) columns.u.push_back(robot.idx_u + k);
@@ -171,7 +158,7 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m) {
     data.a0.setZero(nc);
     data.da0_dx.setZero(nc, 2 * n);
     data.f.setZero(nc);
-    const IslandColumns& island = m.islands[m.solution.robot_island[contact.A.robot]];
+    const IslandColumns& island = m.islands[island_with_robot(m.solution, contact.A.robot)];
     data.f_x_columns = &island.x;
     data.f_u_columns = &island.u;
     new (&data.df_dx) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));

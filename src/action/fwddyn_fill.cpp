@@ -23,8 +23,8 @@ void fill_contacts(DataCollector& m) {
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
-    const ContactData<double>& rows = m.solution.contacts[data->index];
-    each_column(m.scene, contact, m.solution.supports[data->index],
+    const ContactData<double>& rows = contact_of(m.solution, data->index);
+    each_column(m.scene, contact, support_of(m.solution, data->index),
                 [&](int to, int k) { data->Jc.col(to) = rows.J.col(k); });
     data->a0 = rows.a0;
     data->f = m.solution.f.segment(m.solution.f_offset[data->index], contact.rows());
@@ -32,15 +32,14 @@ void fill_contacts(DataCollector& m) {
 }
 
 void fill_contact_derivatives(bool forces, DataCollector& m) {
-  const DerivativeData& dd = *m.solution.derivatives;
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
-    const ContactData<double>& rows = dd.rows[data->index];
-    const ContactDerivatives& d = dd.contacts[data->index];
+    const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
+    const ContactDerivatives& d = contact_derivatives_of(m.solution, data->index);
     const Eigen::Index n = data->Jc.cols();
     data->da0_dx.setZero();
-    each_column(m.scene, contact, m.solution.supports[data->index], [&](int to, int k) {
+    each_column(m.scene, contact, support_of(m.solution, data->index), [&](int to, int k) {
       data->da0_dx.col(to).noalias() = rows.W * d.dx_dq.col(k);
       data->da0_dx.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
     });
@@ -49,8 +48,8 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
       data->da0_dx.col(d.chain_a[i]).noalias() += rows.W * dx;
     }
     if (!forces) continue;
-    const int i = m.solution.robot_island[contact.A.robot];
-    const Island& island = m.solution.islands[i].island;
+    const int i = island_with_robot(m.solution, contact.A.robot);
+    const Island& island = island_of(m.solution, i);
     const std::size_t c =
         std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
     const PanelView P = m.panel(i);
@@ -107,7 +106,7 @@ void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m) 
   if (m.custom.empty()) return;
   const Eigen::Index nv = m.scene.nv, nu = actuation.get_nu();
   for (std::size_t i = 0; i < m.islands.size(); ++i) {
-    const IslandDerivatives& d = m.solution.derivatives->islands[i];
+    const IslandDerivatives& d = derivatives(m.solution).islands[i];
     const std::vector<int>& v = m.islands[i].v;
     RowMajorMatrix& out = m.custom[i];
     out.setZero(d.X.rows(), 2 * nv + nu);

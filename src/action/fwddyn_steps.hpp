@@ -8,13 +8,11 @@ namespace manycontact::internal {
 /// The scene's models with other armatures; models whose armature stays are shared as they are.
 std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scene, const Eigen::VectorXd& armature);
 
-/// Writes the contact models' references, gains and status into the scene and the solution. False when a contact has
-/// moved to another body or turned to other axes: a new solution is needed.
+/// Writes the contact models' references, gains and status into the scene and the solution. False when something has
+/// changed that may not under data in use (dynamics/data.hpp): new data are needed.
 bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution);
 /// False when a contact model has been given another frame, on the same body perhaps.
 bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
-/// Kinematics and composite inertias at x, nothing else.
-void update_kinematics(const ConstVectorRef& x, const Scene& scene, SceneData& solution);
 
 /// Where the islands' rows and columns are; room for Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);

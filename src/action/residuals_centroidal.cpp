@@ -80,9 +80,10 @@ void ResidualModelCoMPosition::calcDiff(const std::shared_ptr<ResidualDataAbstra
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {
     const Model& model = *shared.scene.robots[r].model;
-    const RobotData& robot = shared.solution.robots[r];
+    const Kinematics<double>& kin = shared.kinematics(r);
+    const std::span<const Inertia<double>> Yc = composite_inertias(shared.solution, r);
     for (int i = 0; i < model.nv; ++i)
-      data->blocks[0].Rx.col(column++) = moved_mass(robot.Yc[model.dof_joint[i]], robot.kin.J.col(i)) / mass_;
+      data->blocks[0].Rx.col(column++) = moved_mass(Yc[model.dof_joint[i]], kin.J.col(i)) / mass_;
   }
 }
 
@@ -131,14 +132,15 @@ void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDat
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {
     const Model& model = *d.shared->scene.robots[r].model;
-    const RobotData& robot = d.shared->solution.robots[r];
-    const Eigen::Vector3d c = d.c - robot.kin.origin;
+    const Kinematics<double>& kin = d.shared->kinematics(r);
+    const std::span<const Inertia<double>> composite = composite_inertias(d.shared->solution, r);
+    const Eigen::Vector3d c = d.c - kin.origin;
     for (int i = 0; i < model.nv; ++i, ++column) {
       const int joint = model.dof_joint[i], parent = model.joints[joint].parent;
-      const Inertia<double>& Yc = robot.Yc[joint];
-      const Vec6<double> S = robot.kin.J.col(i), dv = Yc * S;
+      const Inertia<double>& Yc = composite[joint];
+      const Vec6<double> S = kin.J.col(i), dv = Yc * S;
       Vec6<double> dq = cross_force(S, d.h[r][joint]);
-      if (parent >= 0) dq += Yc * cross_motion(robot.kin.v[parent], S);
+      if (parent >= 0) dq += Yc * cross_motion(kin.v[parent], S);
       const Eigen::Vector3d dc = dv.head<3>() / mass_, dl_q = dq.head<3>(), dl_v = dv.head<3>();
       Rx.col(column) = dq;
       Rx.col(column).tail<3>() -= dc.cross(l) + c.cross(dl_q);

@@ -43,12 +43,11 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
 // += J^T df, df the lower rows of the island's panel.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
-  const IslandData& of_island = d.shared->solution.islands[i];
-  const Island& island = of_island.island;
+  const Island& island = island_of(d.shared->solution, i);
   const PanelView panel = d.shared->panel(i);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const Eigen::MatrixXd& J = d.shared->solution.contacts[island.contacts[k]].J;
-    const std::vector<int>& support = of_island.support.columns[k];
+    const Eigen::MatrixXd& J = contact_of(d.shared->solution, island.contacts[k]).J;
+    const std::vector<int>& support = shape_of(d.shared->solution, i)->support().columns[k];
     const auto df = panel.middleRows(island.nv + island.row_offset[k], J.rows());
     for (Eigen::Index c = 0; c < J.cols(); ++c) {
       const int row = support[c];

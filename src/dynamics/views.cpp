@@ -28,6 +28,10 @@ const Linearisation& linearised(const SceneData& data) {
 
 }  // namespace
 
+bool is_prepared(const SceneData& data) {
+  const Workspace* w = data.workspace.get();
+  return w && w->prepared && w->active == data.active && w->options == data.options;
+}
 std::size_t island_count(const SceneData& data) { return prepared(data).islands.size(); }
 const Island& island_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->island; }
 int island_with_robot(const SceneData& data, int robot) { return prepared(data).robot_island.at(robot); }

@@ -160,7 +160,7 @@ TEST(ActionApi, Armature) {
   scene.robots[0].model = std::make_shared<const Model>(copy);
   for (Contact& c : scene.contacts) c.alpha = 100, c.beta = 20;
   SceneData own(scene);
-  solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
+  (void)solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
   differentiate(scene, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);
   EXPECT_LT(error_of(data->Fx.leftCols(scene.nv).eval(), dense_derivatives(scene, own).da_dq), 1e-8);
@@ -184,7 +184,7 @@ TEST(ActionApi, Damping) {
   for (Contact& c : scene.contacts) c.alpha = 100, c.beta = 20;
   scene.damping = 0.02;
   SceneData own(scene);
-  solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
+  (void)solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);
   EXPECT_GT(error_of(data->xout, undamped), 1e-6);
   w.damping = 0.02;

@@ -34,7 +34,7 @@ void expect_true_derivatives(const Problem& p) {
   SceneData& solution = d.multibody->solution;
   const State s{p.x.head(scene.nq), p.x.tail(scene.nv), p.u};
   SceneData oracle(scene, {Method::kDense, {}});
-  solve(scene, s.q, s.v, s.u, oracle);
+  (void)solve(scene, s.q, s.v, s.u, oracle);
   const std::vector<double> condition = conditions(scene, oracle);
   EXPECT_LT(
       errors<double>(scene, solution, oracle.a, oracle.f, condition, free_accelerations(scene, s.q, s.v, s.u)).excess,
@@ -74,7 +74,7 @@ TEST_P(DynamicsOf, AreTheScenesOwn) {
   model->calc(data, p.x, p.u);
   model->calcDiff(data, p.x, p.u);
   SceneData own(file.scene);
-  solve(file.scene, file.q, file.v, file.u, own);
+  (void)solve(file.scene, file.q, file.v, file.u, own);
   differentiate(file.scene, own);
   const SceneDerivatives expected = dense_derivatives(file.scene, own);
   const double allowed = 1e-8;  // the contacts' order differs, and so does rounding

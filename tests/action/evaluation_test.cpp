@@ -17,7 +17,7 @@ TEST(ActionApi, CalcGivesAccelerationAndCost) {
   Scene scene = w.file.scene;
   for (Contact& c : scene.contacts) c.alpha = 100, c.beta = 20;
   SceneData own(scene);
-  solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
+  (void)solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);
   EXPECT_LT(error_of(contact_data(data, "left").f, own.f.head(6).eval()), 1e-9);
   double cost = 0;

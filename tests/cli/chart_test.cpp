@@ -6,7 +6,7 @@
 #include <set>
 
 #include "cli/program.hpp"
-#include "manycontact/dynamics/options.hpp"
+#include "manycontact/kkt/options.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/sparse/cholmod.hpp"

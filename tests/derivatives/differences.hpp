@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "support/islands.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "support/measure.hpp"
@@ -73,9 +74,9 @@ inline std::vector<MatX<Quad>> differences(const Scene& scene, const SceneData& 
   std::vector<Places> places;
   std::vector<MatX<Quad>> out;
   std::size_t most = 0;
-  for (const IslandData& d : data.islands) {
-    const Places& p = places.emplace_back(scene, data, d.island);
-    out.push_back(MatX<Quad>::Zero(d.island.size(), 2 * p.v.size() + p.u.size()));
+  for (const Island& island : islands_at(scene, data)) {
+    const Places& p = places.emplace_back(scene, data, island);
+    out.push_back(MatX<Quad>::Zero(island.size(), 2 * p.v.size() + p.u.size()));
     most = std::max(most, p.v.size());
   }
   for (int by = 0; by < 3; ++by)
@@ -171,7 +172,8 @@ inline DerivativeErrors derivative_errors(const Scene& scene, const Island& isla
 inline const DerivativeData& differentiate_afresh(const Scene& scene, SceneData& data,
                                                   const DerivativeRequest& request = {}) {
   differentiate(scene, data, request);
-  for (IslandDerivatives& island : data.derivatives->islands) island.X.setConstant(NAN);
+  for (const IslandDerivatives& island : derivatives(data).islands)
+    const_cast<IslandDerivatives&>(island).X.setConstant(NAN);
   return differentiate(scene, data, request);
 }
 

@@ -46,7 +46,7 @@ Matrices figures(const Golden& golden, const Scene& scene) {
 // Errors of all six; NaN where the method has no answer.
 std::array<double, 6> errors(const Scene& scene, const SceneFile& file, const Options& options, const Matrices& truth) {
   SceneData data(scene, options);
-  solve(scene, file.q, file.v, file.u, data);
+  (void)solve(scene, file.q, file.v, file.u, data);
   differentiate(scene, data);
   const SceneDerivatives d = dense_derivatives(scene, data);
   const Eigen::MatrixXd* mine[] = {&d.da_dq, &d.da_dv, &d.da_du, &d.dforces_dq, &d.dforces_dv, &d.dforces_du};

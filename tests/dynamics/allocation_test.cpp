@@ -20,7 +20,7 @@ class Steady : public testing::TestWithParam<std::string> {
     disturb(file_, rng);
   }
 
-  void solve_into(SceneData& data) const { solve(file_.scene, file_.q, file_.v, file_.u, data); }
+  void solve_into(SceneData& data) const { (void)solve(file_.scene, file_.q, file_.v, file_.u, data); }
 
   SceneFile file_;
 };

@@ -49,7 +49,7 @@ TEST(Laws, SeparateRobotsAreSeparateScenes) {
   for (const Way& way : ways(true)) {
     SCOPED_TRACE(way.name);
     SceneData together(whole.scene, way.options);
-    solve(whole.scene, whole.q, whole.v, whole.u, together);
+    (void)solve(whole.scene, whole.q, whole.v, whole.u, together);
     VecX<double> a, f;
     std::vector<double> condition;
     for (const RandomScene& part : parts) {
@@ -59,7 +59,7 @@ TEST(Laws, SeparateRobotsAreSeparateScenes) {
       append(f, alone.f);
     }
     SceneData oracle(whole.scene, {Method::kDense, {}});
-    solve(whole.scene, whole.q, whole.v, whole.u, oracle);
+    (void)solve(whole.scene, whole.q, whole.v, whole.u, oracle);
     const Errors e = errors<double>(whole.scene, together, a, f, conditions(whole.scene, oracle));
     EXPECT_LE(e.excess, 1) << e;
     if (way.options.method != Method::kDenseSchur) {  // islands: not a bit changes
@@ -115,7 +115,7 @@ TEST(Laws, NumberingDoesNotMatter) {
       for (int r : robots) append(a, before.a.segment(s.scene.robots[r].idx_v, s.scene.robots[r].model->nv));
       for (int c : contacts) append(f, before.f.segment(before.f_offset[c], s.scene.contacts[c].rows()));
       SceneData oracle(p.scene, {Method::kDense, {}});
-      solve(p.scene, p.q, p.v, p.u, oracle);
+      (void)solve(p.scene, p.q, p.v, p.u, oracle);
       const Errors e = errors<double>(p.scene, after, a, f, conditions(p.scene, oracle));
       EXPECT_LE(e.excess, 1) << e;
     }
@@ -247,7 +247,7 @@ TEST(Laws, WithoutContactsItIsAba) {
       SceneData data(s.scene, way.options);
       EXPECT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
       SceneData oracle(s.scene, {Method::kDense, {}});
-      solve(s.scene, s.q, s.v, s.u, oracle);
+      (void)solve(s.scene, s.q, s.v, s.u, oracle);
       const Errors e = errors<double>(s.scene, data, a, VecX<double>(), conditions(s.scene, oracle));
       EXPECT_LE(e.excess, 1) << e;
     }

@@ -90,7 +90,7 @@ struct Simulation {
     };
     const auto rate = [&](Eigen::VectorXd at_q, const Eigen::VectorXd& at_v) {
       normalize_quaternions(scene, at_q);
-      solve(scene, at_q, at_v, u, data);
+      (void)solve(scene, at_q, at_v, u, data);
       worst = std::max(worst, data.report.status);
       return Rate{q_rate(scene, at_q, at_v), data.a, power(at_v)};
     };

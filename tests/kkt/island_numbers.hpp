@@ -8,7 +8,7 @@
 #include "contact/scene_rows.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/kkt/island.hpp"
-#include "manycontact/kkt/pattern.hpp"
+#include "manycontact/kkt/shape.hpp"
 
 namespace manycontact::test {
 
@@ -20,13 +20,15 @@ inline std::vector<char> active_flags(const Scene& scene) {
 
 struct IslandNumbers {
   Island island;
+  mutable IslandShape shape;  // analyses are made when asked for
   IslandSupport support;
   std::vector<std::vector<double>> packed, rows;  // per robot M, per contact J by columns
   std::vector<std::span<const double>> M_spans, J_spans;
   Eigen::MatrixXd M, J;  // dense
   Eigen::VectorXd a0;
 
-  IslandNumbers(const RandomScene& s, Island of) : island(std::move(of)), support(island_support(s.scene, island)) {
+  IslandNumbers(const RandomScene& s, Island of)
+      : island(std::move(of)), shape(s.scene, island), support(island_support(s.scene, island)) {
     const SceneRows<double> all(s.scene, s.q, s.v);
     M = Eigen::MatrixXd::Zero(island.nv, island.nv);
     J = Eigen::MatrixXd::Zero(island.nc, island.nv);
@@ -54,6 +56,16 @@ struct IslandNumbers {
   }
   IslandNumbers(IslandNumbers&&) = default;  // the spans' memory moves along
   IslandNumbers(const IslandNumbers&) = delete;
+
+  /// All of them, one after the other.
+  std::vector<double> all_packed() const { return concatenated(packed); }
+  std::vector<double> all_rows() const { return concatenated(rows); }
+
+  static std::vector<double> concatenated(const std::vector<std::vector<double>>& parts) {
+    std::vector<double> all;
+    for (const std::vector<double>& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }
 
   /// [M J^T; J -delta I]
   Eigen::MatrixXd K(double delta) const {

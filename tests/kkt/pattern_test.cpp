@@ -9,7 +9,8 @@
 #include <memory>
 
 #include "kkt/island_numbers.hpp"
-#include "manycontact/kkt/system.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/factor/refined.hpp"
 #include "sparse/allocations.hpp"
 
 namespace manycontact::test {
@@ -24,10 +25,15 @@ class Patterns : public testing::TestWithParam<unsigned> {
   std::vector<IslandNumbers> islands = islands_of(s);
   std::mt19937 rng{GetParam()};
 
-  KktSystem assembled(const IslandNumbers& n, Order order, double delta) const {
-    KktSystem system;
-    system.reset(std::make_shared<KktPattern>(analyze(s.scene, n.island, n.support, order)));
-    assemble(n.M_spans, n.J_spans, delta, system);
+  struct System {
+    KktMatrix K;
+    KktVectors v;
+  };
+  static System assembled(const IslandNumbers& n, Order order, double delta) {
+    System system;
+    system.K.reset(n.shape.pattern(order));
+    system.v.resize(system.K.size());
+    assemble(n.M_spans, n.J_spans, delta, system.K);
     return system;
   }
 };
@@ -52,20 +58,20 @@ TEST_P(Patterns, AssembledSlotsAreTheDenseMatrix) {
   for (const IslandNumbers& n : islands)
     for (Order order : kOrders)
       for (double delta : {0.0, 0.5}) {
-        const KktSystem system = assembled(n, order, delta);
-        const KktPattern& p = *system.pattern;
+        const System system = assembled(n, order, delta);
+        const KktPattern& p = *system.K.pattern;
         EXPECT_EQ(p.nv, n.island.nv);
         EXPECT_EQ(p.nc, n.island.nc);
         EXPECT_EQ(p.order, order);
         for (int k = 0; k < p.size(); ++k) ASSERT_EQ(p.iperm[p.perm[k]], k);
-        EXPECT_EQ(dense(p.K, system.Kx), permuted(n.K(delta), p.perm)) << to_string(order);
+        EXPECT_EQ(dense(p.K, system.K.values), permuted(n.K(delta), p.perm)) << to_string(order);
       }
 }
 
 TEST_P(Patterns, OrdersPutContactsWhereTheySay) {
   for (const IslandNumbers& n : islands)
     for (Order order : kOrders) {
-      const KktPattern p = analyze(s.scene, n.island, n.support, order);
+      const KktPattern& p = *n.shape.pattern(order);
       const int nv = p.nv;
       if (order != Order::kContactsEarly) {
         for (int k = 0; k < p.size(); ++k) EXPECT_EQ(p.perm[k] < nv, k < nv) << to_string(order);
@@ -96,7 +102,7 @@ TEST_P(Patterns, LeafToRootFillsNothingInTheInertia) {
   RandomScene free = s;
   free.scene.contacts.clear();
   for (const IslandNumbers& n : islands_of(free)) {
-    const KktPattern p = analyze(free.scene, n.island, n.support, Order::kLeafToRoot);
+    const KktPattern& p = *n.shape.pattern(Order::kLeafToRoot);
     EXPECT_EQ(p.ldl.nonzeros() + p.nv, p.K.nonzeros());
     EXPECT_EQ(p.K.nonzeros(), static_cast<int>(n.packed[0].size()));
   }
@@ -108,15 +114,20 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
   for (const IslandNumbers& n : islands)
     for (Order order : kOrders)
       for (double delta : {0.0, 0.1}) {
-        KktSystem system = assembled(n, order, delta);
-        const KktPattern& p = *system.pattern;
+        System system = assembled(n, order, delta);
+        const KktPattern& p = *system.K.pattern;
+        const double* Kx = system.K.values.data();
         sparse::LdlWorkspace work;
         std::vector<double> L(p.ldl.nonzeros()), D(p.size()), scale(p.size());
-        const int done = sparse::ldl_factor(p.K, p.ldl, system.Kx.data(), work, L.data(), D.data());
+        const int done = sparse::ldl_factor(p.K, p.ldl, Kx, work, L.data(), D.data());
         const bool may_fail = order == Order::kContactsEarly && delta == 0;
         const double ratio = done < p.size() ? 0
-                                             : sparse::smallest_pivot_ratio(p.K, p.ldl, system.Kx.data(), L.data(),
-                                                                            D.data(), scale.data());
+                                             : sparse::smallest_pivot_ratio(p.K, p.ldl, Kx, L.data(), D.data(),
+                                                                            scale.data());
+        FactorScratch scratch;
+        const std::unique_ptr<Factor> factor = make_ldl_factor();
+        const Reason reason = factor->factorize(system.K, scratch);
+        EXPECT_EQ(reason == Reason::kNone, ratio >= 1e-11) << to_string(order);
         if (may_fail && ratio < 1e-11) continue;
         ASSERT_EQ(done, p.size()) << to_string(order);
         EXPECT_GT(ratio, 1e-9) << to_string(order);
@@ -124,13 +135,11 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
 
         const MatrixXd K = n.K(delta);
         const VectorXd truth = random_vector(p.size(), rng), b = K * truth;
-        for (int k = 0; k < p.size(); ++k) system.x[k] = system.b[k] = b[p.perm[k]];
-        const auto solve = [&](double* x) { sparse::ldl_solve(p.ldl, L.data(), D.data(), x); };
-        solve(system.x.data());
-        const Refinement refinement = refine(system, 5, solve);
+        for (int k = 0; k < p.size(); ++k) system.v.b[k] = b[p.perm[k]];
+        const sparse::Refinement refinement = solve_refined(*factor, system.K, system.v, 5);
         EXPECT_LE(refinement.backward_error, 1e-15) << to_string(order);
         VectorXd x(p.size());
-        for (int k = 0; k < p.size(); ++k) x[p.perm[k]] = system.x[k];
+        for (int k = 0; k < p.size(); ++k) x[p.perm[k]] = system.v.x[k];
         EXPECT_LE(error_of(x, truth), 20 * kEps * condition_1(K)) << to_string(order);
       }
 }
@@ -162,8 +171,8 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
   legged.q = random_configuration(model, rng);
   legged.v = random_vector(model.nv, rng);
   const std::vector<IslandNumbers> islands = islands_of(legged);
-  const KktPattern early = analyze(legged.scene, islands[0].island, islands[0].support, Order::kContactsEarly);
-  const KktPattern last = analyze(legged.scene, islands[0].island, islands[0].support, Order::kLeafToRoot);
+  const KktPattern& early = *islands[0].shape.pattern(Order::kContactsEarly);
+  const KktPattern& last = *islands[0].shape.pattern(Order::kLeafToRoot);
   for (int leg = 0; leg < 4; ++leg)
     for (int row = 0; row < 3; ++row) EXPECT_LT(early.iperm[18 + 3 * leg + row], early.iperm[5]);
   EXPECT_LT(early.ldl.nonzeros(), last.ldl.nonzeros());
@@ -172,37 +181,35 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
 
 TEST_P(Patterns, BackwardErrorSeesAWrongSolution) {
   const IslandNumbers& n = islands[0];
-  KktSystem system = assembled(n, Order::kLeafToRoot, 0.1);
-  const int size = system.pattern->size();
-  const MatrixXd K = dense(system.pattern->K, system.Kx);
+  System system = assembled(n, Order::kLeafToRoot, 0.1);
+  const int size = system.K.size();
+  const MatrixXd K = dense(system.K.pattern->K, system.K.values);
   const VectorXd x = random_vector(size, rng), b = random_vector(size, rng);
-  std::copy(x.begin(), x.end(), system.x.begin());
-  std::copy(b.begin(), b.end(), system.b.begin());
-  const double error = backward_error(system);
+  std::copy(x.begin(), x.end(), system.v.x.begin());
+  std::copy(b.begin(), b.end(), system.v.b.begin());
+  const double error = backward_error(system.K, system.v);
   const VectorXd r = b - K * x, scale = b.cwiseAbs() + K.cwiseAbs() * x.cwiseAbs();
   EXPECT_NEAR(error, r.cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-12);
-  EXPECT_LE(error_of(Eigen::Map<VectorXd>(system.r.data(), size), r), 64 * kEps);
-  system.x[size / 2] = NAN;
-  EXPECT_TRUE(std::isnan(backward_error(system)));
+  EXPECT_LE(error_of(Eigen::Map<VectorXd>(system.v.r.data(), size), r), 64 * kEps);
+  system.v.x[size / 2] = NAN;
+  EXPECT_TRUE(std::isnan(backward_error(system.K, system.v)));
 }
 
 TEST_P(Patterns, AssembleAllocatesNothing) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc is not ours to count";
   const IslandNumbers& n = islands.back();
-  KktSystem system = assembled(n, Order::kContactsEarly, 0);
-  const KktPattern& p = *system.pattern;
-  sparse::LdlWorkspace work;
-  std::vector<double> L(p.ldl.nonzeros()), D(p.size());
-  int done = sparse::ldl_factor(p.K, p.ldl, system.Kx.data(), work, L.data(), D.data());
-  const auto solve = [&](double* x) { sparse::ldl_solve(p.ldl, L.data(), D.data(), x); };
+  System system = assembled(n, Order::kLeafToRoot, 0);
+  FactorScratch scratch;
+  const std::unique_ptr<Factor> factor = make_ldl_factor();
+  ASSERT_EQ(factor->factorize(system.K, scratch), Reason::kNone);
+  Reason reason = Reason::kNone;
   const auto count = allocations([&] {
-    assemble(n.M_spans, n.J_spans, 0, system);
-    done = sparse::ldl_factor(p.K, p.ldl, system.Kx.data(), work, L.data(), D.data());
-    solve(system.x.data());
-    refine(system, 3, solve);
+    assemble(n.M_spans, n.J_spans, 0, system.K);
+    reason = factor->factorize(system.K, scratch);
+    (void)solve_refined(*factor, system.K, system.v, 3);
   });
   EXPECT_EQ(count, 0u);
-  EXPECT_EQ(done, p.size());
+  EXPECT_EQ(reason, Reason::kNone);
 }
 
 TEST(EmptyIsland, ARobotWithoutJointsHasNoEquations) {
@@ -212,8 +219,8 @@ TEST(EmptyIsland, ARobotWithoutJointsHasNoEquations) {
   add_robot(scene, "block", block);
   const std::vector<Island> islands = find_islands(scene, {});
   ASSERT_EQ(islands.size(), 1u);
-  const IslandSupport support = island_support(scene, islands[0]);
-  for (Order order : kOrders) EXPECT_EQ(analyze(scene, islands[0], support, order).size(), 0);
+  IslandShape shape(scene, islands[0]);
+  for (Order order : kOrders) EXPECT_EQ(shape.pattern(order)->size(), 0);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_P(Schur, ComplementEqualsDense) {
       const SchurPattern pattern = analyze_schur(s.scene, n.island, n.support);
       SchurData data;
       for (int again = 0; again < 2; ++again)
-        ASSERT_TRUE(form_schur(s.scene, n.island, n.support, pattern, n.M_spans, n.J_spans, delta, data));
+        ASSERT_TRUE(form_schur(s.scene, n.island, n.support, pattern, n.all_packed(), n.all_rows(), delta, data));
       MatrixXd S = MatrixXd::Zero(n.island.nc, n.island.nc);
       for (int j = 0; j < n.island.nc; ++j)
         for (int k = pattern.S.p[j]; k < pattern.S.p[j + 1]; ++k) {
@@ -114,8 +114,8 @@ TEST_P(Schur, ComplementSaysWhenAnInertiaIsNotPositive) {
   IslandNumbers& n = islands[0];
   n.packed[0][0] = -1;
   SchurData data;
-  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support), n.M_spans,
-                          n.J_spans, 0, data));
+  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support),
+                          n.all_packed(), n.all_rows(), 0, data));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Truth<Quad> truth_of(const Problem& p) {
   const VecX<Quad> q = p.q.cast<Quad>(), v = p.v.cast<Quad>(), u = p.u.cast<Quad>();
   if (p.scene.nv <= kDenseTruth) return solve_truth<Quad>(p.scene, active(p.scene), q, v, u);
   SceneData data(p.scene, {Method::kSparseLdl, {}});
-  solve(p.scene, p.q, p.v, p.u, data);
+  (void)solve(p.scene, p.q, p.v, p.u, data);
   return refine_truth<Quad>(p.scene, data, q, v, u, kDenseIfSingular);
 }
 
@@ -233,7 +233,7 @@ Row judge(const Case& which) {
     if (!which.small && (way.options.order || way.options.method == Method::kDense)) continue;
     try {
       SceneData data(p.scene, way.options);
-      solve(p.scene, p.q, p.v, p.u, data);
+      (void)solve(p.scene, p.q, p.v, p.u, data);
       row.cells[k] = judge_answer(p, truths, data, way);
     } catch (const std::exception& e) {
       row.cells[k].outcome = Outcome::kWrong;

@@ -115,7 +115,7 @@ TEST(Judge, SeesWrongAnswers) {
   const Way way = table_ways().front();
   const auto outcome = [&](const std::function<void(SceneData&)>& spoil, const Truths& against) {
     SceneData data(p.scene, way.options);
-    solve(p.scene, p.q, p.v, p.u, data);
+    (void)solve(p.scene, p.q, p.v, p.u, data);
     spoil(data);
     return judge_answer(p, against, data, way).outcome;
   };

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/dynamics/options.hpp"
+#include "manycontact/kkt/options.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::test {

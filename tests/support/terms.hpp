@@ -5,6 +5,7 @@
 
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "spatial/compare.hpp"
 
 namespace manycontact::test {
@@ -20,26 +21,26 @@ struct Terms {
       : M(Eigen::MatrixXd::Zero(scene.nv, scene.nv)), tau_b(scene.nv), damping(scene.damping) {
     SceneData data(scene, {Method::kDense, {}});
     data.active = active;
-    solve(scene, q, v, u, data);  // evaluates them all, whether or not it finds an answer
+    (void)solve(scene, q, v, u, data);  // evaluates them all, whether or not it finds an answer
     J.setZero(data.f.size(), scene.nv);
     a0.resize(data.f.size());
     for (int r = 0; r < scene.nrobots(); ++r) {
       const Robot& robot = scene.robots[r];
       const int o = robot.idx_v, nv = robot.model->nv;
-      unpack_inertia<double>(*robot.model, data.robots[r].M.data(), M.block(o, o, nv, nv));
-      tau_b.segment(o, nv) = -data.robots[r].h;
+      unpack_inertia<double>(*robot.model, inertia_of(data, r).data(), M.block(o, o, nv, nv));
+      tau_b.segment(o, nv) = -bias_of(data, r);
       tau_b.segment(o + robot.model->first_actuated(), robot.model->nu()) += u.segment(robot.idx_u, robot.model->nu());
     }
     for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
       if (data.f_offset[c] < 0) continue;
       const Contact& contact = scene.contacts[c];
       const int rows = contact.rows();
-      a0.segment(data.f_offset[c], rows) = data.contacts[c].a0;
+      a0.segment(data.f_offset[c], rows) = contact_of(data, c).a0;
       int k = 0;
-      for (int i : data.supports[c].a)
-        J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) = data.contacts[c].J.col(k++);
-      for (int i : data.supports[c].b)
-        J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) = data.contacts[c].J.col(k++);
+      for (int i : support_of(data, c).a)
+        J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_of(data, c).J.col(k++);
+      for (int i : support_of(data, c).b)
+        J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_of(data, c).J.col(k++);
     }
   }
 

@@ -6,6 +6,7 @@
 #include "manycontact/action/contact.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
 
 namespace manycontact {
 
@@ -23,13 +24,14 @@ struct DataCollector {
   SceneData solution;  // kinematics of the last calc; the rest of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
-  std::vector<IslandColumns> islands;  // of solution.islands
+  std::vector<IslandColumns> islands;  // per island of the solution
   // Derivatives by the state and the control, per island [a; f] x [q | v | u]. For a custom actuation, da/dtau is
   // multiplied out; for a selection they are the solution's own.
+  // Throws std::logic_error unless they are of the last calc.
   PanelView panel(std::size_t island) const;
   std::vector<RowMajorMatrix> custom;  // per island, for a custom actuation
 
-  const Kinematics<double>& kinematics(int robot) const { return solution.robots[robot].kin; }
+  const Kinematics<double>& kinematics(int robot) const { return kinematics_of(solution, robot); }
   /// The contact model's data on this frame. Throws std::invalid_argument when there is none, or more than one.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who) const;
 };

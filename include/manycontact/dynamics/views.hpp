@@ -12,6 +12,8 @@
 
 namespace manycontact {
 
+/// Whether the islands at hand are those of data.active and data.options.
+bool is_prepared(const SceneData& data);
 /// The islands of data.report.islands, after prepare or solve.
 std::size_t island_count(const SceneData& data);
 const Island& island_of(const SceneData& data, std::size_t i);
