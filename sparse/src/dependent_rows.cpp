@@ -5,9 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/sparse/refine.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::sparse {
+
+bool DependentRows::believable() const {
+  return largest_residual <= tolerance::kRowLeft && largest_entry <= tolerance::kLargestEntry;
+}
 
 int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
                          double nothing, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
@@ -50,21 +56,21 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 
 namespace {
 
-// residual <- J_k - sum_j z_j J_j for the column of N in Ni, Nx from `first`; returns its largest entry.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const DependentRows& rows, int first, int last,
+// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry.
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const DependentRows& rows,
                            std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
-  for (int p = first; p < last; ++p)
+  for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p)
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
   double largest = 0;
-  for (double r : residual) largest = std::max(largest, std::abs(r));
+  for (double r : residual)
+    if (!(std::abs(r) <= largest)) largest = std::abs(r);  // NaN too
   return largest;
 }
 
 // L^T z = l_k over the rows of J, and the column e_k - z of N.
 void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, DependentRows& rows) {
-  constexpr double kNothing = 1e-15;  // relative to 1, the entry of row k
   double* x = rows.x.data();
   for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
     if (s.Rj[p] >= nv) x[s.Rj[p]] = Lx[s.Rk[p]];
@@ -73,7 +79,7 @@ void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, Dependen
   for (int j = k - 1; j >= nv; --j) {
     const double xj = x[j];
     x[j] = 0;
-    if (std::abs(xj) <= kNothing) continue;
+    if (std::abs(xj) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-xj);
     for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j] && s.Rj[p] >= nv; --p) x[s.Rj[p]] -= Lx[s.Rk[p]] * xj;
@@ -92,7 +98,7 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
   rows.Ni.resize(first + 1);
   rows.Nx.resize(first + 1);
   for (int j = k - 1; j >= nv; --j) {
-    if (std::abs(x[j]) <= 1e-15) continue;
+    if (std::abs(x[j]) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-x[j]);
   }
@@ -177,7 +183,6 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double J_size, const double* Lx,
                      const double* D, DependentRows& rows) {
-  constexpr double kAccurate = 1e-14;
   rows.Np.assign(1, 0);
   rows.Ni.clear();
   rows.Nx.clear();
@@ -188,13 +193,15 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   if (rows.dropped.empty()) return;
   for (int k : rows.dropped) {
     null_column(s, nv, Lx, k, rows);
-    const int first = rows.Np[rows.Np.size() - 2];
-    double left = dependence_residual(K, Kx, nv, rows, first, rows.Np.back(), rows.residual);
-    for (int step = 0; step < 2 && left > kAccurate * J_size; ++step) {
-      refine_column(s, nv, Lx, D, rows);
-      left = dependence_residual(K, Kx, nv, rows, first, rows.Np.back(), rows.residual);
-    }
-    rows.largest_residual = std::max(rows.largest_residual, J_size > 0 ? left / J_size : 0);
+    const Refinement refinement = refine(
+        tolerance::kNullColumnSteps, tolerance::kNullColumn,
+        [&] {
+          const double left = dependence_residual(K, Kx, nv, rows, rows.residual);
+          return left == 0 ? 0 : left / J_size;
+        },
+        [&] { refine_column(s, nv, Lx, D, rows); });
+    const double left = refinement.backward_error;
+    if (!(left <= rows.largest_residual)) rows.largest_residual = left;  // NaN too
   }
   for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
   make_clusters(s.n, rows);

@@ -8,6 +8,8 @@
 
 #include "manycontact/sparse/dependent_rows.hpp"
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/refine.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::sparse {
@@ -35,26 +37,24 @@ std::vector<double> augmented_values(const UpperCsc& K, int cols, const Entries&
 }
 
 // z += K^-1 (b - K z), until the componentwise backward error is rounding.
-bool refine(const UpperCsc& K, const std::vector<double>& Kx, const LdlSymbolic& symbolic, const double* Lx,
-            const double* D, const std::vector<double>& b, std::vector<double>& z) {
+bool refine_solution(const UpperCsc& K, const std::vector<double>& Kx, const LdlSymbolic& symbolic, const double* Lx,
+                     const double* D, const std::vector<double>& b, std::vector<double>& z) {
   std::vector<double> r(K.n), scale(K.n);
-  double error = 0;
-  for (int step = 0; step < 5; ++step) {
-    residual(K, Kx.data(), z.data(), b.data(), r.data(), scale.data());
-    const double floor = 1e-16 * *std::max_element(scale.begin(), scale.end());
-    error = 0;
-    for (int k = 0; k < K.n; ++k)
-      if (r[k] != 0) error = std::max(error, std::abs(r[k]) / std::max(scale[k], floor));
-    if (!(error > 1e-15)) break;
-    ldl_solve(symbolic, Lx, D, r.data());
-    for (int k = 0; k < K.n; ++k) z[k] += r[k];
-  }
-  return error <= 1e-12;
+  const Refinement refinement = refine(
+      tolerance::kRefinementSteps, tolerance::kRefined,
+      [&] {
+        residual(K, Kx.data(), z.data(), b.data(), r.data(), scale.data());
+        return componentwise_backward_error(r, scale);
+      },
+      [&] {
+        ldl_solve(symbolic, Lx, D, r.data());
+        for (int k = 0; k < K.n; ++k) z[k] += r[k];
+      });
+  return refinement.backward_error <= tolerance::kConverged;
 }
 
 // None where what is left of a pivot may be rounding.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
-  constexpr double kPivotLeft = 1e-11, kRowSize = 1e-11, kRowLeft = 1e-13, kLargestEntry = 30;
   std::vector<int> iperm;
   const UpperCsc K = augmented_pattern(rows, cols, A, iperm);
   const std::vector<double> Kx = augmented_values(K, cols, A, iperm);
@@ -64,18 +64,18 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   DependentRows dependent;
   double size = 0;
   for (double x : Kx) size = std::max(size, std::abs(x));
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, kPivotLeft, kRowSize * size, work, Lx.data(), D.data(),
-                           dependent) != K.n)
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, tolerance::kPivotLeft, tolerance::kRank * size, work,
+                           Lx.data(), D.data(), dependent) != K.n)
     return std::nullopt;
   find_null_space(K, symbolic, Kx.data(), cols, size, Lx.data(), D.data(), dependent);
-  if (!(dependent.largest_residual <= kRowLeft && dependent.largest_entry <= kLargestEntry)) return std::nullopt;
+  if (!dependent.believable()) return std::nullopt;
 
   std::vector<double> rhs(K.n, 0.0);
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];
   project_out(dependent, rhs.data());
   std::vector<double> z = rhs;
   ldl_solve(symbolic, Lx.data(), D.data(), z.data());
-  if (!refine(K, Kx, symbolic, Lx.data(), D.data(), rhs, z)) return std::nullopt;
+  if (!refine_solution(K, Kx, symbolic, Lx.data(), D.data(), rhs, z)) return std::nullopt;
   Eigen::VectorXd x(cols);
   for (int k = 0; k < cols; ++k) x[k] = z[iperm[k]];
   return x;

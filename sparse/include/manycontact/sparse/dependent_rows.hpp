@@ -24,6 +24,11 @@ struct DependentRows {
   double largest_residual = 0;  // max |J_k - sum z_j J_j| / J_size
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
 
+  /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
+  /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
+  /// rounding hides which rows are dependent, and a dense decomposition must tell.
+  bool believable() const;
+
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
   struct Cluster {
     int first = 0, count = 0;  // in `members`

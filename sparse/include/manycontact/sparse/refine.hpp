@@ -1,0 +1,48 @@
+#pragma once
+// Iterative refinement, for any right-hand side (a vector, a panel, a dense matrix) in any scalar: both are the
+// caller's, here is when to stop. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
+
+#include <span>
+
+namespace manycontact::sparse {
+
+struct Refinement {
+  int steps = 0;                         // corrections made
+  double backward_error = 0, first = 0;  // last, and before the first step
+};
+
+/// Until the error is at most `small`, or max_steps corrections are made, or one did not halve the error (what is left
+/// is then rounding, or the factor is too poor to help; the last correction stays).
+///
+/// residual(): r <- b - A x, returns its relative size as a double; NaN ends the refinement. Errors of wider scalars
+/// may be cast: a double's relative sizes reach down to 1e-308.
+/// correct():  x += A^-1 r.
+/// residual is called steps + 1 times, the last time after the last correction.
+template <class Residual, class Correct>
+Refinement refine(int max_steps, double small, Residual&& residual, Correct&& correct) {
+  Refinement out;
+  out.first = out.backward_error = residual();
+  while (out.steps < max_steps && out.backward_error > small) {
+    correct();
+    ++out.steps;
+    const double before = out.backward_error;
+    out.backward_error = residual();
+    if (!(out.backward_error < 0.5 * before)) break;
+  }
+  return out;
+}
+
+/// A given number of corrections that nobody judges, one residual each: residual() may return anything.
+template <class Residual, class Correct>
+void refine_unjudged(int steps, Residual&& residual, Correct&& correct) {
+  for (int step = 0; step < steps; ++step) {
+    residual();
+    correct();
+  }
+}
+
+/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|. Rows whose scale is below
+/// eps times the largest count as if it were eps times the largest. NaN when r or scale is not finite.
+double componentwise_backward_error(std::span<const double> r, std::span<const double> scale);
+
+}  // namespace manycontact::sparse

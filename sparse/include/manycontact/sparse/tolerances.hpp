@@ -1,0 +1,118 @@
+#pragma once
+// Every numeric threshold of the floors sparse, kkt, contact and dynamics. All are relative, so without unit, unless
+// said; eps = 2.2e-16. "Used by" names the functions that compare with it.
+
+namespace manycontact::tolerance {
+
+// ---- pivots and rank ------------------------------------------------------------------------------------------
+
+/// Of a pivot, beside the terms it is computed from: |d| / (|A_kk| + sum l_kj^2 |d_j|). Rounding of the terms leaves
+/// n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten times that
+/// a small number cannot be told from none. Geometrically: a row of J that keeps less than sqrt(1e-11) = 3e-6 of its
+/// length does not point elsewhere than those before it.
+/// Used by: the judges of LDL, CHOLMOD, the Schur complement (its rcond too), dense-schur and the inertia's own LDL;
+/// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
+inline constexpr double kPivotLeft = 1e-11;
+
+/// Of a row of J, beside the largest motion its contact is picked from (motion_size [J's units], contact/rows.hpp):
+/// smaller rows, or parts of rows orthogonal to the others, are rounding. The same margin over rounding as kPivotLeft,
+/// and for the same reason; here lengths are compared, not squares.
+/// Used by: the dense oracle's rank; rows of J that vanish; `nothing` of ldl_factor_dependent; least_norm_solution.
+inline constexpr double kRank = 1e-11;
+
+/// Units of eps of the scalar at hand (double or quadruple precision): what a sum of six to eight products may be wrong
+/// by, each with an error of 2 eps.
+/// Used by: pivots of the dense oracle, and its condition estimate (16 eps cond < 1); coordinates without inertia.
+/// The articulated-body algorithm (floor algorithm, which does not see this file) has the same number.
+inline constexpr int kRounding = 16;
+
+// ---- dependent rows -------------------------------------------------------------------------------------------
+
+/// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
+/// 1e-14 for the 30 terms of kLargestEntry, with room for J's own. A row that is independent but kept only kPivotLeft
+/// leaves 3e-6, so there are seven orders between the two; in between the dense oracle decides.
+/// Used by: DependentRows::believable.
+inline constexpr double kRowLeft = 1e-13;
+
+/// Of the coefficients z_j: the projector's error grows by their square, in units of eps, and 30^2 eps = 2e-13 stays
+/// below the 1e-12 that any value is allowed. Larger ones mean rows kept that are much smaller than those dropped.
+/// Used by: DependentRows::believable.
+inline constexpr double kLargestEntry = 30;
+
+/// Coefficients z_j are zero below this (beside 1, the entry of the dropped row): a few eps, what substitution leaves.
+/// Used by: find_null_space.
+inline constexpr double kNullEntry = 1e-15;
+
+/// A column of the null space is refined while it leaves more than this of J's entries: a tenth of kRowLeft, so that
+/// no column fails there for want of a refinement.
+/// Used by: find_null_space.
+inline constexpr double kNullColumn = 1e-14;
+inline constexpr int kNullColumnSteps = 2;
+
+// ---- refinement -----------------------------------------------------------------------------------------------
+
+/// Backward error at which refinement has nothing left to gain: a few eps, rounding of the residual itself.
+/// Used by: refinement of a solve, of least_norm_solution.
+inline constexpr double kRefined = 1e-15;
+inline constexpr int kRefinementSteps = 5;  // the error halves at least; two are usual
+
+/// Backward error up to which an answer is believed: errors of max(1e-12, 100 eps cond(K)) are allowed everywhere.
+/// Used by: all solves after refinement, dense-schur (normwise), least_norm_solution.
+inline constexpr double kConverged = 1e-12;
+
+/// Backward error of an unrefined solve above which panels of derivatives are refined once: derivatives are allowed
+/// 1000 eps cond(K) = 2.2e-13 cond(K), of which an unrefined solve then takes less than a quarter.
+/// Used by: solve_panel.
+inline constexpr double kRefinePanel = 5e-14;
+
+/// dense-schur: a relative residual beyond which the factor holds nothing, and refining it would only make dependent
+/// contacts look solved. Between it and kConverged, refinement gains.
+inline constexpr double kHopeless = 1e-9;
+inline constexpr int kDenseSchurSteps = 2;
+
+/// dense-schur, derivatives: normwise residuals at which refinement stops, half of the 1000 eps allowed; up to
+/// kConverged they are believed.
+inline constexpr double kPanelRefined = 1e-13;
+inline constexpr int kPanelSteps = 3;  // the first is the solve itself
+
+/// Quadruple precision: normwise residual of an answer that counts as truth, 1e4 of float128's eps = 2e-30.
+/// Steps: each gains at least a factor 2, and 30 digits are 100 factors; usual are 10 digits a step. A factor that
+/// gains less than a factor 4 a step is left to the dense truth. Used by: refine_truth.
+inline constexpr int kTruthRounding = 10000;  // units of eps of the scalar
+inline constexpr int kTruthSteps = 60;
+
+// ---- judging answers ------------------------------------------------------------------------------------------
+
+/// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
+/// Used by: `inconsistent`, in all methods.
+inline constexpr double kContradiction = 1e-8;
+/// ... unless all of it is rounding of the largest term a0 is computed from (drift_size [m/s^2 or 1/s^2]): 500 eps,
+/// of chains of up to hundreds of joints.
+inline constexpr double kDriftRounding = 1e-13;
+
+/// Of a floating base's quaternion from unit length: what files with 7 digits keep. Beyond, solving refuses.
+/// Used by: check_input; floor io refuses the same.
+inline constexpr double kQuaternion = 1e-6;
+
+/// Hager's and Higham's estimate of a 1-norm is a lower bound, nearly always within this factor.
+/// Used by: estimate_errors.
+inline constexpr double kNormEstimate = 3;
+/// Error bounds, in eps of everything a row was computed from: 8 and the joints below the base that its terms pass
+/// through; where rows are dependent, eight times that: rounding of J turns its null space too.
+/// Used by: estimate_errors.
+inline constexpr int kBoundRounding = 8;
+inline constexpr int kBoundDependent = 8;
+
+// ---- choosing -------------------------------------------------------------------------------------------------
+
+/// Another order is taken when its predicted cost is below this part of the present one's: predictions are no better,
+/// and leaf-to-root is the sounder one.
+/// Used by: the choice of orders.
+inline constexpr double kCheaper = 0.9;
+
+/// Of the largest pivot of a QR decomposition of J's columns: less is no direction of its own. Coarse on purpose: such
+/// coordinates give contacts eliminated early their pivots.
+/// Used by: the order contacts-early.
+inline constexpr double kDistinct = 1e-3;
+
+}  // namespace manycontact::tolerance
