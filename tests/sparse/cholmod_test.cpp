@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <memory>
+#include <thread>
 
 #include "manycontact/sparse/ldl.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -103,6 +107,107 @@ TEST(Cholmod, SupernodalIsRefusedWhereItIsNotBuiltIn) {
   EXPECT_THROW(Cholmod(A.pattern, CholmodKind::kSupernodalLlt, true), std::invalid_argument);
 }
 
+// A factor in the order that CHOLMOD chose says what the dense matrix in any order says.
+TEST(Cholmod, SimplicialInAnOrderOfItsOwn) {
+  std::mt19937 rng(5);
+  const Symmetric A(quasi_definite(25, 15, rng));
+  Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, true);
+  EXPECT_EQ(cholmod.symbolic().kind(), CholmodKind::kSimplicialLdl);
+  EXPECT_EQ(cholmod.symbolic().size(), 40);
+  ASSERT_TRUE(cholmod.factorize(A.x.data()));
+  EXPECT_LT(cholmod.factor_nonzeros(), Cholmod(A.pattern, CholmodKind::kSimplicialLdl, false).factor_nonzeros());
+  Eigen::VectorXd D(40), scale(40);
+  cholmod.pivots(D.data());
+  EXPECT_EQ((D.array() > 0).count(), 25);
+  EXPECT_NEAR(D.array().abs().log().sum(), A.dense.householderQr().logAbsDeterminant(), 1e-11);
+  const double ratio = cholmod.smallest_pivot_ratio(A.x.data(), scale.data());
+  EXPECT_GT(ratio, 0.01);
+  EXPECT_LE(ratio, 1);
+  // scale is |A_kk| + sum L_kj^2 |D_j|, and A_kk = D_k + sum L_kj^2 D_j: of the first pivot, which is A_kk itself,
+  // twice nothing
+  EXPECT_EQ(scale[0], std::abs(D[0]));
+  for (int k = 0; k < 40; ++k) EXPECT_GE(scale[k] * (1 + 8 * kEps), std::abs(D[k])) << k;
+}
+
+// One symbolic phase for matrices of one pattern, their factors used in turns and at once.
+TEST(CholmodSymbolic, IsSharedByFactorsAndThreads) {
+  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
+    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
+    std::mt19937 rng(6);
+    const Symmetric A(random_positive(60, 0.1, rng));
+    for (bool order_rows : {false, true}) {
+      const auto symbolic = std::make_shared<const sparse::CholmodSymbolic>(A.pattern, kind, order_rows);
+      const Eigen::VectorXd truth = random_matrix(60, 1, rng);
+      const auto one_of = [&](double scale) {
+        Cholmod cholmod(symbolic);
+        double error = 0;
+        for (int again = 0; again < 20; ++again) {
+          std::vector<double> Ax = A.x;
+          for (double& a : Ax) a *= scale;
+          if (!cholmod.factorize(Ax.data())) return 1.0;
+          Eigen::VectorXd x = scale * (A.dense * truth);
+          cholmod.solve(x.data(), 1);
+          error = std::max(error, error_of(x, truth));
+        }
+        return error;
+      };
+      std::vector<double> errors(4, 1);
+      std::vector<std::thread> threads;
+      for (int t = 0; t < 4; ++t) threads.emplace_back([&, t] { errors[t] = one_of(t + 1); });
+      for (std::thread& t : threads) t.join();
+      for (double error : errors) EXPECT_LE(error, 64 * kEps);
+
+      Cholmod first(symbolic), second(symbolic);
+      std::vector<double> twice = A.x;
+      for (double& a : twice) a *= 2;
+      ASSERT_TRUE(first.factorize(A.x.data()));
+      ASSERT_TRUE(second.factorize(twice.data()));
+      Eigen::VectorXd x = A.dense * truth, y = x;
+      first.solve(x.data(), 1);
+      second.solve(y.data(), 1);
+      EXPECT_LE(error_of(x, truth), 64 * kEps) << "the other's factor was used";
+      EXPECT_LE(error_of(y, Eigen::VectorXd(0.5 * truth)), 64 * kEps);
+      EXPECT_EQ(first.factor_nonzeros(), symbolic->factor_nonzeros());
+    }
+  }
+}
+
+// What the header says of memory. Two blocks per supernodal factorization are cholmod_super_numeric's own.
+TEST(Cholmod, AllocatesNothingAfterItsConstruction) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
+  std::mt19937 rng(7);
+  const Symmetric A(random_positive(90, 0.05, rng));
+  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
+    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
+    Eigen::MatrixXd x = random_matrix(90, 130, rng);
+    {  // the BLAS takes memory of its own once
+      Cholmod warm(A.pattern, kind, false);
+      ASSERT_TRUE(warm.factorize(A.x.data()));
+      warm.solve(x.data(), 130);
+    }
+    for (bool order_rows : {false, true}) {
+      Cholmod cholmod(A.pattern, kind, order_rows);
+      bool positive = true;
+      const std::size_t of_factor = kind == CholmodKind::kSupernodalLlt ? 2 : 0;
+      for (int again = 0; again < 3; ++again)
+        EXPECT_EQ(allocations([&] { positive = positive && cholmod.factorize(A.x.data()); }), of_factor);
+      ASSERT_TRUE(positive);
+      for (int cols : {1, 3, 4, 5, 64, 65, 130, 1, 7, 0})
+        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
+    }
+  }
+}
+
+TEST(Cholmod, OfNoRows) {
+  const sparse::UpperCsc none = sparse::make_pattern(0, {});
+  for (bool order_rows : {false, true}) {
+    Cholmod cholmod(none, CholmodKind::kSimplicialLdl, order_rows);
+    EXPECT_TRUE(cholmod.factorize(nullptr));
+    cholmod.solve(nullptr, 3);
+    EXPECT_EQ(cholmod.factor_nonzeros(), 0);
+  }
+}
+
 TEST(Cholmod, MovesAndSolvesSeveralColumns) {
   std::mt19937 rng(4);
   const Symmetric A(quasi_definite(10, 5, rng));
@@ -110,7 +215,7 @@ TEST(Cholmod, MovesAndSolvesSeveralColumns) {
   ASSERT_TRUE(first.factorize(A.x.data()));
   Cholmod second = std::move(first);
   const Eigen::MatrixXd truth = random_matrix(15, 7, rng);
-  for (int cols : {7, 1, 3}) {  // CHOLMOD keeps the workspace of the call before
+  for (int cols : {7, 1, 3, 4}) {  // four at a time
     Eigen::MatrixXd x = A.dense * truth.leftCols(cols);
     second.solve(x.data(), cols);
     EXPECT_LE(error_of(x, truth.leftCols(cols)), 200 * kEps) << cols;

@@ -1,17 +1,14 @@
-// Orderings, and the estimate of the inverse's norm.
+// Orderings.
 
 #include "manycontact/sparse/ordering.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 
-#include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/ldl.hpp"
 #include "sparse/symmetric.hpp"
-#include "spatial/compare.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -46,30 +43,6 @@ TEST(Camd, UnconstrainedFindsTheOrderWithoutFill) {
 }
 
 TEST(Camd, Empty) { EXPECT_TRUE(sparse::camd_order(sparse::make_pattern(0, {}), {}).empty()); }
-
-double norm_1(const Eigen::MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
-
-TEST(InverseNorm1, IsALowerBoundWithinAFactorThree) {
-  std::mt19937 rng(2);
-  for (int trial = 0; trial < 100; ++trial) {
-    const int n = 1 + trial % 30;
-    const Eigen::MatrixXd A = random_symmetric(n, trial % 2 ? 1 : 0.3, rng);
-    const Eigen::MatrixXd inverse = A.inverse();
-    const double truth = norm_1(inverse);
-    const double estimate = sparse::inverse_norm_1(n, [&](double* x) {
-      Eigen::Map<Eigen::VectorXd> y(x, n);
-      y = (inverse * y).eval();
-    });
-    EXPECT_LE(estimate, truth * (1 + 1e-12)) << n;
-    EXPECT_GE(estimate, truth / 3) << n;
-  }
-}
-
-TEST(InverseNorm1, OfNothingAndOfASingularMatrix) {
-  EXPECT_EQ(sparse::inverse_norm_1(0, [](double*) { FAIL(); }), 0);
-  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, INFINITY); }), INFINITY);
-  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, NAN); }), INFINITY);
-}
 
 }  // namespace
 }  // namespace manycontact::test

@@ -1,0 +1,142 @@
+// The estimate of a 1-norm from products, against norms of matrices written down.
+
+#include "manycontact/sparse/condition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "sparse/symmetric.hpp"
+#include "spatial/compare.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double norm_1(const MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
+
+double estimate_of(const MatrixXd& B, int* products = nullptr) {
+  const int n = static_cast<int>(B.rows());
+  const auto multiply = [&, n](const MatrixXd& A, double* x) {
+    Eigen::Map<VectorXd> y(x, n);
+    y = (A * y).eval();
+    if (products) ++*products;
+  };
+  const MatrixXd transposed = B.transpose();
+  return sparse::norm_1_estimate(
+      n, [&](double* x) { multiply(B, x); }, [&](double* x) { multiply(transposed, x); });
+}
+
+void expect_lower_bound_within(double factor, const MatrixXd& B) {
+  const double truth = norm_1(B), estimate = estimate_of(B);
+  EXPECT_LE(estimate, truth * (1 + 1e-12)) << B.rows();
+  EXPECT_GE(estimate, truth / factor) << B.rows();
+}
+
+TEST(Norm1Estimate, IsALowerBoundWithinAFactorThree) {
+  std::mt19937 rng(71);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 1 + trial % 40;
+    expect_lower_bound_within(3, random_matrix(n, n, rng));                   // not symmetric
+    expect_lower_bound_within(3, random_symmetric(n, 0.2, rng));              // sparse
+    expect_lower_bound_within(3, random_matrix(n, n, rng).inverse().eval());  // of all sizes
+    const VectorXd sizes = (10 * random_matrix(n, 1, rng)).array().exp();     // badly scaled
+    expect_lower_bound_within(3, sizes.asDiagonal() * random_matrix(n, n, rng));
+    expect_lower_bound_within(3, random_matrix(n, n, rng) * sizes.asDiagonal());
+  }
+}
+
+// Without negative entries the first gradient is the column sums themselves.
+TEST(Norm1Estimate, IsExactForMatricesWithoutNegativeEntries) {
+  std::mt19937 rng(72);
+  for (int n : {1, 2, 3, 10, 33}) {
+    const MatrixXd B = random_matrix(n, n, rng).cwiseAbs();
+    EXPECT_NEAR(estimate_of(B), norm_1(B), 8 * kEps * norm_1(B));
+    EXPECT_NEAR(estimate_of(-B), norm_1(B), 8 * kEps * norm_1(B));
+  }
+}
+
+TEST(Norm1Estimate, IsExactForDiagonalAndRankOneMatrices) {
+  std::mt19937 rng(73);
+  for (int n : {1, 2, 7, 20}) {
+    const MatrixXd D = random_matrix(n, 1, rng).asDiagonal();
+    EXPECT_NEAR(estimate_of(D), norm_1(D), 8 * kEps * norm_1(D));
+    const VectorXd u = random_matrix(n, 1, rng), v = random_matrix(n, 1, rng);
+    const MatrixXd B = u * v.transpose();
+    EXPECT_NEAR(estimate_of(B), u.cwiseAbs().sum() * v.cwiseAbs().maxCoeff(), 1e-13 * norm_1(B));
+  }
+}
+
+// The inverse of the tridiagonal (-1, 2, -1) is known: entries min(i, j) (n + 1 - max(i, j)) / (n + 1).
+TEST(InverseNorm1, IsExactForTheSecondDifference) {
+  for (int n : {1, 2, 5, 50}) {
+    MatrixXd A = 2 * MatrixXd::Identity(n, n);
+    for (int k = 1; k < n; ++k) A(k, k - 1) = A(k - 1, k) = -1;
+    const auto lu = A.partialPivLu();
+    const double estimate = sparse::inverse_norm_1(n, [&](double* x) {
+      Eigen::Map<VectorXd> y(x, n);
+      y = lu.solve(y).eval();
+    });
+    const int middle = (n + 1) / 2;
+    const double truth = 0.5 * middle * (n + 1 - middle);
+    EXPECT_NEAR(estimate, truth, 1e-12 * truth) << n;
+  }
+}
+
+// Higham's counter-example (1988, sec. 2): B = I + t u u^T with u orthogonal to the three vectors that the method
+// starts from, the ones, the first unit vector and the alternating one. All numbers are exact, so it sees nothing of u.
+TEST(Norm1Estimate, MissesWhatIsOrthogonalToItsThreeVectors) {
+  const double t = 1024;
+  const Eigen::VectorXd alternating{{1, -1.25, 1.5, -1.75, 2}}, u{{0, 1, -14, 1, 12}};
+  ASSERT_EQ(u.sum(), 0);
+  ASSERT_EQ(u.dot(alternating), 0);
+  const MatrixXd B = MatrixXd::Identity(5, 5) + t * u * u.transpose();
+  EXPECT_EQ(norm_1(B), 1 + t * 14 * 28);
+  EXPECT_NEAR(estimate_of(B), 1, 1e-9);
+}
+
+// The alternating vector sees what the other two do not.
+TEST(Norm1Estimate, IsSavedByTheAlternatingVector) {
+  const double t = 1024;
+  const Eigen::VectorXd u{{0, 1, -1, 0, 0}};
+  const MatrixXd B = MatrixXd::Identity(5, 5) + t * u * u.transpose();
+  EXPECT_EQ(norm_1(B), 1 + 2 * t);
+  EXPECT_GE(estimate_of(B), norm_1(B) / 3);
+}
+
+TEST(Norm1Estimate, TakesElevenProductsAtMost) {
+  std::mt19937 rng(74);
+  for (int trial = 0; trial < 100; ++trial) {
+    int products = 0;
+    estimate_of(random_matrix(30, 30, rng), &products);
+    EXPECT_LE(products, 11);  // five steps of two, and the alternating vector
+    EXPECT_GE(products, 3);
+  }
+}
+
+TEST(InverseNorm1, IsALowerBoundWithinAFactorThree) {
+  std::mt19937 rng(2);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int n = 1 + trial % 30;
+    const MatrixXd A = random_symmetric(n, trial % 2 ? 1 : 0.3, rng);
+    const MatrixXd inverse = A.inverse();
+    const double truth = norm_1(inverse);
+    const double estimate = sparse::inverse_norm_1(n, [&](double* x) {
+      Eigen::Map<VectorXd> y(x, n);
+      y = (inverse * y).eval();
+    });
+    EXPECT_LE(estimate, truth * (1 + 1e-12)) << n;
+    EXPECT_GE(estimate, truth / 3) << n;
+  }
+}
+
+TEST(InverseNorm1, OfNothingAndOfASingularMatrix) {
+  EXPECT_EQ(sparse::inverse_norm_1(0, [](double*) { FAIL(); }), 0);
+  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, INFINITY); }), INFINITY);
+  EXPECT_EQ(sparse::inverse_norm_1(3, [](double* x) { std::fill(x, x + 3, NAN); }), INFINITY);
+}
+
+}  // namespace
+}  // namespace manycontact::test

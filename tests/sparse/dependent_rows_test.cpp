@@ -1,0 +1,358 @@
+// LDL that drops dependent rows, their null space and the projector on it, against dense decompositions.
+
+#include "manycontact/sparse/dependent_rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+
+#include "manycontact/sparse/tolerances.hpp"
+#include "sparse/saddle_point.hpp"
+#include "spatial/compare.hpp"
+#include "support/allocations.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using sparse::DependentRows;
+
+struct Factor {
+  Symmetric K;
+  int nv;
+  double J_size;
+  sparse::LdlSymbolic symbolic;
+  sparse::LdlWorkspace work;
+  std::vector<double> L, D;
+  DependentRows rows;
+  int done = -1;
+
+  explicit Factor(const SaddlePoint& s)
+      : K(s.dense()), nv(s.nv()), J_size(s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
+    L.assign(symbolic.nonzeros(), NAN);
+    D.assign(K.n(), NAN);
+    factor();
+  }
+  void factor() {
+    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), nv, tolerance::kPivotLeft,
+                                        tolerance::kRank * J_size, work, L.data(), D.data(), rows);
+    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, J_size, L.data(), D.data(), rows);
+  }
+  void solve(double* x) {
+    project_out(rows, x);
+    sparse::ldl_solve(symbolic, L.data(), D.data(), x);
+    project_out(rows, x);
+  }
+  // N among the rows of J.
+  MatrixXd null_space() const {
+    MatrixXd N = MatrixXd::Zero(K.n() - nv, rows.dropped.size());
+    for (std::size_t c = 0; c < rows.dropped.size(); ++c)
+      for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) N(rows.Ni[p] - nv, c) = rows.Nx[p];
+    return N;
+  }
+  // P, column by column, as project_out takes it away.
+  MatrixXd projector() {
+    const int nc = K.n() - nv;
+    MatrixXd P(nc, nc);
+    for (int k = 0; k < nc; ++k) {
+      VectorXd y = VectorXd::Zero(K.n());
+      y[nv + k] = 1;
+      project_out(rows, y.data());
+      P.col(k) = VectorXd::Unit(nc, k) - y.tail(nc);
+    }
+    return P;
+  }
+};
+
+// What a projector's error grows by: coefficients of dependence, and rows kept that nearly coincide.
+struct Spectrum {
+  MatrixXd P;       // on the null space of J^T
+  double cond = 1;  // of J: largest by smallest singular value that is not zero
+
+  explicit Spectrum(const MatrixXd& J, double nothing = 1e-9) {
+    P.setIdentity(J.rows(), J.rows());
+    if (J.size() == 0) return;
+    const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeFullU);
+    const VectorXd sigma = svd.singularValues();
+    const auto rank = (sigma.array() > nothing * sigma[0]).count();
+    const auto range = svd.matrixU().leftCols(rank);
+    P -= range * range.transpose();
+    if (rank > 0) cond = sigma[0] / sigma[rank - 1];
+  }
+};
+
+double allowed(const Spectrum& truth, const DependentRows& rows) {
+  return 8 * kEps * truth.cond * (1 + rows.largest_entry * rows.largest_entry);
+}
+
+class DependentRowsOf : public testing::TestWithParam<SaddlePoint> {};
+INSTANTIATE_TEST_SUITE_P(Sparse, DependentRowsOf, testing::ValuesIn(saddle_points()), [](const auto& info) {
+  std::string name = info.param.name;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+});
+
+TEST_P(DependentRowsOf, AreThosePlanted) {
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  std::vector<int> expected;
+  for (int k : s.dropped) expected.push_back(s.nv() + k);
+  ASSERT_EQ(f.rows.dropped, expected);
+  EXPECT_EQ(static_cast<int>(f.rows.clusters.size()), s.clusters);
+  for (int k = 0; k < s.n(); ++k) {
+    const bool dropped = std::count(expected.begin(), expected.end(), k);
+    EXPECT_EQ(f.D[k] == INFINITY, dropped) << k;
+    if (!dropped) {
+      EXPECT_EQ(f.D[k] > 0, k < s.nv()) << k;
+    }
+  }
+
+  const MatrixXd N = f.null_space();
+  double largest = 0;
+  for (std::size_t c = 0; c < s.dropped.size(); ++c) {
+    EXPECT_EQ(N(s.dropped[c], c), 1);
+    EXPECT_EQ(f.rows.Ni[f.rows.Np[c]], s.nv() + s.dropped[c]) << "the dropped row stands first";
+    for (int k = 0; k < s.nc(); ++k) {
+      const bool another = k != s.dropped[c] && std::count(s.dropped.begin(), s.dropped.end(), k);
+      if (another) {
+        EXPECT_EQ(N(k, c), 0) << "a row dropped explains no other";
+      }
+    }
+  }
+  if (N.size() > 0) largest = size_of(N);
+  EXPECT_EQ(f.rows.largest_entry, largest);
+  if (N.size() == 0) return;
+  const double left = size_of(MatrixXd(s.J.transpose() * N));
+  EXPECT_LE(left, 1e-14 * std::max(1.0, largest) * s.J_size());
+  EXPECT_LE(f.rows.largest_residual, tolerance::kRowLeft);
+  EXPECT_TRUE(f.rows.believable());
+}
+
+TEST_P(DependentRowsOf, ProjectorIsTheDenseOne) {
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  if (s.nc() == 0) return;
+  const MatrixXd P = f.projector();
+  const Spectrum truth(s.J);
+  const double tolerance = allowed(truth, f.rows);
+  EXPECT_LE(difference_of(P, truth.P), tolerance);
+  EXPECT_LE(difference_of(MatrixXd(P * P), P), tolerance);
+  EXPECT_LE(difference_of(MatrixXd(P.transpose()), P), tolerance);
+  EXPECT_LE(size_of(MatrixXd(s.J.transpose() * P)), tolerance * s.J_size());
+}
+
+TEST_P(DependentRowsOf, ProjectOutGivesThePartThatItTakes) {
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  std::mt19937 rng(42);
+  const VectorXd given = random_matrix(s.n(), 1, rng), before = random_matrix(s.n(), 1, rng);
+  VectorXd y = given, null_part = before;
+  project_out(f.rows, y.data(), null_part.data());
+  EXPECT_EQ(y.head(s.nv()), given.head(s.nv())) << "rows of M are not its business";
+  EXPECT_EQ(null_part.head(s.nv()), before.head(s.nv()));
+  if (s.nc() == 0) return;
+  const Spectrum truth(s.J);
+  const double tolerance = allowed(truth, f.rows) * size_of(given);
+  EXPECT_LE(difference_of(y.tail(s.nc()), VectorXd(given.tail(s.nc()) - truth.P * given.tail(s.nc()))), tolerance);
+  EXPECT_LE(difference_of((null_part - before).tail(s.nc()).eval(), VectorXd(truth.P * given.tail(s.nc()))), tolerance)
+      << "P y is added to what is there";
+}
+
+// Columns first ... first+cols-1 of a panel whose rows stand in another order; all else is left alone.
+TEST_P(DependentRowsOf, PanelEqualsColumns) {
+  using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  std::mt19937 rng(43);
+  std::vector<int> row(s.n());
+  for (int k = 0; k < s.n(); ++k) row[k] = k + 1;  // row 0 of the panel is nobody's
+  std::shuffle(row.begin(), row.end(), rng);
+  for (const auto& [ld, first, cols] : {std::array{1, 0, 1}, {9, 2, 5}, {40, 3, 37}, {6, 6, 0}, {70, 0, 70}}) {
+    const Panel given = random_matrix(s.n() + 1, ld, rng);
+    Panel X = given;
+    project_out_panel(f.rows, row.data(), X.data(), ld, first, cols);
+    Panel expected = given;
+    for (int c = first; c < first + cols; ++c) {
+      VectorXd y(s.n());
+      for (int k = 0; k < s.n(); ++k) y[k] = given(row[k], c);
+      project_out(f.rows, y.data());
+      for (int k = 0; k < s.n(); ++k) expected(row[k], c) = y[k];
+    }
+    const double tolerance = 8 * kEps * size_of(given) * (1 + f.rows.largest_entry * f.rows.largest_entry);
+    EXPECT_LE(difference_of(X, expected), tolerance) << ld << " " << first << " " << cols;
+    X.middleCols(first, cols) = given.middleCols(first, cols);
+    EXPECT_EQ(X, given) << "columns outside were touched";
+  }
+}
+
+// [a; y] of least squares and least norm: the dense decomposition's of K with a right-hand side that J can meet.
+TEST_P(DependentRowsOf, AnswerIsTheDenseDecompositions) {
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  std::mt19937 rng(44);
+  const Spectrum of_J(s.J), of_K(s.dense(), 1e-13);  // in K the smallest of J stand squared
+  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod = [&s] {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> out;
+    out.setThreshold(1e-13);
+    out.compute(s.dense());
+    return out;
+  }();
+  for (int trial = 0; trial < 3; ++trial) {
+    VectorXd b = random_matrix(s.n(), 1, rng);  // b2 contradicts itself
+    VectorXd x = b;
+    f.solve(x.data());
+    if (s.nc() > 0) b.tail(s.nc()) -= of_J.P * b.tail(s.nc());
+    const VectorXd expected = cod.solve(b);
+    const double z = f.rows.largest_entry;
+    EXPECT_LE(difference_of(x, expected), 8 * kEps * (1 + z * z) * of_K.cond * size_of(expected));
+    if (s.nc() == 0) continue;
+    const VectorXd left = s.J * x.head(s.nv()) - b.tail(s.nc());
+    EXPECT_LE(size_of(VectorXd(s.J.transpose() * left)),
+              8 * kEps * (1 + z * z) * s.n() * s.J_size() * s.J_size() * size_of(x))
+        << "least squares";
+    EXPECT_LE(size_of(VectorXd(of_J.P * x.tail(s.nc()))), allowed(of_J, f.rows) * size_of(x)) << "least norm";
+  }
+}
+
+TEST_P(DependentRowsOf, AllocateNothingAgain) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc is not ours to count";
+  const SaddlePoint& s = GetParam();
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  const MatrixXd N = f.null_space(), P = f.projector();
+  std::vector<int> row(s.n());
+  for (int k = 0; k < s.n(); ++k) row[k] = k;
+  MatrixXd X = MatrixXd::Ones(8, s.n());
+  const auto work = [&] {
+    f.factor();
+    f.solve(X.data());
+    project_out_panel(f.rows, row.data(), X.data(), 8, 0, 8);
+  };
+  work();
+  EXPECT_EQ(allocations(work), 0u);
+  EXPECT_EQ(f.null_space(), N) << "nothing of an earlier factor may stay";
+  EXPECT_EQ(f.projector(), P);
+}
+
+TEST(DependentRows, StorageIsReusedForOtherMatrices) {
+  Factor f(saddle_points()[4]);
+  for (const SaddlePoint& s : saddle_points()) {
+    SCOPED_TRACE(s.name);
+    Factor fresh(s), used(s);
+    used.rows = f.rows;
+    used.factor();
+    EXPECT_EQ(used.rows.dropped, fresh.rows.dropped);
+    EXPECT_EQ(used.null_space(), fresh.null_space());
+    EXPECT_EQ(used.projector(), fresh.projector());
+    f.rows = used.rows;
+  }
+}
+
+// In between dependent and not, rounding decides which rows are: the rows themselves tell.
+TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
+  std::mt19937 rng(45);
+  SaddlePoint s{"nearly", random_positive(9, 0.4, rng), random_matrix(5, 9, rng)};
+  const Eigen::RowVectorXd other = s.J.row(3);
+  for (double apart : {1e-6, 1e-8, 1e-11}) {
+    s.J.row(3) = s.J.row(0) - s.J.row(1) + apart * other;
+    Factor f(s);
+    ASSERT_EQ(f.done, s.n());
+    ASSERT_EQ(f.rows.dropped, std::vector<int>{12}) << apart;
+    EXPECT_FALSE(f.rows.believable()) << apart;
+    EXPECT_GE(f.rows.largest_residual, 0.1 * apart) << "refinement may not hide that";
+    EXPECT_LE(f.rows.largest_residual, 10 * apart);
+  }
+  s.J.row(3) = s.J.row(0) - s.J.row(1) + 1e-4 * other;
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  EXPECT_TRUE(f.rows.dropped.empty()) << "1e-8 of its pivot is left";
+}
+
+// Nearly coincident rows kept make l_k inaccurate: what refinement is for. Where none helps, it says so.
+TEST(DependentRows, AreRefinedWherePivotsKeptAreSmall) {
+  std::mt19937 rng(46);
+  for (int trial = 0; trial < 20; ++trial) {
+    SaddlePoint s{"refined", random_positive(12, 0.4, rng), random_matrix(6, 12, rng)};
+    s.J.row(2) = s.J.row(0) + 3e-5 * s.J.row(2);
+    s.J.row(3) = s.J.row(1) + 3e-5 * s.J.row(3);
+    s.J.row(5) = s.J.row(0) + s.J.row(1) + s.J.row(2) - s.J.row(3) + s.J.row(4);
+    Factor f(s);
+    ASSERT_EQ(f.done, s.n());
+    ASSERT_EQ(f.rows.dropped, std::vector<int>{17});
+    EXPECT_LE(f.rows.largest_residual, tolerance::kNullColumn);
+    EXPECT_LE(size_of(MatrixXd(s.J.transpose() * f.null_space())), tolerance::kNullColumn * s.J_size());
+  }
+}
+
+TEST(DependentRows, AreNotBelievedWhereCoefficientsAreLarge) {
+  std::mt19937 rng(47);
+  SaddlePoint s{"small row first", random_positive(9, 0.4, rng), random_matrix(5, 9, rng)};
+  s.J.row(0) *= 1e-2;
+  for (double large : {29.0, 31.0, 1e4}) {
+    s.J.row(3) = large * s.J.row(0);
+    Factor f(s);
+    ASSERT_EQ(f.rows.dropped, std::vector<int>{12});
+    EXPECT_NEAR(f.rows.largest_entry, large, 1e-9 * large);
+    EXPECT_EQ(f.rows.believable(), large < tolerance::kLargestEntry);
+  }
+}
+
+TEST(DependentRows, RowsBelowNothingAreDroppedWhateverTheirDirection) {
+  std::mt19937 rng(48);
+  SaddlePoint s{"tiny", random_positive(9, 0.4, rng), random_matrix(4, 9, rng)};
+  s.J.row(2) *= 1e-13;
+  Factor f(s);
+  ASSERT_EQ(f.done, s.n());
+  EXPECT_EQ(f.rows.dropped, std::vector<int>{11});
+  s.J.row(2) *= 1e3;  // 1e-10 of the others: small, and a direction of its own
+  Factor g(s);
+  ASSERT_EQ(g.done, s.n());
+  EXPECT_TRUE(g.rows.dropped.empty());
+}
+
+// Rows of M are never dropped: what is wrong with them is returned.
+TEST(DependentRows, ARowOfMWithoutPivotIsReturned) {
+  std::mt19937 rng(49);
+  SaddlePoint s{"singular M", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
+  s.M.row(4).setZero(), s.M.col(4).setZero();
+  EXPECT_EQ(Factor(s).done, 4) << "zero";
+  s.M = random_positive(6, 1, rng);
+  s.M(4, 4) *= -1;
+  EXPECT_EQ(Factor(s).done, 4) << "negative";
+  const MatrixXd half = random_matrix(6, 5, rng);
+  s.M = half * half.transpose();
+  EXPECT_EQ(Factor(s).done, 5) << "only rounding is left of the last";
+}
+
+TEST(DependentRows, ARowOfJWithAPivotOfTheWrongSignIsReturned) {
+  std::mt19937 rng(50);
+  const SaddlePoint s{"wrong sign", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
+  Factor f(s);
+  f.K.x[f.K.pattern.slot(7, 7)] = 100;
+  f.factor();
+  EXPECT_EQ(f.done, 7);
+}
+
+TEST(DependentRows, WhatIsNotANumberIsReturned) {
+  std::mt19937 rng(51);
+  const SaddlePoint s{"not finite", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
+  for (double bad : {static_cast<double>(NAN), static_cast<double>(INFINITY)})
+    for (const auto& [row, col] : {std::pair{2, 2}, {1, 4}, {3, 7}}) {
+      Factor f(s);
+      f.K.x[f.K.pattern.slot(row, col)] = bad;
+      f.factor();
+      EXPECT_LE(f.done, std::max(col, 7)) << bad << " at " << row << ", " << col;
+      EXPECT_GE(f.done, col);
+    }
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,160 @@
+// Many right-hand sides at once against one by one, at every width: the kernels of all chunks of columns.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "manycontact/sparse/ldl.hpp"
+#include "sparse/symmetric.hpp"
+#include "spatial/compare.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Sparse enough that parts of the elimination tree are reached from few rows.
+struct Factor {
+  Symmetric A;
+  sparse::LdlSymbolic symbolic;
+  std::vector<double> L, D;
+  std::vector<int> row;  // of the panel, which has one more
+
+  Factor(int n, double density, std::mt19937& rng)
+      : A(random_positive(n, density, rng)), symbolic(sparse::ldl_analyze(A.pattern)), row(n) {
+    for (int k = 0; k < n / 3; ++k) A.x[A.pattern.p[k + 1] - 1] *= -1;  // pivots of both signs
+    sparse::LdlWorkspace work;
+    L.resize(symbolic.nonzeros());
+    D.resize(n);
+    EXPECT_EQ(sparse::ldl_factor(A.pattern, symbolic, A.x.data(), work, L.data(), D.data()), n);
+    std::iota(row.begin(), row.end(), 1);
+    std::shuffle(row.begin(), row.end(), rng);
+  }
+  int n() const { return symbolic.n; }
+
+  // Columns first ... first+cols-1 one by one.
+  Panel one_by_one(const Panel& given, int first, int cols) const {
+    Panel X = given;
+    std::vector<double> x(n());
+    for (int c = first; c < first + cols; ++c) {
+      for (int k = 0; k < n(); ++k) x[k] = given(row[k], c);
+      sparse::ldl_solve(symbolic, L.data(), D.data(), x.data());
+      for (int k = 0; k < n(); ++k) X(row[k], c) = x[k];
+    }
+    return X;
+  }
+  // Flags after the call: rows of L^-1 B that may be other than zero.
+  std::vector<char> reached(std::vector<char> nonzero) const {
+    for (int k = 0; k < n(); ++k)
+      for (int i = symbolic.parent[k]; nonzero[k] && i >= 0; i = symbolic.parent[i]) nonzero[i] = 1;
+    return nonzero;
+  }
+  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: sums run in the same order, so that only the scaling by
+  // 1 / D and, where there is one, the machine's fused multiply-add make a difference.
+  double allowed(const Panel& given) const {
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n(), n());
+    for (int j = 0; j < n(); ++j)
+      for (int k = symbolic.Lp[j]; k < symbolic.Lp[j + 1]; ++k) dense(symbolic.Li[k], j) = L[k];
+    const Eigen::MatrixXd inverse =
+        dense.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(n(), n())).cwiseAbs();
+    const Eigen::VectorXd d = Eigen::Map<const Eigen::VectorXd>(D.data(), n()).cwiseAbs().cwiseInverse();
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n());
+    return 4 * kEps * size_of(given) * (inverse.transpose() * d.asDiagonal() * inverse * ones).maxCoeff();
+  }
+};
+
+// Columns beside the panel's are poisoned: read, they would spoil it; written, they would be other than before.
+Panel poisoned(int rows, int ld, int first, int cols, std::mt19937& rng) {
+  Panel X = Panel::Constant(rows, ld, NAN);
+  X.middleCols(first, cols) = random_matrix(rows, cols, rng);
+  return X;
+}
+
+void expect_solved(const Factor& f, const Panel& given, int first, int cols, std::vector<char> nonzero) {
+  const std::vector<char> reached = f.reached(nonzero);
+  Panel X = given;
+  const int ld = static_cast<int>(X.cols());
+  sparse::ldl_solve_panel(f.symbolic, f.L.data(), f.D.data(), f.row.data(), X.data(), ld, first, cols, nonzero.data());
+  EXPECT_EQ(nonzero, reached);
+  const Panel expected = f.one_by_one(given, first, cols);
+  EXPECT_LE(difference_of(X.middleCols(first, cols), expected.middleCols(first, cols)),
+            f.allowed(given.middleCols(first, cols)));
+  EXPECT_EQ(X.row(0).middleCols(first, cols), given.row(0).middleCols(first, cols)) << "a row of nobody's";
+  EXPECT_TRUE(X.leftCols(first).array().isNaN().all()) << "columns before";
+  EXPECT_TRUE(X.rightCols(ld - first - cols).array().isNaN().all()) << "columns behind";
+}
+
+TEST(LdlSolvePanel, EveryWidthEqualsColumnByColumn) {
+  std::mt19937 rng(61);
+  const Factor f(40, 0.06, rng);
+  for (int cols = 0; cols <= 70; ++cols)
+    for (const auto& [first, behind] : {std::pair{0, 0}, {1, 0}, {3, 5}, {16, 1}}) {
+      SCOPED_TRACE(testing::Message() << cols << " columns from " << first << ", " << behind << " behind");
+      const Panel given = poisoned(f.n() + 1, first + cols + behind, first, cols, rng);
+      expect_solved(f, given, first, cols, std::vector<char>(f.n(), 1));
+    }
+}
+
+TEST(LdlSolvePanel, ZeroRowsMayBeLeftOut) {
+  std::mt19937 rng(62);
+  for (double density : {0.02, 0.1, 0.5}) {
+    const Factor f(40, density, rng);
+    for (int cols : {1, 8, 16, 27, 70})
+      for (double kept : {0.0, 0.05, 0.3, 1.0}) {
+        SCOPED_TRACE(testing::Message() << cols << " columns, " << kept << " of the rows");
+        Panel given = poisoned(f.n() + 1, cols + 4, 2, cols, rng);
+        std::vector<char> nonzero(f.n());
+        for (int k = 0; k < f.n(); ++k) {
+          nonzero[k] = std::bernoulli_distribution(kept)(rng);
+          if (!nonzero[k]) given.row(f.row[k]).segment(2, cols).setZero();
+        }
+        expect_solved(f, given, 2, cols, nonzero);
+      }
+  }
+}
+
+// Dropped rows of dependent_rows.hpp: an infinite pivot gives zero.
+TEST(LdlSolvePanel, InfinitePivotsGiveZero) {
+  std::mt19937 rng(63);
+  Factor f(12, 0, rng);
+  f.D[5] = INFINITY;
+  for (int cols : {1, 8, 16, 64}) {
+    Panel X = random_matrix(f.n() + 1, cols, rng);
+    std::vector<char> nonzero(f.n(), 1);
+    sparse::ldl_solve_panel(f.symbolic, f.L.data(), f.D.data(), f.row.data(), X.data(), cols, 0, cols, nonzero.data());
+    EXPECT_EQ(size_of(X.row(f.row[5])), 0);
+  }
+}
+
+TEST(LdlSolvePanel, OfNothing) {
+  const sparse::LdlSymbolic none = sparse::ldl_analyze(sparse::make_pattern(0, {}));
+  sparse::ldl_solve_panel(none, nullptr, nullptr, nullptr, nullptr, 5, 0, 5, nullptr);
+}
+
+// b - K X of a panel, against the dense product.
+TEST(ResidualPanel, EqualsTheDenseOne) {
+  std::mt19937 rng(64);
+  const Factor f(30, 0.1, rng);
+  Eigen::MatrixXd A = f.A.dense;
+  for (int k = 0; k < f.n(); ++k) A(k, k) = f.A.x[f.A.pattern.p[k + 1] - 1];
+  for (const auto& [cols, behind] : {std::pair{1, 0}, {7, 2}, {64, 0}, {33, 3}}) {
+    const Panel X = poisoned(f.n() + 1, cols + behind, 0, cols, rng);
+    const Panel given = poisoned(f.n() + 1, cols + behind, 0, cols, rng);
+    Panel B = given;
+    sparse::residual_panel(f.A.pattern, f.A.x.data(), f.row.data(), X.data(), B.data(), cols + behind, cols);
+    Eigen::MatrixXd x(f.n(), cols), b(f.n(), cols), r(f.n(), cols);
+    for (int k = 0; k < f.n(); ++k) {
+      x.row(k) = X.row(f.row[k]).head(cols);
+      b.row(k) = given.row(f.row[k]).head(cols);
+      r.row(k) = B.row(f.row[k]).head(cols);
+    }
+    const Eigen::MatrixXd scale = b.cwiseAbs() + A.cwiseAbs() * x.cwiseAbs();
+    EXPECT_LE(size_of(((r - (b - A * x)).array() / scale.array()).matrix().eval()), 16 * kEps);
+    EXPECT_EQ(B.row(0).head(cols), given.row(0).head(cols));
+    EXPECT_TRUE(B.rightCols(behind).array().isNaN().all());
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
