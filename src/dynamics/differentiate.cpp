@@ -47,7 +47,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
   derivative_rhs(scene, *w.linearisation, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
   if (deficient && !d.rows) d.rows = std::make_unique<DependentDerivatives>();
-  if (deficient && data.report.islands[i].status == Status::kInconsistent) add_contradiction(scene, data, d, out);
+  if (deficient && d.contradiction) add_contradiction(scene, data, d, out);
   solve_panel(scene, d, out, w.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);

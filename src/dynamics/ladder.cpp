@@ -95,9 +95,10 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.order = rung.order;
   if (rung.way == Way::kChosen && rung.damping == 0 && has_vanishing_row(scene, d)) return Reason::kSmallPivot;
   if (const Reason reason = factor.factorize(d.K, scratch); reason != Reason::kNone) return reason;
-  const sparse::Refinement refinement = solve_refined(factor, d.K, d.v, tolerance::kRefinementSteps);
+  const int own = factor.own_refinements();
+  const sparse::Refinement refinement = solve_refined(factor, d.K, d.v, own > 0 ? 0 : tolerance::kRefinementSteps);
   report.factor_nonzeros = factor.nonzeros();
-  report.refinement_steps = refinement.steps;
+  report.refinement_steps = own + refinement.steps;
   if (!all_finite(d.v.x)) return all_finite(d.K.values) && all_finite(d.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
   // the oracle's answer is the best there is
   if (rung.way != Way::kDense && !(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
@@ -106,9 +107,10 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   d.first_error = refinement.first;
   report.rank = factor.rank();
   report.status = Status::kOk;
+  d.contradiction = false;
   if (rank_deficient(d)) {
-    const bool contradiction = contradictory(*d.K.pattern, d.v, drift_size(scene, *data.workspace, d.island));
-    report.status = contradiction ? Status::kInconsistent : Status::kRedundant;
+    d.contradiction = contradictory(*d.K.pattern, d.v, drift_size(scene, *data.workspace, d.island));
+    report.status = d.contradiction ? Status::kInconsistent : Status::kRedundant;
     name_dependent_rows(data, d, report);
   }
   return Reason::kNone;

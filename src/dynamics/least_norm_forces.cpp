@@ -16,7 +16,7 @@ void any_motion(const IslandWork& d, DependentDerivatives& w) {
   w.x.setZero(d.island.size());
   w.y.resize(d.island.nv);
   for (int k = 0; k < d.island.nc; ++k) w.x[iperm[d.island.nv + k]] = w.f[k];
-  d.factor->solve(w.x.data());
+  d.factor->some_motion(w.x.data());
   for (int k = 0; k < d.island.nv; ++k) w.y[k] = w.x[iperm[k]];
 }
 

@@ -1,5 +1,7 @@
 #include "scene_identity.hpp"
 
+#include <cstring>
+
 namespace manycontact {
 
 SceneIdentity::SceneIdentity(const Scene& scene) {
@@ -9,13 +11,20 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
 
 namespace {
 
+// Bit by bit: NaN is what it was.
+template <class Matrix>
+bool differ(const Matrix& x, const Matrix& y) {
+  return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;
+}
+
 // What may not change under data in use (data.hpp), as `contact` was and is. Null: nothing did.
 const char* changed(const Contact& was, const Contact& is) {
   if (was.type != is.type) return "type";
   if (was.A.robot != is.A.robot || was.A.joint != is.A.joint) return "body A";
   if (was.B.robot != is.B.robot || was.B.joint != is.B.joint) return "body B";
-  if (was.A.placement.p != is.A.placement.p || was.A.placement.R != is.A.placement.R) return "placement on A";
-  return was.axis != is.axis ? "axis" : nullptr;
+  if (differ(was.A.placement.p, is.A.placement.p) || differ(was.A.placement.R, is.A.placement.R))
+    return "placement on A";
+  return differ(was.axis, is.axis) ? "axis" : nullptr;
 }
 
 std::string counts(const char* what, std::size_t was, std::size_t is) {

@@ -70,12 +70,14 @@ void solve_panel(const Scene& scene, IslandWork& d, IslandDerivatives& out, Pane
   // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
   reserve(work.nonzero, d.island.size());
   reserve(work.B, out.X.size());
-  const bool judged = !d.factor->panel_is_like_solve();
-  const bool refine = judged || d.first_error > tolerance::kRefinePanel;
+  reserve(work.R, out.X.size());
+  const bool judged = !d.factor->panel_is_like_solve() ||
+                      d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kRefinePanel;
+  const bool refine = d.factor->own_refinements() == 0 && (judged || d.first_error > tolerance::kRefinePanel);
   if (refine) std::copy_n(out.X.data(), out.X.size(), work.B.data());
   solve_blocks(scene, d, out, work.nonzero);
   if (!refine) return;
-  const double left = refine_panel(*d.factor, d.K, out.X.data(), static_cast<int>(out.X.cols()), work);
+  const double left = refine_panel(*d.factor, d.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
   if (!(left <= tolerance::kConverged)) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 

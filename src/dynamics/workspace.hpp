@@ -53,6 +53,7 @@ struct IslandWork {
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
   double first_error = 0;                       // backward error before refinement
+  bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
   std::vector<int> dependent;                   // scratch: rows of J
 
@@ -73,7 +74,9 @@ struct ProductWork {
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
   KktVectors v;                // of an island's system
-  Eigen::VectorXd in, out;     // of an island whose derivatives are formed
+  struct {
+    Eigen::VectorXd columns, rows;
+  } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
 };
 
 /// Scratch of prepare.

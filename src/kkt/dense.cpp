@@ -24,9 +24,9 @@ namespace {
 
 // A pivot that is no more than rounding of the terms it was computed from.
 template <class S>
-bool is_noise(const S& pivot, const S& terms) {
+bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRounding) {
   using std::abs;
-  return !(abs(pivot) > S(tolerance::kRounding) * std::numeric_limits<S>::epsilon() * terms);
+  return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
 template <class S>
@@ -50,7 +50,7 @@ bool sound(const Eigen::PartialPivLU<MatX<S>>& lu) {
   const MatX<S>& LU = lu.matrixLU();
   for (int k = 0; k < LU.rows(); ++k) {
     const S terms = LU.row(k).head(k).cwiseAbs() * LU.col(k).head(k).cwiseAbs();
-    if (is_noise<S>(LU(k, k), terms)) return false;
+    if (is_noise<S>(LU(k, k), terms, tolerance::kDampingRounding)) return false;
   }
   return true;
 }

@@ -4,7 +4,7 @@
 
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

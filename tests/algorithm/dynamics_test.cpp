@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include "algorithm/shapes.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

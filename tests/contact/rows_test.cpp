@@ -7,7 +7,7 @@
 
 #include "contact/scene_rows.hpp"
 #include "manycontact/contact/reference.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -4,7 +4,7 @@
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "manycontact/dynamics/solve.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 #include "support/methods.hpp"
 #include "support/scenes.hpp"
 

@@ -11,7 +11,7 @@
 #include "kkt/island_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/scenes.hpp"
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "sparse/allocations.hpp"
+#include "support/allocations.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 

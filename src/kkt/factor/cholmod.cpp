@@ -24,6 +24,7 @@ class CholmodFactor final : public Factor {
     if (!cholmod_->factorize(K.values.data())) return Reason::kZeroPivot;
     cholmod_->pivots(D_.data());
     const double ratio = cholmod_->smallest_pivot_ratio(K.values.data(), scratch.scale.data());
+    growth_ = internal::growth_of(K, scratch.scale.data());
     return internal::judge_pivots(*pattern_, D_.data(), ratio);
   }
 
@@ -35,6 +36,7 @@ class CholmodFactor final : public Factor {
     internal::put_columns(*pattern_, columns_, X, ld, first, cols);
   }
 
+  double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override { return cholmod_->factor_nonzeros(); }
 
@@ -43,6 +45,7 @@ class CholmodFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   std::optional<sparse::Cholmod> cholmod_;
   std::vector<double> D_, columns_;
+  double growth_ = 1;
 };
 
 }  // namespace

@@ -38,6 +38,16 @@ class DenseFactor final : public Factor {
     panel.bottomRows(kkt_.nc()) = -f;
   }
 
+  // J^+ f
+  void some_motion(double* x) override {
+    if (rank() == kkt_.nc()) return solve(x);
+    Eigen::VectorXd a(kkt_.nv()), f(kkt_.nc());
+    internal::split(*pattern_, x, a, f);
+    const Eigen::VectorXd motion = kkt_.cod.transpose().solve(f);
+    internal::join(*pattern_, motion, f, x);
+  }
+  int own_refinements() const override { return 1; }
+
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();

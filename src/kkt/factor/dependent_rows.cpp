@@ -2,6 +2,7 @@
 
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "pivots.hpp"
 
 namespace manycontact {
 
@@ -24,6 +25,7 @@ class DependentRowsFactor final : public Factor {
                                                   tolerance::kRank * K.row_size, scratch.ldl, L_.data(), D_.data(),
                                                   dependence_);
     if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
+    growth_ = growth(K, scratch.scale);
     sparse::find_null_space(p.K, p.ldl, Kx, p.nv, K.row_size, L_.data(), D_.data(), dependence_);
     return dependence_.believable() ? Reason::kNone : Reason::kSmallPivot;
   }
@@ -46,6 +48,7 @@ class DependentRowsFactor final : public Factor {
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
+  double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc - static_cast<int>(dependence_.dropped.size()); }
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
@@ -61,7 +64,19 @@ class DependentRowsFactor final : public Factor {
  private:
   std::shared_ptr<const KktPattern> pattern_;
   std::vector<double> L_, D_;
+  // As growth_of, without the rows dropped, of which D is infinite.
+  double growth(const KktMatrix& K, std::vector<double>& scale) const {
+    const sparse::LdlSymbolic& s = pattern_->ldl;
+    scale.resize(std::max<std::size_t>(scale.size(), K.size()));
+    std::fill_n(scale.begin(), K.size(), 0.0);
+    for (int j = 0; j < s.n; ++j)
+      for (int k = s.Lp[j]; std::isfinite(D_[j]) && k < s.Lp[j + 1]; ++k)
+        scale[s.Li[k]] += L_[k] * L_[k] * std::abs(D_[j]);
+    return std::max(1.0, internal::growth_of(K, scale.data()));
+  }
+
   sparse::DependentRows dependence_;
+  double growth_ = 1;
 };
 
 }  // namespace

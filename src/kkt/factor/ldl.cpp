@@ -20,6 +20,7 @@ class LdlFactor final : public Factor {
       return Reason::kZeroPivot;
     const double ratio = sparse::smallest_pivot_ratio(pattern_->K, symbolic, Kx, L_.data(), D_.data(),
                                                       scratch.scale.data());
+    growth_ = internal::growth_of(K, scratch.scale.data());
     return internal::judge_pivots(*pattern_, D_.data(), ratio);
   }
 
@@ -29,12 +30,14 @@ class LdlFactor final : public Factor {
     sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), pattern_->perm.data(), X, ld, first, cols, nonzero);
   }
 
+  double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
   std::shared_ptr<const KktPattern> pattern_;
   std::vector<double> L_, D_;
+  double growth_ = 1;
 };
 
 }  // namespace

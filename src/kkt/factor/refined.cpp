@@ -59,13 +59,15 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
   }
   double worst = 0;
   for (int c = 0; c < ld; ++c)
-    if (r[c] != 0 && !(r[c] <= worst * (norm * x[c] + b[c]))) worst = r[c] / (norm * x[c] + b[c]);
+    if (!(r[c] <= tolerance::kVanishing) && !(r[c] <= worst * (norm * x[c] + b[c])))
+      worst = r[c] / (norm * x[c] + b[c]);
   return worst;
 }
 
 }  // namespace
 
-double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work) {
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool judged,
+                    PanelWork& work) {
   const KktPattern& p = *K.pattern;
   const std::size_t size = static_cast<std::size_t>(K.size()) * ld;
   double* B = work.B.data();
@@ -74,14 +76,15 @@ double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, Panel
     factor.solve_panel(R.data(), ld, 0, ld, work.nonzero.data());
     for (std::size_t k = 0; k < size; ++k) X[k] += R[k];
   };
-  if (factor.panel_is_like_solve()) {
+  if (!judged) {
     sparse::refine_unjudged(
         1, [&] { sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, B, ld, ld); },
         [&] { correct_by(work.B); });
     return 0;
   }
   const auto residual = [&] {
-    work.R.assign(B, B + size);
+    if (work.R.size() < size) work.R.resize(size);
+    std::copy_n(B, size, work.R.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, work.R.data(), ld, ld);
     return column_error(K, ld, B, X, work.R.data(), work.sums);
   };

@@ -24,7 +24,12 @@ class SchurFactor final : public Factor {
     const SchurPattern& p = *shape_->schur();
     if (!form_schur(shape_->scene(), shape_->island(), shape_->support(), p, M_, J_, K.damping, data_))
       return Reason::kSingularInertia;
+    growth_ = 1;
     if (K.nc() == 0) return Reason::kNone;
+    double largest_S = 0, largest_K = 0;
+    for (int k = 0; k < K.nc(); ++k) largest_S = std::max(largest_S, data_.Sx[p.S.p[k + 1] - 1]);
+    for (int k = 0; k < K.size(); ++k) largest_K = std::max(largest_K, K.values[K.pattern->K.p[k + 1] - 1]);
+    growth_ = std::max(1.0, largest_S / largest_K);
     if (!cholmod_) cholmod_.emplace(shape_->cholmod_schur());
     if (!cholmod_->factorize(data_.Sx.data())) return Reason::kSmallPivot;
     return cholmod_->rcond() < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
@@ -38,6 +43,7 @@ class SchurFactor final : public Factor {
     internal::put_columns(*pattern_, columns_, X, ld, first, cols);
   }
 
+  double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override {
     return static_cast<int>(M_.size()) + (cholmod_ ? cholmod_->factor_nonzeros() : 0);
@@ -58,6 +64,7 @@ class SchurFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   std::vector<double> M_, J_, columns_;
   SchurData data_;
+  double growth_ = 1;
   std::optional<sparse::Cholmod> cholmod_;
 };
 

@@ -41,8 +41,17 @@ class Factor {
 
   /// Of the factor, diagonals included.
   virtual int nonzeros() const = 0;
-  /// Whether a panel's columns come out as accurate as a single solve: then the backward error of that tells whether
-  /// the panel needs refinement. Otherwise panels are judged by their own residual.
+  /// Where J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
+  /// contacts' rows are overwritten.
+  virtual void some_motion(double* x) { solve(x); }
+
+  /// Steps of refinement that solve and solve_panel make by themselves; their answers are then final.
+  virtual int own_refinements() const { return 0; }
+  /// Growth of K's entries during elimination: the largest term of a pivot over the largest diagonal of K. The backward
+  /// error of an unrefined solve is about eps times that, for some right-hand sides if not for the one at hand.
+  virtual double growth() const { return 1; }
+  /// Whether a panel's columns come out as accurate as a single solve: then growth and the backward error of that tell
+  /// whether the panel needs refinement. Otherwise panels are judged by their own residual.
   virtual bool panel_is_like_solve() const { return true; }
 };
 

@@ -18,9 +18,9 @@ struct PanelWork {
   std::vector<char> nonzero;  // a flag per row of K, at least
 };
 
-/// X <- X + K^-1 (B - K X) for a whole panel X with row stride ld, rows in the island's order, padding included: once
-/// where factor.panel_is_like_solve(), and 0 is returned; else until the largest residual of a column is rounding, and
-/// that is returned, relative to |K|_1 |X| + |B|.
-double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
+/// X <- X + K^-1 (B - K X) for a whole panel X with row stride ld, rows in the island's order, padding included. Not
+/// `judged`: once, and 0 is returned. Else until the largest residual of a column is rounding, and that is returned,
+/// relative to |K|_1 |X| + |B|.
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool judged, PanelWork& work);
 
 }  // namespace manycontact

@@ -26,6 +26,11 @@ inline constexpr double kRank = 1e-11;
 /// The articulated-body algorithm (floor algorithm, which does not see this file) has the same number.
 inline constexpr int kRounding = 16;
 
+/// Pivots of a damped K, in the same units: below, the damping counts as lost (regularised). A pivot that is c eps of
+/// its terms leaves 1/c of the forces, so these are good to 1 % or better above it.
+/// Used by: LU of the dense oracle.
+inline constexpr int kDampingRounding = 100 * kRounding;
+
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
@@ -62,6 +67,8 @@ inline constexpr double kConverged = 1e-12;
 
 /// Backward error of an unrefined solve above which panels of derivatives are refined once: derivatives are allowed
 /// 1000 eps cond(K) = 2.2e-13 cond(K), of which an unrefined solve then takes less than a quarter.
+/// Growth of K's entries during elimination counts as such an error, eps times it: a right-hand side may show it that
+/// the solve's own did not.
 /// Used by: solve_panel.
 inline constexpr double kRefinePanel = 5e-14;
 
@@ -74,6 +81,10 @@ inline constexpr int kDenseSchurSteps = 2;
 /// kConverged they are believed.
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // the first is the solve itself
+
+/// What is smaller than this has lost relative digits by underflow (the smallest normal number is 2e-308): such a
+/// residual of a column says nothing. Used by: refine_panel.
+inline constexpr double kVanishing = 1e-290;
 
 /// Quadruple precision: normwise residual of an answer that counts as truth, 1e4 of float128's eps = 2e-30.
 /// Steps: each gains at least a factor 2, and 30 digits are 100 factors; usual are 10 digits a step. A factor that
