@@ -22,8 +22,8 @@ MatX<S> kkt(const MatX<S>& M, const MatX<S>& J, const MatX<S>& lower_right) {
 }
 
 template <class S>
-S norm_1(const MatX<S>& A) {
-  return A.cwiseAbs().colwise().sum().maxCoeff();
+double norm_1(const MatX<S>& A) {
+  return static_cast<double>(S(A.cwiseAbs().colwise().sum().maxCoeff()));
 }
 
 // Orthonormal basis of the null space of J^T, J being of the given rank.
@@ -40,39 +40,40 @@ MatX<S> null_space(const MatX<S>& J, int rank) {
 //
 // since K is zero on [0; Z] and -Z Z^T is -I there.
 template <class S>
-double condition_in(const IslandSystem<Quad>& system, double delta, int rank) {
+Condition condition_in(const IslandSystem<Quad>& system, double delta, int rank) {
   const MatX<S> M = system.M.template cast<S>();
   MatX<S> J = system.J.template cast<S>();
   const Eigen::Index nc = J.rows();
   if (delta > 0 || rank == nc) {
     const MatX<S> K = kkt<S>(M, J, -S(delta) * MatX<S>::Identity(nc, nc));
-    return static_cast<double>(norm_1<S>(K) * norm_1<S>(K.partialPivLu().inverse()));
+    return {norm_1<S>(K), norm_1<S>(K.partialPivLu().inverse())};
   }
   const MatX<S> Z = null_space<S>(J, rank), ZZ = Z * Z.transpose();
   J -= ZZ * J;
   MatX<S> inverse = kkt<S>(M, J, -ZZ).partialPivLu().inverse();
   inverse.bottomRightCorner(nc, nc) += ZZ;
-  return static_cast<double>(norm_1<S>(kkt<S>(M, J, MatX<S>::Zero(nc, nc))) * norm_1<S>(inverse));
+  return {norm_1<S>(kkt<S>(M, J, MatX<S>::Zero(nc, nc))), norm_1<S>(inverse)};
 }
 
 }  // namespace
 
-double condition(const IslandSystem<Quad>& system, double delta, int rank) {
-  if (!system.M.allFinite() || !system.J.allFinite()) return kInfinity;
+Condition condition(const IslandSystem<Quad>& system, double delta, int rank) {
+  if (!system.M.allFinite() || !system.J.allFinite()) return {kInfinity, kInfinity};
   // The inverse loses as many digits as the condition has. Most are content with those of long double.
-  const auto good = [](double c, double eps) { return c * eps < 1e-3; };
-  double c = condition_in<long double>(system, delta, rank);
+  const auto good = [](const Condition& c, double eps) { return c.product() * eps < 1e-3; };
+  Condition c = condition_in<long double>(system, delta, rank);
   if (good(c, static_cast<double>(std::numeric_limits<long double>::epsilon()))) return c;
   c = condition_in<Quad>(system, delta, rank);
-  return good(c, static_cast<double>(std::numeric_limits<Quad>::epsilon())) ? c : kInfinity;
+  if (good(c, static_cast<double>(std::numeric_limits<Quad>::epsilon()))) return c;
+  return {c.K, kInfinity};
 }
 
-double estimated_condition(const IslandSystem<double>& system, double delta) {
+Condition estimated_condition(const IslandSystem<double>& system, double delta) {
   const Eigen::Index nc = system.J.rows();
   const MatX<double> K = kkt<double>(system.M, system.J, -delta * MatX<double>::Identity(nc, nc));
-  if (!K.allFinite()) return kInfinity;
-  const double inverse = K.partialPivLu().rcond();
-  return inverse > 0 ? 1 / inverse : kInfinity;
+  if (!K.allFinite()) return {kInfinity, kInfinity};
+  const double norm = norm_1<double>(K), reciprocal = K.partialPivLu().rcond();
+  return {norm, reciprocal > 0 ? 1 / (reciprocal * norm) : kInfinity};
 }
 
 }  // namespace manycontact::test

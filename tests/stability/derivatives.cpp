@@ -83,7 +83,7 @@ std::vector<Direction> true_directions(const Problem& p, const Truths& truths) {
 DirectionErrors direction_errors(const Problem& p, const Truths& truths, SceneData& data) {
   DirectionErrors out;
   if (truths.directions.empty()) return out;
-  (void)differentiate(p.scene, data);
+  differentiate(p.scene, data);
   const SceneDerivatives D = dense_derivatives(p.scene, data);
   for (const RobotPlaces& at : truths.robots) {
     if (report_of(data.report, at.island).status == Status::kFailed) continue;
@@ -93,7 +93,7 @@ DirectionErrors direction_errors(const Problem& p, const Truths& truths, SceneDa
       const double difference = difference_of(mine, truth), size = size_of(truth);
       const double error = difference == 0 ? 0 : difference / (size < kVanishing * most ? most : size);
       out.largest = worse(out.largest, error);
-      out.excess = worse(out.excess, error / (10 * allowed(truths.islands[at.island].condition)));
+      out.excess = worse(out.excess, error / (10 * allowed(condition_of(truths, data.report, at.island))));
     };
     for (const Direction& d : truths.directions) {
       add(d.da(at.v), times(D.da_dq, D.da_dv, D.da_du, d)(at.v));

@@ -89,7 +89,7 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
     const double ef = relative(difference_of(data.f(at.f), f), vanishing > 0 ? vanishing : size_of(f));
     out.a = worse(out.a, ea);
     out.f = worse(out.f, ef);
-    out.excess = worse(out.excess, worse(ea, ef) / allowed(truths.islands[at.island].condition));
+    out.excess = worse(out.excess, worse(ea, ef) / allowed(condition_of(truths, data.report, at.island)));
   }
   return out;
 }
@@ -100,7 +100,8 @@ bool damping_is_lost(const Truths& truths, const Report& report) {
   for (std::size_t i = 0; i < truths.islands.size(); ++i) {
     const IslandReport& island = report_of(report, i);
     if (island.status != Status::kRegularised) continue;
-    if (island.reason != Reason::kDampingLost || !(allowed(truths.islands[i].damped_condition) >= 1)) return false;
+    if (island.reason != Reason::kDampingLost || !(allowed(truths.islands[i].damped_condition.product()) >= 1))
+      return false;
   }
   return true;
 }
@@ -185,7 +186,8 @@ Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const
     wrong("numbers where there are none");
     return cell;
   }
-  cell.allowed = allowed(truths.largest_condition());
+  for (std::size_t i = 0; i < truths.islands.size(); ++i)
+    cell.allowed = worse(cell.allowed, allowed(condition_of(truths, data.report, i)));
   const ValueErrors e = value_errors(truths, data);
   cell.error_a = e.a;
   cell.error_f = e.f;

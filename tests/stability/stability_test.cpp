@@ -178,7 +178,7 @@ TEST(Judge, TellsIslandsApart) {
     bool equal = mixed.a(island.v) == other.a(island.v) && mixed.f(island.f) == other.f(island.f);
     for (std::size_t k = 0; k < mixed.directions.size(); ++k)
       equal = equal && mixed.directions[k].df(island.f) == other.directions[k].df(island.f);
-    return equal && island.condition == other.islands[i].condition;
+    return equal && island.condition.product() == other.islands[i].condition.product();
   };
   EXPECT_EQ(mixed.directions.size(), 3u);
   EXPECT_TRUE(same(0, damped));
@@ -209,9 +209,10 @@ TEST(Condition, IsThatOfTheGeneralisedInverse) {
     const Eigen::MatrixXd inverse = svd.solve(Eigen::MatrixXd::Identity(nv + nc, nv + nc));
     const auto norm_1 = [](const Eigen::MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); };
     const double expected = norm_1(K) * norm_1(inverse);
-    EXPECT_NEAR(condition(system, damping, rank) / expected, 1, 1e-9) << times << " times, damping " << damping;
+    EXPECT_NEAR(condition(system, damping, rank).product() / expected, 1, 1e-9)
+        << times << " times, damping " << damping;
     if (times == 2 && damping == 0) continue;
-    const double estimate = estimated_condition(island_systems<double>(p)[0], damping);
+    const double estimate = estimated_condition(island_systems<double>(p)[0], damping).product();
     EXPECT_LE(estimate, expected * (1 + 1e-9));
     EXPECT_GE(estimate, expected / 3);
   }

@@ -5,7 +5,6 @@
 
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/truth.hpp"
-#include "stability/condition.hpp"
 #include "stability/derivatives.hpp"
 #include "support/measure.hpp"
 
@@ -105,14 +104,18 @@ Truths::Truths(const Problem& p) {
   directions = true_directions(p, *this);
 }
 
-double Truths::largest_condition() const {
-  double largest = 0;
-  for (const IslandTruth& island : islands) largest = std::max(largest, island.condition);
-  return largest;
-}
-
 const IslandReport& report_of(const Report& report, std::size_t island) {
   return report.islands.at(report.islands.size() == 1 ? 0 : island);
+}
+
+double condition_of(const Truths& truths, const Report& report, std::size_t island) {
+  Condition c;
+  for (std::size_t i = 0; i < truths.islands.size(); ++i) {
+    if (&report_of(report, i) != &report_of(report, island)) continue;
+    c.K = std::max(c.K, truths.islands[i].condition.K);
+    c.inverse = std::max(c.inverse, truths.islands[i].condition.inverse);
+  }
+  return c.product();
 }
 
 Truths claimed(const Truths& damped, const Truths& undamped, const Report& report) {

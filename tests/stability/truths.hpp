@@ -4,16 +4,16 @@
 #include <vector>
 
 #include "manycontact/dynamics/report.hpp"
-#include "stability/problem.hpp"
+#include "stability/condition.hpp"
 
 namespace manycontact::test {
 
 /// What is known of one island.
 struct IslandTruth {
-  std::vector<int> v, f;        // its coordinates in a, its rows in f
-  bool regular = false;         // there is an answer to give
-  double condition = 0;         // of K (condition.hpp)
-  double damped_condition = 0;  // where a damping is claimed to be lost: of K with it
+  std::vector<int> v, f;       // its coordinates in a, its rows in f
+  bool regular = false;        // there is an answer to give
+  Condition condition;         // of K
+  Condition damped_condition;  // where a damping is claimed to be lost: of K with it
 };
 
 /// A robot, and the contacts that it is part of.
@@ -43,12 +43,13 @@ struct Truths {
   Eigen::VectorXd a_free;  // where a or v vanishes: accelerations without contacts, the scale of errors; else empty
   Eigen::VectorXd tau_b;   // S^T u - h
   double J_size = 0;       // largest entry
-
-  double largest_condition() const;
 };
 
 /// The report on an island: that of dense-schur is a single one on all of them.
 const IslandReport& report_of(const Report& report, std::size_t island);
+
+/// What the island's errors are judged by: the condition of the K that the report is on.
+double condition_of(const Truths& truths, const Report& report, std::size_t island);
 
 /// What an answer claims to be: of islands that were regularised, because their damping is lost in rounding, the truth
 /// without damping; of the others the truth.
