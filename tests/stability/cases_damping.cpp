@@ -33,6 +33,31 @@ void add_damping(Cases& cases) {
       c.B.placement.p.x() += 0.1, c.alpha = 100;
       return p;
     });
+    for (ContactType type : {k3D, k6D})
+      add("arm's tool " + to_string(type) + " twice, once in the world's axes, pulled apart", [=] {
+        Problem p = robot("arm", false);
+        hold(p, type, "tool");
+        Contact& c = hold(p, type, "tool", {0.1, 0, 0}, ReferenceFrame::kWorld);
+        c.B.placement.p.x() += 0.1, c.alpha = 100;
+        return p;
+      });
+    add("arm's tool 6d twice beside a heavy box held 3d", [] {  // two islands: what is lost in one is not in the other
+      Problem p = two_robots("arm", false, "box");
+      edit(
+          p, [](Model& m) { scale(m.joints[0].inertia, 1e8); }, 1);
+      hold(p, k6D, "tool", {0, 0, 0}, ReferenceFrame::kLocal, "a");
+      hold(p, k6D, "tool", {0.1, 0, 0}, ReferenceFrame::kWorld, "a");
+      hold(p, k3D, "bottom_4", {0, 0, 0}, ReferenceFrame::kLocal, "b");
+      move(p);
+      return p;
+    });
+    add("chain of 6, last link massless, held 1d twice", [] {
+      Problem p = chain(6, false);
+      edit(p, [](Model& m) { m.joints[5].inertia = {}; });
+      hold(p, k1D, "tip", {0.1, 0, 0});
+      hold(p, k1D, "tip", {0.1, 0, 0});
+      return p;
+    });
     add("arm tied to the box 1d and 2d", [] {
       Problem p = two_robots("arm", false, "box");
       tie(p, k1D, "a", "tool", "b", "face_back");

@@ -169,6 +169,14 @@ void add_singular_inertias(Cases& cases) {
         move(p, 1);
         return p;
       });
+  for (double mass : {1e-10, 1e-13, 1e-16})
+    cases.add("chain of 4, last mass " + power(mass) + ", held 1d, pushed", [=] {
+      Problem p = chain(4, false);
+      edit(p, [=](Model& m) { scale(m.joints[3].inertia, mass); });
+      hold(p, k1D, "tip", {0.1, 0, 0});
+      p.u.setConstant(1);
+      return p;
+    });
 }
 
 }  // namespace manycontact::test

@@ -1,50 +1,30 @@
 #include "stability/judge.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
+#include "manycontact/dynamics/solve.hpp"
+#include "stability/derivatives.hpp"
 #include "support/measure.hpp"
-#include "support/terms.hpp"
 
 namespace manycontact::test {
 
 namespace {
 
-constexpr int kDenseTruth = 75;        // velocity coordinates up to which the truth is solved densely
-constexpr int kDenseIfSingular = 110;  // unknowns up to which it is where refinement does not end
-constexpr double kNoDigits = 1e-2;     // an error above this is a wrong answer whatever the condition
-constexpr double kVanishing = 1e-12;   // of their scale: accelerations and forces that balance to nothing
+constexpr double kNoDigits = 1e-2;    // an error above this is a wrong answer whatever the condition
+constexpr double kVanishing = 1e-12;  // of their scale: forces that balance to nothing
 
-template <class D>
-bool finite(const Eigen::MatrixBase<D>& x) {
-  for (Eigen::Index k = 0; k < x.size(); ++k)
-    if (!std::isfinite(static_cast<double>(x[k]))) return false;
-  return true;
-}
+bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
 
-std::vector<char> active(const Scene& scene) {
-  std::vector<char> out;
-  for (const Contact& c : scene.contacts) out.push_back(c.active);
-  return out;
-}
-
-Truth<Quad> truth_of(const Problem& p) {
-  const VecX<Quad> q = p.q.cast<Quad>(), v = p.v.cast<Quad>(), u = p.u.cast<Quad>();
-  if (p.scene.nv <= kDenseTruth) return solve_truth<Quad>(p.scene, active(p.scene), q, v, u);
-  SceneData data(p.scene, {Method::kSparseLdl, {}});
-  (void)solve(p.scene, p.q, p.v, p.u, data);
-  return refine_truth<Quad>(p.scene, data, q, v, u, kDenseIfSingular);
-}
-
-bool failed_islands_are_nan(const Scene& scene, const SceneData& data) {
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
-    if (data.report.islands[i].status != Status::kFailed) continue;
-    for (int r : data.islands[i].island.robots)
-      for (int k = 0; k < scene.robots[r].model->nv; ++k)
-        if (!std::isnan(data.a[scene.robots[r].idx_v + k])) return false;
-    for (int c : data.islands[i].island.contacts)
-      for (int k = 0; k < scene.contacts[c].rows(); ++k)
-        if (!std::isnan(data.f[data.f_offset[c] + k])) return false;
+bool failed_islands_are_nan(const Truths& truths, const SceneData& data) {
+  const auto is_nan = [](double x) { return std::isnan(x); };
+  for (std::size_t i = 0; i < truths.islands.size(); ++i) {
+    const IslandTruth& island = truths.islands[i];
+    if (is_failed(data.report, i) &&
+        !(data.a(island.v).unaryExpr(is_nan).all() && data.f(island.f).unaryExpr(is_nan).all()))
+      return false;
   }
   return true;
 }
@@ -78,29 +58,64 @@ std::string describe(const Report& report) {
   out << to_string(report.status);
   for (const IslandReport& island : report.islands)
     out << " [" << to_string(island.method) << ", " << to_string(island.reason) << ", rank " << island.rank << "/"
-        << island.nc << ", nv " << island.nv << ", cond " << island.condition << ", residuals "
-        << island.residual_dynamics << " " << island.residual_contact << "]";
+        << island.nc << ", nv " << island.nv << ", residuals " << island.residual_dynamics << " "
+        << island.residual_contact << "]";
   return out.str();
 }
 
 // Forces that vanish have no size of their own to measure rounding by: then that of forces which could hold tau_b.
-double vanishing_force_scale(const Truths& truths, const SceneData& data) {
-  double J = 0;
-  for (std::size_t c = 0; c < data.contacts.size(); ++c)
-    if (data.f_offset[c] >= 0) J = std::max(J, size_of(data.contacts[c].J));
-  const double scale = J > 0 ? size_of(truths.tau_b) / J : 0;
+double vanishing_force_scale(const Truths& truths) {
+  const double scale = truths.J_size > 0 ? size_of(truths.tau_b) / truths.J_size : 0;
   return size_of(truths.f) < kVanishing * scale ? scale : 0;
 }
 
+// The larger; NaN when either is.
+double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
+
+double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
+
+// Relative errors in the maximum norm, the worst robot's, and the worst in units of what is allowed it.
+struct ValueErrors {
+  double a = 0, f = 0, excess = 0;
+};
+ValueErrors value_errors(const Truths& truths, const SceneData& data) {
+  ValueErrors out;
+  const double vanishing = vanishing_force_scale(truths);
+  for (const RobotPlaces& at : truths.robots) {
+    if (is_failed(data.report, at.island)) continue;
+    const VecX<Quad> a = truths.a(at.v), f = truths.f(at.f);
+    const double free = truths.a_free.size() > 0 ? size_of(truths.a_free(at.v)) : 0;
+    const double ea = relative(difference_of(data.a(at.v), a), worse(size_of(a), free));
+    const double ef = relative(difference_of(data.f(at.f), f), vanishing > 0 ? vanishing : size_of(f));
+    out.a = worse(out.a, ea);
+    out.f = worse(out.f, ef);
+    out.excess = worse(out.excess, worse(ea, ef) / allowed(condition_of(truths, data.report, at.island)));
+  }
+  return out;
+}
+
+// Whether regularised islands had reason to be: with the damping, K is so close to singular that no digit is allowed
+// for.
+bool damping_is_lost(const Truths& truths, const Report& report) {
+  for (std::size_t i = 0; i < truths.islands.size(); ++i) {
+    const IslandReport& island = report_of(report, i);
+    if (island.status != Status::kRegularised) continue;
+    if (island.reason != Reason::kDampingLost || !(allowed(truths.islands[i].damped_condition.product()) >= 1))
+      return false;
+  }
+  return true;
+}
+
 // Whether the status says what the contacts are: dependent or not, at odds or not. What is close to a threshold may be
-// called either; with damping, K is regular and everything is ok.
-bool well_labelled(const Problem& p, const Truths& truths, Status status) {
+// called either; with damping, K is regular and everything is ok, unless the damping is lost.
+bool well_labelled(const Problem& p, const Truths& truths, const Report& report) {
+  if (report.status == Status::kRegularised) return damping_is_lost(truths, report);
   if (p.scene.damping > 0 || truths.contradiction < 0) return true;
-  if (status == Status::kOk) return truths.rank == truths.rows;
+  if (report.status == Status::kOk) return truths.rank == truths.rows;
   if (truths.rank == truths.rows) return false;
   const bool nothing = truths.contradiction_over_gravity <= 1e-10;
-  return status == Status::kInconsistent ? !nothing && truths.contradiction > 1e-10
-                                         : nothing || truths.contradiction < 1e-6;
+  return report.status == Status::kInconsistent ? !nothing && truths.contradiction > 1e-10
+                                                : nothing || truths.contradiction < 1e-6;
 }
 
 // Against the answer known in other units, as there: the numbers are of one size again.
@@ -119,15 +134,16 @@ double beyond_bound(const Problem& p, const Truths& truths, SceneData& data) {
     if (std::isinf(bound)) return;  // of an answer that is zero, relative to itself
     if (difference > 0 && !(difference <= worst * bound * size)) worst = difference / (bound * size);
   };
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
-    const Island& island = data.islands[i].island;
+  for (const IslandReport& report : data.report.islands) {
+    if (report.status == Status::kFailed) continue;
     std::vector<int> v, f;
-    for (int r : island.robots)
-      for (int k = 0; k < p.scene.robots[r].model->nv; ++k) v.push_back(p.scene.robots[r].idx_v + k);
-    for (int c : island.contacts)
-      for (int k = 0; k < p.scene.contacts[c].rows(); ++k) f.push_back(data.f_offset[c] + k);
-    add(truths.a(v), data.a(v), data.report.islands[i].error_acceleration);
-    if (!f.empty()) add(truths.f(f), data.f(f), data.report.islands[i].error_forces);
+    for (std::size_t i = 0; i < truths.islands.size(); ++i) {
+      if (&report_of(data.report, i) != &report) continue;
+      v.insert(v.end(), truths.islands[i].v.begin(), truths.islands[i].v.end());
+      f.insert(f.end(), truths.islands[i].f.begin(), truths.islands[i].f.end());
+    }
+    add(truths.a(v), data.a(v), report.error_acceleration);
+    if (!f.empty()) add(truths.f(f), data.f(f), report.error_forces);
   }
   return worst;
 }
@@ -152,65 +168,37 @@ const std::vector<Way>& table_ways() {
   return all;
 }
 
-Truths::Truths(const Problem& p) {
-  Truth<Quad> truth = truth_of(p);
-  if (p.only_known) truth.a = p.known->a, truth.f = p.known->f;
-  exists = p.answerable && finite(truth.a) && finite(truth.f);
-  for (bool regular : truth.regular) exists = exists && regular;
-  a = truth.a;
-  f = truth.f;
-  if (!exists) return;
-  const Eigen::VectorXd without = free_accelerations(p.scene, p.q, p.v, p.u);
-  if (finite(without) && (size_of(p.v) == 0 || size_of(a) < kVanishing * size_of(without))) a_free = without;
-  for (int r : truth.rank) rank += r;
-  rows = static_cast<int>(f.size());
-  if (p.scene.nv <= kDenseIfSingular && rows > 0 && !p.only_known) {
-    const Terms terms(p.scene, active(p.scene), p.q, p.v, p.u);
-    const Eigen::VectorXd a_true = a.template cast<double>();
-    const double left = size_of(terms.J * a_true + terms.a0);
-    const double size = size_of(terms.J.cwiseAbs() * a_true.cwiseAbs()) + size_of(terms.a0);
-    contradiction = left == 0 ? 0 : left / size;
-    contradiction_over_gravity = left == 0 ? 0 : left / std::max(size, p.scene.gravity.norm());
-  }
-  tau_b = -truth.h.template cast<double>();
-  for (const Robot& r : p.scene.robots)
-    tau_b.segment(r.idx_v + r.model->first_actuated(), r.model->nu()) += p.u.segment(r.idx_u, r.model->nu());
-}
-
 Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const Way& way) {
   Cell cell;
-  cell.answered = data.report.status != Status::kFailed && data.report.status != Status::kRegularised;
+  cell.answered = data.report.status != Status::kFailed;
   cell.outcome = outcome_of(data.report, way);
-  if (!cell.answered) {
-    cell.note = describe(data.report);
-    if (!failed_islands_are_nan(p.scene, data)) cell.outcome = Outcome::kWrong;
+  cell.note = describe(data.report);
+  const auto wrong = [&cell](const std::string& why) {
+    cell.outcome = Outcome::kWrong;
+    cell.note += ", " + why;
+  };
+  if (!failed_islands_are_nan(truths, data)) wrong("failed, with numbers");
+  const std::vector<IslandReport>& islands = data.report.islands;
+  if (std::all_of(islands.begin(), islands.end(), [](const auto& i) { return i.status == Status::kFailed; }))
+    return cell;
+  if (!truths.exists) {
+    cell.error_a = cell.error_f = std::nan("");
+    wrong("numbers where there are none");
     return cell;
   }
-  const std::vector<double> condition = conditions(p.scene, data);
-  cell.note = describe(data.report);
-  cell.allowed = allowed(data.report.condition);
-  cell.error_a = cell.error_f = std::nan("");
-  if (truths.exists) {
-    cell.beyond_bound = beyond_bound(p, truths, data);
-    const Errors e = errors<Quad>(p.scene, data, truths.a, truths.f, condition, truths.a_free);
-    cell.error_a = e.acceleration;
-    cell.error_f = e.forces;
-    double excess = e.excess;
-    if (const double scale = vanishing_force_scale(truths, data); scale > 0) {
-      cell.error_f = difference_of(data.f, truths.f) / scale;
-      excess = std::max(cell.error_a, cell.error_f) / cell.allowed;
-    }
-    if (!(excess <= 1 && cell.error_a <= kNoDigits && cell.error_f <= kNoDigits))
-      cell.outcome = Outcome::kWrong;
-    else if (!well_labelled(p, truths, data.report.status))
-      cell.outcome = Outcome::kMislabelled;
-    if (p.known && !p.only_known && !(known_error(*p.known, data) <= cell.allowed)) {
-      cell.outcome = Outcome::kWrong;
-      cell.note += ", in known units off by " + std::to_string(known_error(*p.known, data));
-    }
-  } else {
-    cell.outcome = Outcome::kWrong;
-  }
+  for (std::size_t i = 0; i < truths.islands.size(); ++i)
+    cell.allowed = worse(cell.allowed, allowed(condition_of(truths, data.report, i)));
+  const ValueErrors e = value_errors(truths, data);
+  cell.error_a = e.a;
+  cell.error_f = e.f;
+  cell.beyond_bound = beyond_bound(p, truths, data);
+  const DirectionErrors d = direction_errors(p, truths, data);
+  cell.error_d = d.largest;
+  if (!(e.excess <= 1 && e.a <= kNoDigits && e.f <= kNoDigits)) wrong("values");
+  if (!(d.excess <= 1)) wrong("derivatives");
+  if (p.known && !p.only_known && !(known_error(*p.known, data) <= cell.allowed)) wrong("in known units");
+  if (cell.answered && cell.outcome != Outcome::kWrong && !well_labelled(p, truths, data.report))
+    cell.outcome = Outcome::kMislabelled;
   return cell;
 }
 
@@ -227,14 +215,19 @@ Row judge(const Case& which) {
     return row;
   }
   const Truths truths(p);
+  std::optional<Truths> undamped;  // where an answer claims to be that
   row.truth = truths.exists;
+  row.derivatives = !truths.directions.empty();
   for (std::size_t k = 0; k < row.cells.size(); ++k) {
     const Way& way = table_ways()[k];
     if (!which.small && (way.options.order || way.options.method == Method::kDense)) continue;
     try {
       SceneData data(p.scene, way.options);
       (void)solve(p.scene, p.q, p.v, p.u, data);
-      row.cells[k] = judge_answer(p, truths, data, way);
+      const bool regularised = std::any_of(data.report.islands.begin(), data.report.islands.end(),
+                                           [](const auto& i) { return i.status == Status::kRegularised; });
+      if (regularised && !undamped) undamped.emplace(without_damping(p));
+      row.cells[k] = judge_answer(p, regularised ? claimed(truths, *undamped, data.report) : truths, data, way);
     } catch (const std::exception& e) {
       row.cells[k].outcome = Outcome::kWrong;
       row.cells[k].note = std::string("throws: ") + e.what();

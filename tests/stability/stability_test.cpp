@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <set>
 
 #include "manycontact/dynamics/solve.hpp"
+#include "stability/condition.hpp"
 #include "stability/table.hpp"
 #include "support/scenes.hpp"
 
@@ -64,8 +66,8 @@ TEST_P(Stability, NoWrongAnswers) {
     if (!row.which->demanded) continue;
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
       if (table_ways()[k].options.method == Method::kDenseSchur) continue;
-      EXPECT_TRUE(row.cells[k].answered) << row.which->name << " by " << table_ways()[k].name << " "
-                                         << row.cells[k].note;
+      EXPECT_TRUE(row.cells[k].answered && row.cells[k].outcome != Outcome::kRegularised)
+          << row.which->name << " by " << table_ways()[k].name << " " << row.cells[k].note;
       EXPECT_LE(row.cells[k].error_a, 1e-9) << row.which->name << " by " << table_ways()[k].name;
     }
   }
@@ -102,7 +104,7 @@ TEST(Cases, ReachEveryOutcome) {
   std::string letters;
   for (const auto& [cause, rows] : read_page())
     for (const auto& [name, cells] : rows) letters += cells;
-  for (char c : std::string("erofDI-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
+  for (char c : std::string("erofDIG-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
   EXPECT_EQ(letters.find_first_of("WM"), std::string::npos);
 }
 
@@ -128,6 +130,92 @@ TEST(Judge, SeesWrongAnswers) {
   Truths none = truths;
   none.exists = false;
   EXPECT_EQ(outcome([](SceneData&) {}, none), Outcome::kWrong);
+  Truths turned = truths;
+  for (Direction& d : turned.directions) d.da *= Quad(1 + 1e-6);
+  EXPECT_EQ(outcome([](SceneData&) {}, turned), Outcome::kWrong);  // derivatives
+}
+
+// What a regularised answer claims is judged as well: that it is the one without damping, and that the damping is lost.
+TEST(Judge, SeesWrongRegularisedAnswers) {
+  Problem p = robot("arm", false);
+  hold(p, ContactType::k6D, "tool");
+  hold(p, ContactType::k6D, "tool", {0.1, 0, 0});
+  const Problem neighbour = without_damping(p);
+  const Truths undamped(neighbour);
+  ASSERT_TRUE(undamped.exists);
+  const Way way = table_ways().front();
+  const auto outcome = [&](double damping, const std::function<void(SceneData&)>& spoil) {
+    p.scene.damping = damping;
+    SceneData data(neighbour.scene, way.options);
+    (void)solve(neighbour.scene, p.q, p.v, p.u, data);
+    data.report.status = data.report.islands[0].status = Status::kRegularised;
+    data.report.islands[0].reason = Reason::kDampingLost;
+    spoil(data);
+    return judge_answer(neighbour, claimed(Truths(p), undamped, data.report), data, way).outcome;
+  };
+  EXPECT_EQ(outcome(1e-16, [](SceneData&) {}), Outcome::kRegularised);
+  EXPECT_EQ(outcome(1e-16, [](SceneData& d) { d.a *= 1 + 1e-6; }), Outcome::kWrong);
+  EXPECT_EQ(outcome(1e-16, [](SceneData& d) { d.f *= 1 + 1e-6; }), Outcome::kWrong);
+  EXPECT_EQ(outcome(1e-16, [](SceneData& d) { d.f[8] = std::nan(""); }), Outcome::kWrong);
+  EXPECT_EQ(outcome(1e-16, [](SceneData& d) { d.report.islands[0].reason = Reason::kNone; }), Outcome::kMislabelled);
+  EXPECT_EQ(outcome(1e-4, [](SceneData&) {}), Outcome::kMislabelled);
+}
+
+// Of two islands only what was regularised is judged as the answer without damping.
+TEST(Judge, TellsIslandsApart) {
+  Problem p = two_robots("arm", false, "box");
+  hold(p, ContactType::k3D, "tool", {0, 0, 0}, ReferenceFrame::kLocal, "a");
+  hold(p, ContactType::k3D, "bottom_4", {0, 0, 0}, ReferenceFrame::kLocal, "b");
+  p.scene.damping = 1e-3;
+  const Truths damped(p), undamped(without_damping(p));
+  Report report;
+  report.islands.resize(2);
+  report.islands[1].status = Status::kRegularised;
+  const Truths mixed = claimed(damped, undamped, report);
+  ASSERT_TRUE(mixed.exists);
+  const auto same = [&](std::size_t i, const Truths& other) {
+    const IslandTruth& island = mixed.islands[i];
+    bool equal = mixed.a(island.v) == other.a(island.v) && mixed.f(island.f) == other.f(island.f);
+    for (std::size_t k = 0; k < mixed.directions.size(); ++k)
+      equal = equal && mixed.directions[k].df(island.f) == other.directions[k].df(island.f);
+    return equal && island.condition.product() == other.islands[i].condition.product();
+  };
+  EXPECT_EQ(mixed.directions.size(), 3u);
+  EXPECT_TRUE(same(0, damped));
+  EXPECT_TRUE(same(1, undamped));
+  EXPECT_FALSE(same(0, undamped));
+  EXPECT_FALSE(same(1, damped));
+}
+
+// Of K regular, damped and singular, against its pseudo-inverse by singular values in double.
+TEST(Condition, IsThatOfTheGeneralisedInverse) {
+  struct Kind {
+    int times;
+    double damping;
+    int rank;
+  };
+  for (const auto& [times, damping, rank] : {Kind{1, 0, 6}, Kind{1, 1e-3, 6}, Kind{2, 1e-3, 12}, Kind{2, 0, 6}}) {
+    Problem p = robot("arm", false);
+    for (int k = 0; k < times; ++k) hold(p, ContactType::k6D, "tool", {0.1 * k, 0, 0}, ReferenceFrame::kWorld);
+    const IslandSystem<Quad> system = island_systems<Quad>(p)[0];
+    const Eigen::Index nv = system.M.rows(), nc = system.J.rows();
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(nv + nc, nv + nc);
+    K.topLeftCorner(nv, nv) = system.M.cast<double>();
+    K.bottomLeftCorner(nc, nv) = system.J.cast<double>();
+    K.topRightCorner(nv, nc) = system.J.cast<double>().transpose();
+    K.bottomRightCorner(nc, nc).diagonal().setConstant(-damping);
+    Eigen::JacobiSVD<Eigen::MatrixXd> svd(K, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    svd.setThreshold(1e-11);
+    const Eigen::MatrixXd inverse = svd.solve(Eigen::MatrixXd::Identity(nv + nc, nv + nc));
+    const auto norm_1 = [](const Eigen::MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); };
+    const double expected = norm_1(K) * norm_1(inverse);
+    EXPECT_NEAR(condition(system, damping, rank).product() / expected, 1, 1e-9)
+        << times << " times, damping " << damping;
+    if (times == 2 && damping == 0) continue;
+    const double estimate = estimated_condition(island_systems<double>(p)[0], damping).product();
+    EXPECT_LE(estimate, expected * (1 + 1e-9));
+    EXPECT_GE(estimate, expected / 3);
+  }
 }
 
 }  // namespace

@@ -15,9 +15,12 @@ const char* const kNames[] = {"exact",       "refined", "reordered", "fallback",
 const char kIntroduction[] = R"(# Stability: every case by every method
 
 What the library does where dynamics with contacts is hard. Errors are against quadruple precision; a number is right
-when its error is at most `max(1e-12, 100 eps cond)`, `cond` the 1-norm condition of K as reported, and at most 1e-2.
+when its error is at most `max(1e-12, 100 eps cond)` and at most 1e-2, a derivative when its error is at most ten times
+the former. `cond` is the 1-norm condition of K, computed here: from the whole (generalised) inverse in long double or
+quadruple precision, from an LU in double where K is large. Derivatives are compared along a direction in q, one in v
+and one in u where K is small and J's rank does not change nearby.
 Written by `test_stability` (`MANYCONTACT_WRITE_PAGE=1`), which fails when an outcome is no longer the one below, or
-when a number with a good status (ok, redundant, inconsistent) is wrong.
+when a number or a derivative is wrong, whatever the status.
 
 | Letter | Outcome |
 |---|---|
@@ -27,10 +30,10 @@ when a number with a good status (ok, redundant, inconsistent) is wrong.
 | `f` | fallback: another method answered |
 | `D` | redundant: contacts depend on each other and agree; accelerations unique, forces of least norm |
 | `I` | inconsistent: contacts contradict each other; least squares |
-| `G` | regularised: the answer to a neighbouring problem |
+| `G` | regularised: the damping is lost in rounding; the answer without it |
 | `-` | refused: status `failed` and NaN, or an exception when the scene is built |
-| `W` | **wrong**: a good status and a wrong number, or an exception when solving |
-| `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up |
+| `W` | **wrong**: a wrong number or derivative, or an exception when solving |
+| `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up, or no damping was lost |
 | `.` | not tried: too large |
 
 How an answer came about (`e`, `r`, `o`, `f`) may differ on other machines; whether there is one may not.
@@ -61,17 +64,20 @@ std::string text_table(const std::string& cause, const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "\n== " << cause << ": " << rows.size() << " cases\n";
   for (const Row& row : rows) {
-    double a = 0, f = 0, allowed = 0;
-    for (const Cell& cell : row.cells)
-      if (cell.answered) a = worse(a, cell.error_a), f = worse(f, cell.error_f), allowed = worse(allowed, cell.allowed);
+    double a = 0, f = 0, d = 0, allowed = 0;
+    for (const Cell& cell : row.cells) {
+      a = worse(a, cell.error_a), f = worse(f, cell.error_f), d = worse(d, cell.error_d);
+      allowed = worse(allowed, cell.allowed);
+    }
     out << "  " << std::left << std::setw(64) << row.which->name << " " << row.letters() << "  a " << number(a)
-        << "  f " << number(f) << "  allowed " << number(allowed) << (row.truth ? "" : "  no truth") << "\n";
+        << "  f " << number(f) << "  derivatives " << (row.derivatives ? number(d) : "not known") << "  allowed "
+        << number(allowed) << (row.truth ? "" : "  no truth") << "\n";
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
       const Cell& cell = row.cells[k];
       if (cell.outcome == Outcome::kWrong || cell.outcome == Outcome::kMislabelled)
         out << "      " << kNames[static_cast<int>(cell.outcome)] << " " << table_ways()[k].name << ": a "
-            << number(cell.error_a) << ", f " << number(cell.error_f) << ", allowed " << number(cell.allowed) << "; "
-            << cell.note << "\n";
+            << number(cell.error_a) << ", f " << number(cell.error_f) << ", derivatives " << number(cell.error_d)
+            << ", allowed " << number(cell.allowed) << "; " << cell.note << "\n";
       if (cell.outcome == Outcome::kRefused && row.truth && table_ways()[k].options.method != Method::kDenseSchur)
         out << "      refused, yet there is an answer: " << table_ways()[k].name << ": " << cell.note << "\n";
     }
