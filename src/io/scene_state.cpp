@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "scene_parts.hpp"
 
@@ -47,6 +48,7 @@ class StateReader {
     const bool base_given = read_quantity(kQ, state.q);
     read_quantity(kV, state.v);
     read_quantity(kU, state.u);
+    if (robot_.gravity_torques) state.u.setConstant(std::numeric_limits<double>::quiet_NaN());
     normalise(state.q);
     const Element& e = robot_.element;
     if (!model_.floating_base || (!e.has("xyz") && !e.has("rpy"))) return state;

@@ -81,7 +81,7 @@ class BadInput : public testing::Test {
   void expect_scene_error(const std::string& text, int line, const std::string& says) const {
     SCOPED_TRACE(text);
     const std::string path = write("scene.xml", text);
-    expect_error([&] { (void)load_scene(path); }, path, line, says);
+    expect_error([&] { (void)read_scene(path); }, path, line, says);
   }
 
   void expect_urdf_error(const std::string& text, int line, const std::string& says,
@@ -120,13 +120,13 @@ TEST_F(BadInput, FilesThatAreNotXml) {
   std::string binary;
   std::mt19937 random(1);
   for (int i = 0; i < 5000; ++i) binary += static_cast<char>(1 + random() % 255);
-  EXPECT_THROW((void)load_scene(write("scene.xml", binary)), InputError);
+  EXPECT_THROW((void)read_scene(write("scene.xml", binary)), InputError);
 }
 
 TEST_F(BadInput, FilesThatAreNotThere) {
   const std::string missing = (folder_ / "none.xml").string();
-  expect_error([&] { (void)load_scene(missing); }, missing, 1, "No such file");
-  expect_error([&] { (void)load_scene(folder_.string()); }, folder_.string(), 1, "is a directory");
+  expect_error([&] { (void)read_scene(missing); }, missing, 1, "No such file");
+  expect_error([&] { (void)read_scene(folder_.string()); }, folder_.string(), 1, "is a directory");
   expect_error([&] { (void)load_urdf(missing); }, missing, 1, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\"\n urdf=\"none.urdf\"/></scene>", 3, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\" urdf=\".\"/></scene>", 2, "is a directory");
@@ -135,7 +135,7 @@ TEST_F(BadInput, FilesThatAreNotThere) {
 TEST_F(BadInput, ABadUrdfIsBlamedItself) {
   const std::string urdf = write("bad.urdf", "<robot name=\"x\">\n<link/></robot>");
   const std::string scene = write("scene.xml", "<scene><robot name=\"a\" urdf=\"bad.urdf\"/></scene>");
-  expect_error([&] { (void)load_scene(scene); }, urdf, 2, "<link> has no attribute 'name'");
+  expect_error([&] { (void)read_scene(scene); }, urdf, 2, "<link> has no attribute 'name'");
 }
 
 // ---- scenes: robots
@@ -392,11 +392,11 @@ TEST_F(BadInput, MimicRefused) {
   const std::string path = write("mimic.urdf", joined(lines));
   const std::string robot = "<scene><robot name=\"a\" urdf=\"mimic.urdf\" mimic=";
   const std::string scene = write("scene.xml", robot + "\"refuse\"/></scene>");
-  expect_error([&] { (void)load_scene(scene); }, path, 6, "joint 'r' mimics 'p'");
+  expect_error([&] { (void)read_scene(scene); }, path, 6, "joint 'r' mimics 'p'");
   write("scene.xml", robot + "\"ignore\"/></scene>");
-  EXPECT_NO_THROW((void)load_scene(scene));
+  EXPECT_NO_THROW((void)read_scene(scene));
   write("scene.xml", robot + "\"refuse\"><lock joint=\"r\" at=\"0\"/></robot></scene>");
-  EXPECT_NO_THROW((void)load_scene(scene));
+  EXPECT_NO_THROW((void)read_scene(scene));
 }
 
 // Damaged files are refused or read, and nothing else happens.
@@ -436,7 +436,7 @@ TEST_F(BadInput, DamagedFiles) {
     write("bad.urdf", damaged(urdf));
     const std::string path = write("scene.xml", damaged(scene));
     try {
-      const SceneFile s = load_scene(path);
+      const SceneFile s = read_scene(path);
       EXPECT_TRUE(s.q.allFinite() && s.v.allFinite() && s.u.allFinite());
     } catch (const InputError& e) {
       ++refused;
