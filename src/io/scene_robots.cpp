@@ -190,6 +190,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
     SE3<double> at;
     if (model->floating_base) {
       move_base(q, translation, yaw);
+      at = placement_of_pose(q.head<7>());
     } else {
       const SE3<double> arranged{rotation_about<double>(Vec3<double>::UnitZ(), yaw), translation};
       at = arranged * base;

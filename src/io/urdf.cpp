@@ -14,7 +14,6 @@
 namespace manycontact {
 namespace {
 
-using io::quote;
 using io::UrdfLines;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -250,8 +249,8 @@ class Builder {
     for (const auto& [name, position] : options_.locked) {
       const auto found = robot_.joints_.find(name);
       if (found == robot_.joints_.end())
-        throw UrdfOptionError(
-            name, true, "the robot has no joint " + quote(name) + " to lock, " + io::suggestion(name, joint_names()));
+        throw UrdfOptionError(name, true,
+                              "the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
       const auto type = found->second->type;
       if (type == urdf::Joint::FIXED)
         throw UrdfOptionError(name, true, "joint " + quote(name) + " is fixed, expected one that moves, to lock");
@@ -289,7 +288,7 @@ class Builder {
   std::string why_absent(const std::string& name) const {
     if (options_.locked.count(name)) return "joint " + quote(name) + " is locked, expected one that moves";
     if (robot_.joints_.count(name)) return "joint " + quote(name) + " is fixed, expected one that moves";
-    return "the robot has no joint " + quote(name) + ", " + io::suggestion(name, joint_names());
+    return "the robot has no joint " + quote(name) + ", " + suggestion(name, joint_names());
   }
 
   const urdf::ModelInterface& robot_;

@@ -274,7 +274,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" quat_xyzw="0 0 0 2")", "has length 2, expected a unit quaternion"},
       {R"(name="c" type="3d" frame="a/b" xyz="1 2 inf")", "is not finite"},
       {R"(name="c" type="3d" frame="a/b" axis="0 0 1")", "a 3d contact has an axis"},
-      {R"(name="c" type="1d" frame="a/b" axis="0 0 0")", "axis of <contact> is zero"},
+      {R"(name="c" type="1d" frame="a/b" axis="0 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="b")", "frame of <contact> is 'b', expected robot/link"},
       {R"(name="c" type="3d" frame="x/b")", "there is no robot 'x', expected one of 'a', 'h', 'g'"},
       {R"(name="c" type="3d" frame="h2/b")", "there is no robot 'h2'"},
@@ -283,9 +283,12 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" to="a/b")", "contact 'c' ties frame 'b' of robot 'a' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h/b")", "contact 'c0' ties frame 'b' of robot 'h0' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")", "contact 'c0' ties frame 'b' of robot 'h0' to it"},
-      {R"(name="c" type="3d" frame="a/b" to="a/c")", "ties frames 'b' and 'c' of robot 'a', which are on one body"},
+      {R"(name="c" type="3d" frame="a/b" to="a/c")",
+       "ties frame 'b' of robot 'a' to frame 'c' of robot 'a', which are on one body"},
       {R"(name="c" type="3d" frame="a/a")", "holds frame 'a' of robot 'a', which cannot move, to the world"},
-      {R"(name="c" type="3d" frame="a/a" to="h0/a")", "which cannot move, to the world"},
+      {R"(name="c" type="3d" frame="a/a" to="h0/a")", "frame 'a' of robot 'a', which cannot move, to the world"},
+      {R"(name="c" type="3d" frame="h/a" to="h+1/a")", "frame 'a' of robot 'h0', which cannot move, to the world"},
+      {R"(name="c" type="1d" frame="a/b" axis="1e-10 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
       {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one of them"},
       {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one of them"},
@@ -304,7 +307,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" to="h0/b" xyz="0 0 0")", "xyz of <contact> places a contact in the world"},
       {R"(name="c" type="3d" frame="a/b" to="h0/b" quat_xyzw="0 0 0 1")", "places a contact in the world"},
       {R"(name="ok" type="3d" frame="a/b")", "a contact named 'ok' exists already on line 4"},
-      {R"(name="many1" type="3d" frame="a/b")", "a contact named 'many1' exists already"},
+      {R"(name="many1" type="3d" frame="a/b")", "contact 'many1' exists already, expected names used once"},
   };
   for (const Case& c : cases)
     expect_scene_error(

@@ -10,7 +10,9 @@
 #include <numbers>
 #include <sstream>
 
+#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/reference.hpp"
+#include "manycontact/io/urdf.hpp"
 
 namespace manycontact {
 namespace {
@@ -107,6 +109,22 @@ TEST_F(SceneFileTest, BasePlacement) {
   EXPECT_FALSE(s.scene.robots[2].model->floating_base);
   EXPECT_EQ(s.scene.nq, 9 + 1 + 1);
   EXPECT_EQ(s.scene.nu, 2 + 1 + 1);
+}
+
+// Robot::base is where a floating base starts, however the file says it.
+TEST_F(SceneFileTest, FloatingBasesStartWhereTheyStand) {
+  const SceneFile s = load(R"(<robot name="a" urdf="robot.urdf" base="floating" xyz="1 2 3" rpy="0.1 0.2 3"/>
+    <robot name="b" urdf="robot.urdf" base="floating" copies="4" arrange="circle" spacing="2" xyz="0 0 1" rpy="0 1 2"/>
+    <robot name="c" urdf="robot.urdf" base="floating" copies="2"><q>1 0 3 0.6 0 0 -0.8 0.4 0.5</q></robot>
+    <robot name="d" urdf="robot.urdf" base="floating"><joint name="root" q="1 2 3 0 0 1 0"/></robot>)");
+  const Eigen::VectorXd start = neutral(s.scene);
+  for (const Robot& r : s.scene.robots) {
+    SCOPED_TRACE(r.name);
+    expect_near(r.base, pose(s.q, r.idx_q));
+    expect_near(pose(start, r.idx_q), pose(s.q, r.idx_q));
+    EXPECT_EQ(start.segment<2>(r.idx_q + 7), Eigen::Vector2d::Zero());
+  }
+  EXPECT_EQ(s.q[s.scene.robots[6].idx_q + 6], -0.8);  // as written
 }
 
 TEST_F(SceneFileTest, RpyTurnsAboutFixedAxes) {
@@ -275,6 +293,74 @@ TEST_F(SceneFileTest, ReferencesLeftOutAreResolved) {
       }
 }
 
+// A scene is the same whether it was read or built.
+TEST_F(SceneFileTest, BuiltInCodeIsTheSame) {
+  const std::string file_contacts[] = {
+      R"(type="6d" frame="a/foot" offset="0.1 0 0")",
+      R"(type="1d" frame="a/foot" axis="0 3 4" reference_frame="world" gains="25 10")",
+      R"(type="1d" frame="a/foot" axis="0 3e-9 4e-9")",
+      R"(type="3d" frame="a/hand" to="t/load")",
+      R"(type="3d" frame="a/hand" to="t/base")",
+      R"(type="2d" frame="t/base" to="a/trunk")",
+      R"(type="3d" frame="a/trunk" to="a/hand")",
+  };
+  std::string text = R"(<robot name="a" urdf="robot.urdf" base="floating" xyz="0 0 1" rpy="0.3 0 0.2"/>
+    <robot name="t" urdf="sub/slider.urdf" xyz="1 2 3" rpy="0 0 0.5"/>)";
+  int n = 0;
+  for (const std::string& c : file_contacts) text += "<contact name=\"c" + std::to_string(n++) + "\" " + c + "/>\n";
+  const SceneFile file = load(text);
+
+  Scene scene;
+  const SE3<double> base{
+      rotation_about<double>(Vec3<double>::UnitZ(), 0.2) * rotation_about<double>(Vec3<double>::UnitX(), 0.3),
+      Vec3<double>(0, 0, 1)};
+  UrdfOptions floating;
+  floating.floating_base = true;
+  add_robot(scene, "a", std::make_shared<Model>(load_urdf((folder_ / "robot.urdf").string(), floating)), base);
+  add_robot(scene, "t", std::make_shared<Model>(load_urdf((folder_ / "sub" / "slider.urdf").string())),
+            yaw(0.5, 1, 2, 3));
+  expect_near(neutral(scene), file.q);
+  const auto add = [&](ContactType type, const Attachment& A, const Attachment& B, Contact c = {}) {
+    c.name = "c" + std::to_string(scene.contacts.size());
+    c.type = type, c.A = A, c.B = B;
+    resolve_reference(scene, neutral(scene), true, true, c);
+    add_contact(scene, c);
+  };
+  const Attachment world, foot = attach(scene, "a", "foot"), hand = attach(scene, "a", "hand"),
+                          trunk = attach(scene, "a", "trunk");
+  add(ContactType::k6D, attach(scene, "a", "foot", yaw(0, 0.1)), world);
+  Contact along;
+  along.axis = Vec3<double>(0, 3, 4);
+  along.reference_frame = ReferenceFrame::kWorld;
+  along.alpha = 25, along.beta = 10;
+  add(ContactType::k1D, foot, world, along);
+  Contact short_axis;
+  short_axis.axis = Vec3<double>(0, 3e-9, 4e-9);
+  add(ContactType::k1D, foot, world, short_axis);
+  add(ContactType::k3D, hand, attach(scene, "t", "load"));
+  add(ContactType::k3D, hand, attach(scene, "t", "base"));
+  add(ContactType::k2D, attach(scene, "t", "base"), trunk);
+  add(ContactType::k3D, trunk, hand);
+
+  ASSERT_EQ(scene.contacts.size(), file.scene.contacts.size());
+  for (std::size_t k = 0; k < scene.contacts.size(); ++k) {
+    SCOPED_TRACE(k);
+    const Contact &built = scene.contacts[k], &read = file.scene.contacts[k];
+    EXPECT_EQ(built.name, read.name);
+    EXPECT_EQ(built.type, read.type);
+    EXPECT_EQ(built.reference_frame, read.reference_frame);
+    EXPECT_EQ(built.axis, read.axis);
+    EXPECT_EQ(built.alpha, read.alpha);
+    EXPECT_EQ(built.beta, read.beta);
+    for (const auto& [b, r] : {std::pair{&built.A, &read.A}, std::pair{&built.B, &read.B}}) {
+      EXPECT_EQ(b->robot, r->robot);
+      EXPECT_EQ(b->joint, r->joint);
+      EXPECT_EQ(b->frame, r->frame);
+      expect_near(b->placement, r->placement);
+    }
+  }
+}
+
 TEST_F(SceneFileTest, AnImmovableLinkIsTheWorld) {
   const SceneFile s = load(R"(<robot name="a" urdf="robot.urdf" base="floating"/>
     <robot name="t" urdf="sub/slider.urdf" xyz="1 2 3" rpy="0 0 0.5"/>
@@ -282,6 +368,8 @@ TEST_F(SceneFileTest, AnImmovableLinkIsTheWorld) {
     <contact name="d" type="6d" frame="t/base" to="a/hand"/>)");
   EXPECT_EQ(contact(s, "c").B.robot, -1);
   expect_near(contact(s, "c").B.placement, yaw(0.5, 1, 2, 3) * yaw(0, 0.1));
+  EXPECT_EQ(contact(s, "c").A.frame, "foot");
+  EXPECT_EQ(contact(s, "c").B.frame, "t/base");
   EXPECT_EQ(contact(s, "d").A.robot, 1);
   EXPECT_EQ(contact(s, "d").A.joint, -1);
 }
