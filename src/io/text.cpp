@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace manycontact::io {
 
@@ -104,10 +105,11 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
 
 int parse_count(std::string_view text) {
   const auto parts = words(text);
-  if (parts.size() != 1 || parts[0][0] == '-') return -1;
-  int n = 0;
-  const auto [end, error] = std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), n);
-  return error == std::errc() && end == parts[0].data() + parts[0].size() ? n : -1;
+  if (parts.size() != 1) return -1;
+  double x = 0;
+  const auto [end, error] = std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), x);
+  if (error != std::errc() || end != parts[0].data() + parts[0].size()) return -1;
+  return x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x) ? static_cast<int>(x) : -1;
 }
 
 }  // namespace manycontact::io

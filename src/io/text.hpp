@@ -36,7 +36,7 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
 /// Exactly `count` of them.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
                                   std::size_t count);
-/// A whole number without sign, exponent or point; -1 when `text` is not one or exceeds 2^31 - 1.
+/// A whole number from 0 to 2^31 - 1, as 100000 or 1e5; -1 when `text` is none.
 int parse_count(std::string_view text);
 
 }  // namespace manycontact::io

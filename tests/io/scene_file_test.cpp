@@ -432,6 +432,14 @@ TEST_F(SceneFileTest, ContactsToOtherCopies) {
   }
 }
 
+TEST_F(SceneFileTest, CopiesAreAnyWholeNumber) {
+  for (const auto& [text, count] : {std::pair{"1e2", 100}, {"1e5", 100000}, {"100000", 100000}, {"2.5e1", 25}}) {
+    const SceneFile s = load("<robot name=\"a\" urdf=\"sub/slider.urdf\" copies=\"" + std::string(text) + "\"/>");
+    EXPECT_EQ(s.scene.nrobots(), count);
+    EXPECT_EQ(s.robot_groups[0].count, count);
+  }
+}
+
 TEST_F(SceneFileTest, ManyCopiesTakeLinearTime) {
   const SceneFile s = load(R"(<robot name="herd" urdf="robot.urdf" base="floating" copies="50000" arrange="circle"/>
     <contact name="foot" type="3d" frame="herd/foot"/>
