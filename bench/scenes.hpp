@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::bench {
 

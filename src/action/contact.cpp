@@ -99,9 +99,9 @@ ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex
     : ContactModel1D(state, id, xref, default_nu(state), gains, Vector3MaskType::z, ref) {}
 
 void ContactModel1D::set_axis(const Eigen::Vector3d& axis) {
-  require(axis.allFinite() && axis.norm() > 0, "ContactModel1D::set_axis",
+  require(axis.allFinite() && axis.stableNorm() >= kZeroDirection, "ContactModel1D::set_axis",
           "an axis that is finite and not zero is expected");
-  contact_.axis = axis.normalized();
+  contact_.axis = axis.stableNormalized();
 }
 
 // ---- 2D
@@ -169,13 +169,13 @@ ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultib
   set_offset(offset);
   require(contact_.A.robot != contact_.B.robot || contact_.A.joint != contact_.B.joint, "ContactModelBetweenBodies",
           "both frames are on the same body, two different bodies are expected");
-  require(axis.allFinite() && axis.norm() > 0, "ContactModelBetweenBodies",
+  require(axis.allFinite() && axis.stableNorm() >= kZeroDirection, "ContactModelBetweenBodies",
           "an axis that is finite and not zero is expected");
-  contact_.axis = axis.normalized();
+  contact_.axis = axis.stableNormalized();
 }
 
 void ContactModelBetweenBodies::set_offset(const SE3<double>& offset) {
-  contact_.B = attachment(*state_, to_, offset);
+  contact_.B = world_if_immovable(state_->get_model()->scene(), attachment(*state_, to_, offset));
   offset_ = offset;
 }
 
@@ -198,6 +198,7 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
     require(at->robot < scene.nrobots() && (at->robot < 0 || at->joint < scene.robots[at->robot].model->njoints()),
             "ContactModelOfScene",
             "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
+  contact_.B = world_if_immovable(scene, contact.B);
   id_ = frame_on(*state_, contact.A);
 }
 

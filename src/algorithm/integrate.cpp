@@ -7,17 +7,12 @@ namespace manycontact {
 namespace {
 
 template <class S>
-SE3<S> floating_placement(const ConstVecRef<S>& q, int i) {
-  return {rotation_of_quaternion<S>(q[i + 3], q[i + 4], q[i + 5], q[i + 6]), q.template segment<3>(i)};
-}
-
-template <class S>
 void integrate_floating(const ConstVecRef<S>& q, int iq, const ConstVecRef<S>& v, int iv, VecRef<S>& out) {
   using std::cos;
   using std::sin;
   using std::sqrt;
   const Vec6<S> m = v.template segment<6>(iv);
-  const SE3<S> M = floating_placement<S>(q, iq), E = exp6<S>(m);
+  const SE3<S> M = placement_of_pose(q.template segment<7>(iq)), E = exp6<S>(m);
   out.template segment<3>(iq) = M.p + M.R * E.p;
   // quaternion product with exp(w/2), which keeps the sign of q and loses nothing near 0
   const Vec3<S> w = m.template tail<3>();
@@ -73,7 +68,8 @@ void difference(const Model& model, const ConstVecRef<S>& q0, const ConstVecRef<
         out[iv] = q1[iq] - q0[iq];
         break;
       case JointType::kFloating: {
-        const SE3<S> M0 = floating_placement<S>(q0, iq), M1 = floating_placement<S>(q1, iq);
+        const SE3<S> M0 = placement_of_pose(q0.template segment<7>(iq)),
+                     M1 = placement_of_pose(q1.template segment<7>(iq));
         out.template segment<6>(iv) = log6<S>(M0.inverse() * M1);
         break;
       }

@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "gnuplot.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "command.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "table.hpp"
 

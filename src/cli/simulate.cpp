@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "command.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "progress.hpp"
 #include "table.hpp"
 

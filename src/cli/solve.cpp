@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "command.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact::cli {

@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "gnuplot.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "progress.hpp"
 #include "table.hpp"

@@ -1,5 +1,7 @@
 #include "manycontact/contact/reference.hpp"
 
+#include <stdexcept>
+
 #include "manycontact/algorithm/kinematics.hpp"
 
 namespace manycontact {
@@ -22,6 +24,9 @@ SE3<double> world_placement(const Scene& scene, const Attachment& at, const Eige
 
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact) {
+  if (q.size() != scene.nq)
+    throw std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) +
+                                " numbers, the scene expects " + std::to_string(scene.nq));
   const SE3<double> oMA = world_placement(scene, contact.A, q, contact.A.placement);
   SE3<double> body;  // what B' is placed on
   if (contact.B.robot >= 0) body = world_placement(scene, contact.B, q, {});

@@ -14,7 +14,6 @@ struct End {
   bool copied = false;   // all copies are meant
   bool shifted = false;  // with +k or -k
   long long shift = 0;   // k
-  std::string frame_name;
   Frame frame;
 };
 
@@ -87,9 +86,6 @@ class ContactReader {
     if (contact.type != ContactType::k1D)
       e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d only");
     contact.axis = Vec3<double>(axis->data());
-    const double norm = contact.axis.stableNorm();
-    if (norm < 1e-9) e.where("axis").fail("axis of <contact> is zero, expected a direction");
-    contact.axis /= norm;
   }
 
   static bool read_offset(const Element& e, const char* attribute, Vec3<double>& p) {
@@ -140,18 +136,13 @@ class ContactReader {
     const std::size_t slash = text.find('/');
     if (slash == std::string::npos) here.fail(e.label(attribute) + " is " + quote(text) + ", expected robot/link");
     const std::string robot = text.substr(0, slash);
+    const std::string frame = text.substr(slash + 1);
     End end;
-    end.frame_name = text.substr(slash + 1);
     if (!find_robot(robot, end) && !find_shifted(here, robot, end)) fail_unknown_robot(here, e.label(attribute), robot);
     const Model& model = *out_.scene.robots[end.first].model;
     const auto& frames = frames_of(model);
-    const auto found = frames.find(end.frame_name);
-    if (found == frames.end()) {
-      std::vector<std::string> known;
-      for (const Frame& f : model.frames) known.push_back(f.name);
-      here.fail(e.label(attribute) + ": robot " + quote(robot) + " has no frame " + quote(end.frame_name) + ", " +
-                suggestion(end.frame_name, known));
-    }
+    const auto found = frames.find(frame);
+    if (found == frames.end()) here.fail(e.label(attribute) + ": " + no_frame(robot, model, frame));
     end.frame = model.frames[found->second];
     return end;
   }
@@ -202,7 +193,7 @@ class ContactReader {
   // ---- adding copy i
 
   Attachment attachment(const End& end, int robot, const SE3<double>& offset) const {
-    return {robot, end.frame.joint, end.frame.placement * offset};
+    return {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
   }
 
   void add_one(const Element& e, const ContactElement& c, int i, int target) {
@@ -211,13 +202,6 @@ class ContactReader {
     contact.A = attachment(c.A, c.A.first + i, c.A_offset);
     contact.B.placement = c.B_offset;
     if (c.to_robot) contact.B = attachment(c.B, target, c.B_offset);
-    check_bodies(e, c, contact);
-    if (contact.B.robot >= 0 && contact.B.joint < 0) {  // an immovable link is the world
-      const SE3<double>& base = out_.scene.robots[contact.B.robot].base;
-      contact.B = {-1, -1, base * contact.B.placement};
-    }
-    if (out_.scene.contact_index.count(contact.name))
-      e.where("name").fail("a contact named " + quote(contact.name) + " exists already, expected names used once");
     if (!c.position_given || !c.orientation_given)
       resolve_reference(out_.scene, out_.q, !c.position_given, !c.orientation_given, contact);
     try {
@@ -225,20 +209,6 @@ class ContactReader {
     } catch (const std::invalid_argument& error) {
       e.fail(error.what());
     }
-  }
-
-  void check_bodies(const Element& e, const ContactElement& c, const Contact& contact) const {
-    const Attachment &A = contact.A, &B = contact.B;
-    const std::string robot = quote(out_.scene.robots[A.robot].name);
-    const std::string name = "contact " + quote(contact.name);
-    if (B.robot == A.robot && c.A.frame_name == c.B.frame_name)
-      e.fail(name + " ties frame " + quote(c.A.frame_name) + " of robot " + robot + " to itself, expected two frames");
-    if (B.robot == A.robot && A.joint == B.joint)
-      e.fail(name + " ties frames " + quote(c.A.frame_name) + " and " + quote(c.B.frame_name) + " of robot " + robot +
-             ", which are on one body, expected two bodies");
-    if (A.joint < 0 && B.joint < 0)
-      e.fail(name + " holds frame " + quote(c.A.frame_name) + " of robot " + robot +
-             ", which cannot move, to the world, expected a frame that moves");
   }
 
   SceneFile& out_;

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of load_scene, in their order: robots (with models, copies, state), then contacts.
+// The steps of read_scene, in their order: robots (with models, copies, state), then contacts.
 
 #include <map>
 #include <memory>
@@ -41,7 +41,7 @@ class ModelCache {
 /// `scene_folder`: relative URDF paths start there.
 RobotElement read_robot(const Element& element, const std::string& scene_folder);
 
-/// State from xyz, rpy, <q>, <v>, <u>, <joint>.
+/// State from xyz, rpy, <q>, <v>, <u>, <joint>, u="gravity".
 RobotState read_state(const RobotElement& robot, const Model& model);
 
 /// xyz and rpy of <robot>.
@@ -56,8 +56,8 @@ struct Arrangement {
   void place(int i, Vec3<double>& translation, double& yaw) const;
 };
 
-/// Adds all robots to the scene, with q, v, u (zero for u="gravity": see `gravity`).
-void add_robots(const Element& scene, SceneFile& out, std::vector<int>& gravity_groups);
+/// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
+void add_robots(const Element& scene, SceneFile& out);
 
 /// Adds all contacts; out.q must be complete.
 void add_contacts(const Element& scene, SceneFile& out);

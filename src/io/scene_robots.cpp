@@ -190,6 +190,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
     SE3<double> at;
     if (model->floating_base) {
       move_base(q, translation, yaw);
+      at = placement_of_pose(q.head<7>());
     } else {
       const SE3<double> arranged{rotation_about<double>(Vec3<double>::UnitZ(), yaw), translation};
       at = arranged * base;
@@ -197,7 +198,8 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
     const std::string name = group.copied ? group.name + std::to_string(i) : group.name;
     if (out.scene.robot_index.count(name))
       e.where("name").fail("a robot named " + quote(name) + " exists already, expected names used once");
-    add_robot(out.scene, name, model, at);
+    const int number = add_robot(out.scene, name, model, at);
+    if (robot.gravity_torques) out.gravity_robots.push_back(number);
     Growing::append(all.q, q);
     Growing::append(all.v, state.v);
     Growing::append(all.u, state.u);
@@ -207,7 +209,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
 
 }  // namespace
 
-void add_robots(const Element& scene, SceneFile& out, std::vector<int>& gravity_groups) {
+void add_robots(const Element& scene, SceneFile& out) {
   const std::string folder = std::filesystem::path(out.path).parent_path().string();
   ModelCache models;
   Growing all;
@@ -220,7 +222,6 @@ void add_robots(const Element& scene, SceneFile& out, std::vector<int>& gravity_
                             std::to_string(at->second) + ", expected names used once");
     robot.group.first = out.scene.nrobots();
     add_copies(robot, models.get(robot), out, all);
-    if (robot.gravity_torques) gravity_groups.push_back(static_cast<int>(out.robot_groups.size()));
     out.robot_groups.push_back(robot.group);
   }
   for (const RobotGroup& group : out.robot_groups)

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "scene_parts.hpp"
 
@@ -47,14 +48,13 @@ class StateReader {
     const bool base_given = read_quantity(kQ, state.q);
     read_quantity(kV, state.v);
     read_quantity(kU, state.u);
+    if (robot_.gravity_torques) state.u.setConstant(std::numeric_limits<double>::quiet_NaN());
     normalise(state.q);
     const Element& e = robot_.element;
     if (!model_.floating_base || (!e.has("xyz") && !e.has("rpy"))) return state;
     const char* placed = e.has("xyz") ? "xyz" : "rpy";
     if (base_given) e.where(placed).fail(e.label(placed) + " and q both place the floating base, expected one of them");
-    const SE3<double> base = read_base(e);
-    state.q.head<3>() = base.p;
-    state.q.segment<4>(3) = quaternion_of_rotation<double>(base.R);
+    state.q.head<7>() = pose_of_placement(read_base(e));
     return state;
   }
 
@@ -62,15 +62,7 @@ class StateReader {
   const Joint& joint(const std::string& name, const Element& element) const {
     const auto found = index_.find(name);
     if (found != index_.end()) return model_.joints[found->second];
-    const auto among = [&](const std::vector<std::string>& list) {
-      return std::find(list.begin(), list.end(), name) != list.end();
-    };
-    const Where here = element.where("name");
-    if (among(model_.notes.locked)) here.fail("joint " + quote(name) + " is locked, expected one that moves");
-    if (among(model_.notes.merged)) here.fail("joint " + quote(name) + " is fixed, expected one that moves");
-    std::vector<std::string> known;
-    for (const Joint& j : model_.joints) known.push_back(j.name);
-    here.fail("the robot has no joint " + quote(name) + ", " + suggestion(name, known));
+    element.where("name").fail(no_joint(model_, name));
   }
 
   // Fills x from <q> or the joints' q=. True when that includes a floating base's.

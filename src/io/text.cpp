@@ -1,13 +1,12 @@
 #include "text.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
+#include <limits>
 
 namespace manycontact::io {
 
@@ -42,12 +41,6 @@ std::string read_file(const std::string& path, std::string& problem) {
     return {};
   }
   return text;
-}
-
-std::string quote(std::string_view text) {
-  constexpr std::size_t kMost = 80;
-  if (text.size() <= kMost) return "'" + std::string(text) + "'";
-  return "'" + std::string(text.substr(0, kMost)) + "...'";
 }
 
 std::string show(double x) {
@@ -112,47 +105,11 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
 
 int parse_count(std::string_view text) {
   const auto parts = words(text);
-  if (parts.size() != 1 || parts[0][0] == '-') return -1;
-  int n = 0;
-  const auto [end, error] = std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), n);
-  return error == std::errc() && end == parts[0].data() + parts[0].size() ? n : -1;
-}
-
-namespace {
-
-// Levenshtein's distance, one row at a time.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
-
-std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  if (known.empty()) return "there are none";
-  if (known.size() <= 8) {
-    std::string list = known.size() == 1 ? "expected " : "expected one of ";
-    for (std::size_t i = 0; i < known.size(); ++i) list += (i ? ", " : "") + quote(known[i]);
-    return list;
-  }
-  const std::string* best = nullptr;
-  std::size_t least = 0;
-  for (const std::string& k : known) {
-    if (k.size() > 200 || name.size() > 200) continue;
-    const std::size_t d = distance(name, k);
-    if (!best || d < least) best = &k, least = d;
-  }
-  return best ? "did you mean " + quote(*best) + "?" : "expected one of " + std::to_string(known.size()) + " names";
+  if (parts.size() != 1) return -1;
+  double x = 0;
+  const auto [end, error] = std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), x);
+  if (error != std::errc() || end != parts[0].data() + parts[0].size()) return -1;
+  return x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x) ? static_cast<int>(x) : -1;
 }
 
 }  // namespace manycontact::io

@@ -1,11 +1,12 @@
 #pragma once
-// Reading files and numbers, independent of the locale; wording that error messages share.
+// Reading files and numbers, independent of the locale.
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "manycontact/io/input_error.hpp"
+#include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::io {
 
@@ -22,9 +23,6 @@ std::string read_file(const std::string& path, std::string& problem);
 /// Why `path` cannot be opened for reading; empty when it can.
 std::string file_problem(const std::string& path);
 
-/// 'text', shortened when long.
-std::string quote(std::string_view text);
-
 /// The shortest decimal that reads back as x.
 std::string show(double x);
 
@@ -38,10 +36,7 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
 /// Exactly `count` of them.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
                                   std::size_t count);
-/// A whole number without sign, exponent or point; -1 when `text` is not one or exceeds 2^31 - 1.
+/// A whole number from 0 to 2^31 - 1, as 100000 or 1e5; -1 when `text` is none.
 int parse_count(std::string_view text);
-
-/// "expected one of a, b, c" for a few names, else "did you mean x", for a message about an unknown `name`.
-std::string suggestion(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace manycontact::io

@@ -54,7 +54,7 @@ void check_axis(const Element& joint) {
   if (!axis) return;
   if (!axis->has("xyz")) axis->fail("<axis> has no attribute 'xyz', expected one");
   const auto xyz = *axis->numbers<3>("xyz");
-  if (std::hypot(xyz[0], xyz[1], xyz[2]) < 1e-9)
+  if (std::hypot(xyz[0], xyz[1], xyz[2]) < kZeroDirection)
     axis->where("xyz").fail("the axis of joint " + quote(joint.required("name")) + " is zero, expected a direction");
 }
 

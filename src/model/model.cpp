@@ -86,6 +86,19 @@ void finalize(Model& model) {
   if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
 }
 
+bool is_finalized(const Model& model) {
+  int nq = 0, nv = 0;
+  for (const Joint& joint : model.joints) {
+    if (joint.idx_q != nq || joint.idx_v != nv) return false;
+    nq += joint.nq();
+    nv += joint.nv();
+  }
+  const auto n = static_cast<std::size_t>(nv);
+  return model.nq == nq && model.nv == nv && model.dof_parent.size() == n && model.dof_joint.size() == n &&
+         model.dof_depth.size() == n && model.subtree_end.size() == model.joints.size() &&
+         model.M_begin.size() == n + 1 && model.armature.size() == nv;
+}
+
 Eigen::VectorXd neutral(const Model& model) {
   Eigen::VectorXd q = Eigen::VectorXd::Zero(model.nq);
   for (const Joint& j : model.joints)

@@ -3,12 +3,20 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "manycontact/model/suggestion.hpp"
+
 namespace manycontact {
 
+namespace {
+bool is_finite(const SE3<double>& M) { return M.R.allFinite() && M.p.allFinite(); }
+}  // namespace
+
 int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model, const SE3<double>& base) {
-  if (!model) throw std::invalid_argument("add_robot: '" + name + "' has no model");
-  if (!scene.robot_index.emplace(name, scene.nrobots()).second)
-    throw std::invalid_argument("add_robot: a robot named '" + name + "' exists already");
+  const auto refuse = [&](const char* what) { throw std::invalid_argument("robot " + quote(name) + what); };
+  if (!model) refuse(" has no model");
+  if (!is_finalized(*model)) refuse(" has a model that was not finalized, expected finalize(model) before add_robot");
+  if (!is_finite(base)) refuse(" has a base that is not finite");
+  if (!scene.robot_index.emplace(name, scene.nrobots()).second) refuse(" exists already, expected names used once");
   Robot robot{name, std::move(model), base, scene.nq, scene.nv, scene.nu};
   scene.nq += robot.model->nq;
   scene.nv += robot.model->nv;
@@ -19,56 +27,71 @@ int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model
 
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame, const SE3<double>& offset) {
   const auto found = scene.robot_index.find(robot);
-  if (found == scene.robot_index.end()) throw std::invalid_argument("attach: no robot named '" + robot + "'");
+  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
   const Model& model = *scene.robots[found->second].model;
   const int f = model.find_frame(frame);
-  if (f < 0) throw std::invalid_argument("attach: robot '" + robot + "' has no frame '" + frame + "'");
-  return {found->second, model.frames[f].joint, model.frames[f].placement * offset};
+  if (f < 0) throw std::invalid_argument(no_frame(robot, model, frame));
+  return {found->second, model.frames[f].joint, model.frames[f].placement * offset, frame};
+}
+
+Attachment world_if_immovable(const Scene& scene, Attachment at) {
+  if (at.robot < 0 || at.joint >= 0) return at;
+  const Robot& robot = scene.robots[at.robot];
+  return {-1, -1, robot.base * at.placement, at.frame.empty() ? "" : robot.name + "/" + at.frame};
 }
 
 namespace {
 
-void check_attachment(const Scene& scene, const Attachment& a, const std::string& contact) {
-  if (a.robot < -1 || a.robot >= scene.nrobots())
-    throw std::invalid_argument("add_contact: '" + contact + "' names robot " + std::to_string(a.robot) + " of " +
-                                std::to_string(scene.nrobots()));
-  const int njoints = a.robot < 0 ? 0 : scene.robots[a.robot].model->njoints();
-  if (a.joint < -1 || a.joint >= njoints)
-    throw std::invalid_argument("add_contact: '" + contact + "' names joint " + std::to_string(a.joint) + " of " +
-                                std::to_string(njoints));
-  if (a.robot >= 0 && a.joint < 0 && scene.robots[a.robot].model->floating_base)
-    throw std::invalid_argument("add_contact: '" + contact + "' names the fixed base of '" +
-                                scene.robots[a.robot].name + "', which has a floating one");
-  if (!a.placement.R.allFinite() || !a.placement.p.allFinite())
-    throw std::invalid_argument("add_contact: '" + contact + "' has a placement that is not finite");
+// Why an attachment is none of the scene's bodies; empty when it is one.
+std::string problem(const Scene& scene, const Attachment& at) {
+  const auto of = [](int number, int count) { return std::to_string(number) + " of " + std::to_string(count); };
+  if (at.robot < -1 || at.robot >= scene.nrobots()) return "names robot " + of(at.robot, scene.nrobots());
+  const int njoints = at.robot < 0 ? 0 : scene.robots[at.robot].model->njoints();
+  if (at.joint < -1 || at.joint >= njoints) return "names joint " + of(at.joint, njoints);
+  if (at.robot >= 0 && at.joint < 0 && scene.robots[at.robot].model->floating_base)
+    return "names the fixed base of robot " + quote(scene.robots[at.robot].name) + ", which has a floating one";
+  return is_finite(at.placement) ? "" : "has a placement that is not finite";
+}
+
+std::string describe(const Scene& scene, const Attachment& at) {
+  const Robot& robot = scene.robots[at.robot];
+  const std::string of_robot = " of robot " + quote(robot.name);
+  if (!at.frame.empty()) return "frame " + quote(at.frame) + of_robot;
+  return at.joint < 0 ? "the base" + of_robot : "joint " + quote(robot.model->joints[at.joint].name) + of_robot;
+}
+
+// Why A and B cannot be held together; empty when they can.
+std::string problem(const Scene& scene, const Attachment& A, const Attachment& B) {
+  if (A.robot < 0) return "has frame A in the world, expected it on a robot";
+  if (A.robot == B.robot && A.joint == B.joint) {
+    const std::string a = describe(scene, A), b = describe(scene, B);
+    if (a == b) return "ties " + a + " to itself, expected two bodies";
+    return "ties " + a + " to " + b + ", which are on one body, expected two bodies";
+  }
+  if (A.joint < 0 && B.joint < 0)
+    return "holds " + describe(scene, A) + ", which cannot move, to the world, expected a frame that moves";
+  return "";
 }
 
 }  // namespace
 
 int add_contact(Scene& scene, Contact contact) {
-  check_attachment(scene, contact.A, contact.name);
-  check_attachment(scene, contact.B, contact.name);
-  if (contact.A.robot < 0)
-    throw std::invalid_argument("add_contact: '" + contact.name + "' must have frame A on a robot");
-  if (contact.A.robot == contact.B.robot && contact.A.joint == contact.B.joint)
-    throw std::invalid_argument("add_contact: '" + contact.name + "' ties a body to itself");
-  if (!std::isfinite(contact.alpha) || !std::isfinite(contact.beta))
-    throw std::invalid_argument("add_contact: '" + contact.name + "' has gains that are not finite");
-  const double norm = contact.axis.norm();
-  if (!(norm > 0) || !std::isfinite(norm))
-    throw std::invalid_argument("add_contact: '" + contact.name + "' needs an axis that is not zero");
+  const auto refuse_if = [&](const std::string& what) {
+    if (!what.empty()) throw std::invalid_argument("contact " + quote(contact.name) + " " + what);
+  };
+  refuse_if(problem(scene, contact.A));
+  refuse_if(problem(scene, contact.B));
+  refuse_if(problem(scene, contact.A, contact.B));
+  contact.B = world_if_immovable(scene, std::move(contact.B));
+  if (!std::isfinite(contact.alpha) || !std::isfinite(contact.beta)) refuse_if("has gains that are not finite");
+  const double norm = contact.axis.stableNorm();
+  if (!std::isfinite(norm)) refuse_if("has an axis that is not finite, expected a direction");
+  if (norm < kZeroDirection) refuse_if("has a zero axis, expected a direction");
   contact.axis /= norm;
   if (!scene.contact_index.emplace(contact.name, static_cast<int>(scene.contacts.size())).second)
-    throw std::invalid_argument("add_contact: a contact named '" + contact.name + "' exists already");
+    refuse_if("exists already, expected names used once");
   scene.contacts.push_back(std::move(contact));
   return static_cast<int>(scene.contacts.size()) - 1;
-}
-
-std::vector<std::string> velocity_names(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const Robot& r : scene.robots)
-    for (int i = 0; i < r.model->nv; ++i) names.push_back(r.name + "/" + dof_name(*r.model, i));
-  return names;
 }
 
 }  // namespace manycontact

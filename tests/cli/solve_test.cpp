@@ -3,8 +3,8 @@
 #include "manycontact/dynamics/solve.hpp"
 
 #include "cli/program.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "manycontact/io/scene_file.hpp"
 
 namespace manycontact::cli {
 namespace {

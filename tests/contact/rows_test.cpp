@@ -206,8 +206,7 @@ TEST(FixedBase, AsA) {
   EXPECT_LE(error_of(both.J(0), MatrixXd(-both.J(1))), kTight);
 }
 
-// ---- action and reaction
-// ----------------------------------------------------------------------------------------------
+// ---- action and reaction --------------------------------------------------------------------------------------------
 
 // Coincident points with no relative velocity, in world axes: swapping A and B' only turns the sign.
 TEST_P(Rows, SwappingCoincidentPointsTurnsTheSign) {

@@ -81,7 +81,7 @@ class BadInput : public testing::Test {
   void expect_scene_error(const std::string& text, int line, const std::string& says) const {
     SCOPED_TRACE(text);
     const std::string path = write("scene.xml", text);
-    expect_error([&] { (void)load_scene(path); }, path, line, says);
+    expect_error([&] { (void)read_scene(path); }, path, line, says);
   }
 
   void expect_urdf_error(const std::string& text, int line, const std::string& says,
@@ -120,13 +120,13 @@ TEST_F(BadInput, FilesThatAreNotXml) {
   std::string binary;
   std::mt19937 random(1);
   for (int i = 0; i < 5000; ++i) binary += static_cast<char>(1 + random() % 255);
-  EXPECT_THROW((void)load_scene(write("scene.xml", binary)), InputError);
+  EXPECT_THROW((void)read_scene(write("scene.xml", binary)), InputError);
 }
 
 TEST_F(BadInput, FilesThatAreNotThere) {
   const std::string missing = (folder_ / "none.xml").string();
-  expect_error([&] { (void)load_scene(missing); }, missing, 1, "No such file");
-  expect_error([&] { (void)load_scene(folder_.string()); }, folder_.string(), 1, "is a directory");
+  expect_error([&] { (void)read_scene(missing); }, missing, 1, "No such file");
+  expect_error([&] { (void)read_scene(folder_.string()); }, folder_.string(), 1, "is a directory");
   expect_error([&] { (void)load_urdf(missing); }, missing, 1, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\"\n urdf=\"none.urdf\"/></scene>", 3, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\" urdf=\".\"/></scene>", 2, "is a directory");
@@ -135,7 +135,7 @@ TEST_F(BadInput, FilesThatAreNotThere) {
 TEST_F(BadInput, ABadUrdfIsBlamedItself) {
   const std::string urdf = write("bad.urdf", "<robot name=\"x\">\n<link/></robot>");
   const std::string scene = write("scene.xml", "<scene><robot name=\"a\" urdf=\"bad.urdf\"/></scene>");
-  expect_error([&] { (void)load_scene(scene); }, urdf, 2, "<link> has no attribute 'name'");
+  expect_error([&] { (void)read_scene(scene); }, urdf, 2, "<link> has no attribute 'name'");
 }
 
 // ---- scenes: robots
@@ -172,6 +172,12 @@ TEST_F(BadInput, Robots) {
       {R"(copies="1000001")", "", 3, "expected a whole number from 1 to 1000000"},
       {R"(copies="99999999999999999999")", "", 3, "expected a whole number"},
       {R"(copies="2.5")", "", 3, "expected a whole number"},
+      {R"(copies="1.5")", "", 3, "copies of <robot> is '1.5', expected a whole number from 1 to 1000000"},
+      {R"(copies="1e7")", "", 3, "copies of <robot> is '1e7', expected a whole number from 1 to 1000000"},
+      {R"(copies="1e-1")", "", 3, "expected a whole number"},
+      {R"(copies="1e999")", "", 3, "expected a whole number"},
+      {R"(copies="nan")", "", 3, "expected a whole number"},
+      {R"(copies="1e2 1e2")", "", 3, "expected a whole number"},
       {R"(copies="two")", "", 3, "expected a whole number"},
       {R"(copies="2" arrange="ring")", "", 3, "arrange of <robot> is 'ring'"},
       {R"(copies="2" spacing="-1")", "", 3, "spacing of <robot> is -1, expected 0 or more"},
@@ -274,7 +280,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" quat_xyzw="0 0 0 2")", "has length 2, expected a unit quaternion"},
       {R"(name="c" type="3d" frame="a/b" xyz="1 2 inf")", "is not finite"},
       {R"(name="c" type="3d" frame="a/b" axis="0 0 1")", "a 3d contact has an axis"},
-      {R"(name="c" type="1d" frame="a/b" axis="0 0 0")", "axis of <contact> is zero"},
+      {R"(name="c" type="1d" frame="a/b" axis="0 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="b")", "frame of <contact> is 'b', expected robot/link"},
       {R"(name="c" type="3d" frame="x/b")", "there is no robot 'x', expected one of 'a', 'h', 'g'"},
       {R"(name="c" type="3d" frame="h2/b")", "there is no robot 'h2'"},
@@ -283,9 +289,12 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" to="a/b")", "contact 'c' ties frame 'b' of robot 'a' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h/b")", "contact 'c0' ties frame 'b' of robot 'h0' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")", "contact 'c0' ties frame 'b' of robot 'h0' to it"},
-      {R"(name="c" type="3d" frame="a/b" to="a/c")", "ties frames 'b' and 'c' of robot 'a', which are on one body"},
+      {R"(name="c" type="3d" frame="a/b" to="a/c")",
+       "ties frame 'b' of robot 'a' to frame 'c' of robot 'a', which are on one body"},
       {R"(name="c" type="3d" frame="a/a")", "holds frame 'a' of robot 'a', which cannot move, to the world"},
-      {R"(name="c" type="3d" frame="a/a" to="h0/a")", "which cannot move, to the world"},
+      {R"(name="c" type="3d" frame="a/a" to="h0/a")", "frame 'a' of robot 'a', which cannot move, to the world"},
+      {R"(name="c" type="3d" frame="h/a" to="h+1/a")", "frame 'a' of robot 'h0', which cannot move, to the world"},
+      {R"(name="c" type="1d" frame="a/b" axis="1e-10 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
       {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one of them"},
       {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one of them"},
@@ -304,7 +313,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" to="h0/b" xyz="0 0 0")", "xyz of <contact> places a contact in the world"},
       {R"(name="c" type="3d" frame="a/b" to="h0/b" quat_xyzw="0 0 0 1")", "places a contact in the world"},
       {R"(name="ok" type="3d" frame="a/b")", "a contact named 'ok' exists already on line 4"},
-      {R"(name="many1" type="3d" frame="a/b")", "a contact named 'many1' exists already"},
+      {R"(name="many1" type="3d" frame="a/b")", "contact 'many1' exists already, expected names used once"},
   };
   for (const Case& c : cases)
     expect_scene_error(
@@ -348,6 +357,9 @@ TEST_F(BadInput, Urdf) {
       {3, link("b", mass("-2")), 3, "link 'b' and what is merged into it have the mass -2 kg"},
       {3, link("b", mass("1", "-3")), 3, "the principal moment of inertia -3 kg m^2 (trace -1)"},
       {4, link("c", mass("1", "-3")), 3, "link 'b' and what is merged into it"},
+      {3, link("b", mass("1", "5")), 3,
+       "link 'b' and what is merged into it have the principal moments of inertia 1, 1, 5 kg m^2, which no body has"},
+      {4, link("c", mass("1", "5")), 3, "the principal moments of inertia 2, 2, 6 kg m^2, which no body has"},
       {3, link("b", "<origin xyz=\"1e200 0 0\"/>" + mass("1e200")), 3, "an inertia too large to compute with"},
       {6, joint(R"(type="fixed")"), 6, "<joint> has no attribute 'name'"},
       {6, joint(R"(name="f" type="fixed")"), 7, "joint 'f' exists already on line 6"},
@@ -392,11 +404,11 @@ TEST_F(BadInput, MimicRefused) {
   const std::string path = write("mimic.urdf", joined(lines));
   const std::string robot = "<scene><robot name=\"a\" urdf=\"mimic.urdf\" mimic=";
   const std::string scene = write("scene.xml", robot + "\"refuse\"/></scene>");
-  expect_error([&] { (void)load_scene(scene); }, path, 6, "joint 'r' mimics 'p'");
+  expect_error([&] { (void)read_scene(scene); }, path, 6, "joint 'r' mimics 'p'");
   write("scene.xml", robot + "\"ignore\"/></scene>");
-  EXPECT_NO_THROW((void)load_scene(scene));
+  EXPECT_NO_THROW((void)read_scene(scene));
   write("scene.xml", robot + "\"refuse\"><lock joint=\"r\" at=\"0\"/></robot></scene>");
-  EXPECT_NO_THROW((void)load_scene(scene));
+  EXPECT_NO_THROW((void)read_scene(scene));
 }
 
 // Damaged files are refused or read, and nothing else happens.
@@ -436,7 +448,7 @@ TEST_F(BadInput, DamagedFiles) {
     write("bad.urdf", damaged(urdf));
     const std::string path = write("scene.xml", damaged(scene));
     try {
-      const SceneFile s = load_scene(path);
+      const SceneFile s = read_scene(path);
       EXPECT_TRUE(s.q.allFinite() && s.v.allFinite() && s.u.allFinite());
     } catch (const InputError& e) {
       ++refused;

@@ -45,6 +45,17 @@ TEST_P(Group, Axioms) {
   }
 }
 
+TEST_P(Group, PosesAreItsCoordinates) {
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Placement X = placement();
+    const Eigen::Matrix<double, 7, 1> pose = pose_of_placement(X);
+    EXPECT_EQ(difference_of(pose.head<3>(), X.p), 0);
+    EXPECT_EQ(difference_of(pose.tail<4>(), quaternion_of_rotation<double>(X.R)), 0);
+    EXPECT_LE(difference_of(placement_of_pose(pose), X), kTight);
+    EXPECT_LE(difference_of(placement_of_pose(Eigen::VectorXd(pose)), X), kTight);
+  }
+}
+
 TEST_P(Group, ActionIsAHomomorphism) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Placement X = placement(), Y = placement();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::test {
 

@@ -5,8 +5,10 @@
 // With Psid_j = v_p x S_j, Psidd_j = a_p x S_j + v_p x Psid_j (p: the parent of j's joint), Sd_j = v_j x S_j, and Yc,
 // 2B, f summed over the subtree of i's joint, for an ancestor j of i:
 //
+// clang-format off
 //   dtau_i/dq_j = S_i^T (2B Psid_j + Yc Psidd_j)        dtau_j/dq_i = S_j^T (2B Psid_i + Yc Psidd_i + S_i x* f)
 //   dtau_i/dv_j = S_i^T (2B S_j + Yc (Psid_j + Sd_j))   dtau_j/dv_i = S_j^T (2B S_i + Yc (Psid_i + Sd_i))
+// clang-format on
 //
 // where 2B = (v x*) Y - Y (v x) + (Y v) xbar* = [0, -2[l]x; 0, C] has only twelve numbers in an inertial frame.
 // Source: Singh, Russell, Wensing, arXiv 2105.05102, table I; the form of 2B is ours.

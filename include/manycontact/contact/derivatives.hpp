@@ -1,10 +1,16 @@
 #pragma once
 // Derivatives of one contact's rows and of its share in the dynamics, in A's axes. With s_i the column of J_l (sign
-// included), P1, P2, P3 the likewise placed and signed Psid_i, Psidd_i, Psid_i + Sd_i (algorithm/rnea_derivatives.hpp):
+// included), P1, P2, P3 the likewise placed and signed Psid_i, Psidd_i, Psid_i + Sd_i (algorithm/rnea_derivatives.hpp),
+// v_B = X v_B', a_B = X a_B', and e = R_A^T (p_A - p_B') the error of a point:
 //
-//   d nu/dq_i    = P1 + s_i x v_B                                                    d nu/dv_i    = s_i
-//   d nudot/dq_i = P2 - (v_A + v_B) x P1 + s_i x a_B - v_A x (s_i x v_B)             d nudot/dv_i = P3 - (v_A + v_B) x
-//   s_i d log6(G)/dq_i = Jlog6(G) s_i                      d (R_A^T (p_A - p_B'))/dq_i = s_i,lin - s_i,ang x e
+// clang-format off
+//   d nu/dq_i      = P1 + s_i x v_B
+//   d nudot/dq_i   = P2 - (v_A + v_B) x P1 + s_i x a_B - v_A x (s_i x v_B)
+//   d nu/dv_i      = s_i
+//   d nudot/dv_i   = P3 - (v_A + v_B) x s_i
+//   d log6(G)/dq_i = Jlog6(log6(G)) s_i
+//   d e/dq_i       = s_i,lin - s_i,ang x e
+// clang-format on
 //
 // for the joints between A and B'; for joints above both, all are zero. A world-aligned frame turns with W: for every
 // joint above A, with th_i the angular part of A's motion, dW/dq_i y = W (th_i x y) on both parts of y.

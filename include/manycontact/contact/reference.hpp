@@ -4,7 +4,8 @@
 namespace manycontact {
 
 /// Moves B' of `contact` onto A at configuration q (the scene's nq), so that the placement error is zero: its origin
-/// when `position`, its axes when `orientation`. q: nq of the scene.
+/// when `position`, its axes when `orientation`. contact: as for add_contact, before or after it. Throws
+/// std::invalid_argument unless q has scene.nq numbers.
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact);
 

@@ -1,10 +1,12 @@
 #pragma once
 // The rows of one contact. With A, B' the contact's frames, G = B'MA and X the action of AMB', all in A's axes:
 //
+// clang-format off
 //   nu    = v_A - X v_B'                        J_l = J_A - X J_B'   (6 x its columns)
 //   nudot = a_A - X a_B' - v_A x nu
 //   6D:         x = nudot + alpha log6(G) + beta nu
 //   1D, 2D, 3D: x = nudot_lin + nu_ang x nu_lin + alpha R_A^T (p_A - p_B') + beta nu_lin
+// clang-format on
 //
 // a0 = W x and J = W J_l with W selecting the rows: of A's axes (local), or of the world's (W turns them by oR_A).
 // Columns of joints above the common ancestor of A and B' are zero exactly and left out.

@@ -1,5 +1,5 @@
 #pragma once
-// A scene from its XML file (README, "Scene file"): robots with their copies and their state, contacts.
+// A scene from its XML file (models/README.md, "Scene file"): robots with their copies and their state, contacts.
 
 #include <string>
 #include <vector>
@@ -32,10 +32,12 @@ struct SceneFile {
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
   std::vector<RobotGroup> robot_groups;
   std::vector<ContactGroup> contact_groups;
-  std::vector<int> robot_group;  // per robot: index into robot_groups
+  std::vector<int> robot_group;     // per robot: index into robot_groups
+  std::vector<int> gravity_robots;  // robots with u="gravity", ascending
 };
 
-/// Throws InputError. References left out are resolved from q, u="gravity" by quasi_static.
-SceneFile load_scene(const std::string& path);
+/// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN: they take a
+/// solver, and load_scene (analysis/load_scene.hpp) fills them.
+SceneFile read_scene(const std::string& path);
 
 }  // namespace manycontact

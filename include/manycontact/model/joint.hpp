@@ -17,6 +17,10 @@ enum class JointType {
 constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t == JointType::kPlanar ? 3 : 1; }
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
+/// A direction shorter than this counts as zero: files and computed differences leave such rests, and they point
+/// anywhere.
+constexpr double kZeroDirection = 1e-9;
+
 /// One joint and the body it carries. The joint frame is the child frame at q = 0.
 struct Joint {
   std::string name;

@@ -59,10 +59,13 @@ struct Model {
 /// Throws std::invalid_argument when joints are not numbered depth first, parents before children.
 void finalize(Model& model);
 
+/// Whether finalize has run since joints were added or taken away: the derived fields fit the joints.
+bool is_finalized(const Model& model);
+
 /// The neutral configuration: zeros, unit quaternions.
 Eigen::VectorXd neutral(const Model& model);
 
-/// "knee", or "root[0]" for coordinate k of a joint with several.
+/// "knee", or "root[0]" for a coordinate of a joint with several.
 std::string dof_name(const Model& model, int dof);
 
 }  // namespace manycontact

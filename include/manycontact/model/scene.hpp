@@ -13,7 +13,7 @@ namespace manycontact {
 struct Robot {
   std::string name;
   std::shared_ptr<const Model> model;
-  SE3<double> base;                     // fixed base: its placement in the world (unused by a floating base)
+  SE3<double> base;  // in the world: where a fixed base stands, where a floating one starts (neutral)
   int idx_q = 0, idx_v = 0, idx_u = 0;  // first coordinate in the scene's q, v, u
 };
 
@@ -36,9 +36,10 @@ inline std::string to_string(ContactType t) { return std::to_string(contact_rows
 
 /// A body a contact is attached to: a placement on a joint's body of a robot, or in the world.
 struct Attachment {
-  int robot = -1;         // -1: the world
-  int joint = -1;         // of that robot's model; -1: its fixed base
-  SE3<double> placement;  // of the contact frame on that body
+  int robot = -1;          // -1: the world
+  int joint = -1;          // of that robot's model; -1: its fixed base
+  SE3<double> placement;   // of the contact frame on that body
+  std::string frame = {};  // the robot's frame it was made from, before any offset; empty when unknown
 };
 
 /// A bilateral contact: frame A on a robot, B' on another body or in the world. Equations in contact/rows.hpp.
@@ -68,18 +69,36 @@ struct Scene {
   int nrobots() const { return static_cast<int>(robots.size()); }
 };
 
-/// Appends a robot and sets its indices; returns its number. Throws std::invalid_argument on a duplicate name.
+/// Appends a robot and sets its indices; returns its number. base: where its base stands (fixed), or where
+/// neutral(scene) starts it (floating). Throws std::invalid_argument on a duplicate name, a model that was not
+/// finalized, or a base that is not finite.
 int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model, const SE3<double>& base = {});
 
-/// The attachment of a robot's frame, with an offset on it. Throws std::invalid_argument for an unknown name.
+/// The attachment of a robot's frame, with an offset on it. Throws std::invalid_argument for an unknown name, with the
+/// nearest one.
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame,
                   const SE3<double>& offset = {});
 
-/// Appends a contact after checking it (robots and joints exist, A and B' are different bodies, finite numbers, axis
-/// not zero; the axis is normalised); returns its number. Throws std::invalid_argument.
+/// The same place, in the world when its body cannot move: on a fixed base, where that stands now. Its frame is then
+/// "robot/frame".
+Attachment world_if_immovable(const Scene& scene, Attachment attachment);
+
+/// Appends a contact, its axis normalised and B' by world_if_immovable, so that it joins no robot that it does not act
+/// on; returns its number. A may be on a body that cannot move where B' can: the contact is kept as it is, for A's axes
+/// are those of its rows and forces, and with A and B' exchanged it would be another one.
+/// Throws std::invalid_argument: an unknown robot or joint, A in the world, A and B' on one body, neither can move,
+/// numbers that are not finite, an axis below kZeroDirection, a name used twice.
 int add_contact(Scene& scene, Contact contact);
 
-/// "r0/knee" for each of the nv velocity coordinates.
+/// Names of the coordinates of q, v, u: "r0/knee", or "r0/root[0]" of a joint with several.
+std::vector<std::string> configuration_names(const Scene& scene);
 std::vector<std::string> velocity_names(const Scene& scene);
+std::vector<std::string> torque_names(const Scene& scene);
+
+/// The first coordinate of a joint in the scene's q, v, u. Throw std::invalid_argument for a name that does not exist,
+/// with the nearest one, u_index for a floating base too, which has no torques.
+int q_index(const Scene& scene, const std::string& robot, const std::string& joint);
+int v_index(const Scene& scene, const std::string& robot, const std::string& joint);
+int u_index(const Scene& scene, const std::string& robot, const std::string& joint);
 
 }  // namespace manycontact

@@ -2,17 +2,20 @@
 // Which gains a step size bears. Exact dynamics make a contact's error obey e'' + beta e' + alpha e = 0 (to first order
 // in e for 6D). An integrator makes of it a linear map of (e, h e') per step, with a = alpha h^2, b = beta h:
 //
+// clang-format off
 //   semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0
 //                         [  -a     1 - b ]    stable: 0 < b < 2, 0 < a < 4 - 2b        (Jury)
-//                                              double root z: b = 1 - z^2, a = (1 - z)^2;  z = 0 (a = b = 1) is
-//                                              deadbeat
+//                                              double root z: b = 1 - z^2, a = (1 - z)^2; deadbeat z = 0: a = b = 1
 //   RK4                   R(hL), R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24, L the roots of L^2 + beta L + alpha = 0
 //                                              double root L = -omega: stable for h omega < 2.7853, fastest at 1.5961
+// clang-format on
 //
 // Recommended is a double root, which does not oscillate:
 //
+// clang-format off
 //   semi-implicit Euler   z = 1/2:         alpha = 1/(4 h^2),  beta = 3/(4 h)   e halves with every step
 //   RK4                   h omega = 1/10:  alpha = omega^2,    beta = 2 omega   e falls to 1/e in ten steps
+// clang-format on
 //
 // Euler's drift falls all the way to the deadbeat gains; half of that leaves a margin: the step may double (a = 1,
 // b = 3/2 is the limit). RK4's does not: its inner stages leave the contact by O(h^2) s, s the contact's curvature

@@ -104,4 +104,18 @@ Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   return q;
 }
 
+/// The seven coordinates x y z, qx qy qz qw of a placement, with qw >= 0.
+template <class S>
+Eigen::Matrix<S, 7, 1> pose_of_placement(const SE3<S>& M) {
+  Eigen::Matrix<S, 7, 1> pose;
+  pose << M.p, quaternion_of_rotation<S>(M.R);
+  return pose;
+}
+
+/// The placement with those coordinates.
+template <class D>
+SE3<typename D::Scalar> placement_of_pose(const Eigen::MatrixBase<D>& pose) {
+  return {rotation_of_quaternion<typename D::Scalar>(pose[3], pose[4], pose[5], pose[6]), pose.template head<3>()};
+}
+
 }  // namespace manycontact

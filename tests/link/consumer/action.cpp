@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "manycontact/action.hpp"
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 
 using namespace manycontact;
 using std::make_shared;

@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 
 int main(int, char** argv) {
   const manycontact::SceneFile file = manycontact::load_scene(argv[1]);

@@ -1,0 +1,10 @@
+#pragma once
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact {
+
+/// read_scene, and the torques of robots with u="gravity" by quasi_static (dynamics/quasi_static.hpp) at the file's q.
+/// Throws InputError.
+SceneFile load_scene(const std::string& path);
+
+}  // namespace manycontact

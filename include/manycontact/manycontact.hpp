@@ -1,0 +1,17 @@
+#pragma once
+// All it takes to load or build a scene, solve it, differentiate it and follow it through time. Crocoddyl's action
+// model has a header of its own, manycontact/action.hpp.
+
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/contact/reference.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/products.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/dynamics/report.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/io/urdf.hpp"
+#include "manycontact/model/scene.hpp"
+#include "manycontact/simulation/gains.hpp"
+#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/simulation/step.hpp"
