@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"sparse", 0},   {"spatial", 1}, {"model", 2},  {"algorithm", 3},  {"contact", 4}, {"kkt", 5},
-    {"dynamics", 6}, {"io", 7},      {"action", 7}, {"simulation", 7}, {"cli", 8},
+    {"sparse", 0},   {"spatial", 1}, {"model", 2},    {"algorithm", 3}, {"contact", 4},    {"kkt", 5},
+    {"dynamics", 6}, {"io", 7},      {"analysis", 7}, {"action", 7},    {"simulation", 7}, {"cli", 8},
 };
 
 struct Guarded {

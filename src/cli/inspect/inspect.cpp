@@ -3,9 +3,9 @@
 #include <iostream>
 #include <map>
 
-#include "command.hpp"
+#include "../common/command.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "choice.hpp"
+#include "../common/choice.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "solve.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 // `manycontact inspect`: what the scene holds, seen from its structure, and what could be simpler.
 
-#include "choice.hpp"
-#include "ranks.hpp"
+#include "../common/choice.hpp"
+#include "manycontact/analysis/ranks.hpp"
 
 namespace manycontact::cli {
 

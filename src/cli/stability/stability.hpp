@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulate.hpp"
+#include "../simulate/simulate.hpp"
 
 namespace manycontact::cli {
 

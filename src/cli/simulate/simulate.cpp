@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iostream>
 
-#include "command.hpp"
-#include "progress.hpp"
-#include "table.hpp"
+#include "../common/command.hpp"
+#include "../common/progress.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -7,8 +7,8 @@
 
 #include "inspect.hpp"
 #include "manycontact/io/input_error.hpp"
-#include "svg.hpp"
-#include "table.hpp"
+#include "../common/svg.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

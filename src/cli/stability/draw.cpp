@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "gnuplot.hpp"
+#include "../common/gnuplot.hpp"
 #include "stability.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chart_truth.hpp"
+#include "truth.hpp"
 
 namespace manycontact::cli {
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <iostream>
 
-#include "command.hpp"
-#include "gnuplot.hpp"
+#include "../common/command.hpp"
+#include "../common/gnuplot.hpp"
 #include "manycontact/io/input_error.hpp"
-#include "progress.hpp"
-#include "table.hpp"
+#include "../common/progress.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -1,5 +1,5 @@
 #include "chart.hpp"
-#include "csv_file.hpp"
+#include "../common/csv_file.hpp"
 
 namespace manycontact::cli {
 

@@ -6,9 +6,9 @@
 #include <iostream>
 #include <set>
 
-#include "command.hpp"
-#include "gnuplot.hpp"
-#include "table.hpp"
+#include "../common/command.hpp"
+#include "../common/gnuplot.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "choice.hpp"
-#include "describe.hpp"
+#include "../common/choice.hpp"
+#include "../common/describe.hpp"
 #include "solve.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

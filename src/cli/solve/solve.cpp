@@ -4,7 +4,7 @@
 #include <chrono>
 #include <iostream>
 
-#include "command.hpp"
+#include "../common/command.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact::cli {

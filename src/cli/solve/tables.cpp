@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "describe.hpp"
+#include "../common/describe.hpp"
 #include "solve.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "solve.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "chart.hpp"
-#include "choice.hpp"
-#include "table.hpp"
+#include "../common/choice.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

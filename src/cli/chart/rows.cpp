@@ -9,9 +9,9 @@
 #include <iostream>
 
 #include "chart.hpp"
-#include "chart_truth.hpp"
-#include "choice.hpp"
-#include "table.hpp"
+#include "truth.hpp"
+#include "../common/choice.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "choice.hpp"
-#include "describe.hpp"
+#include "../common/choice.hpp"
+#include "../common/describe.hpp"
 #include "solve.hpp"
-#include "table.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "chart.hpp"
-#include "gnuplot.hpp"
-#include "table.hpp"
+#include "../common/gnuplot.hpp"
+#include "../common/table.hpp"
 
 namespace manycontact::cli {
 

@@ -1,4 +1,4 @@
-#include "chart_truth.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <random>

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "chart.hpp"
-#include "choice.hpp"
+#include "../common/choice.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 
 namespace manycontact::cli {
