@@ -202,7 +202,7 @@ class ContactReader {
   // ---- adding copy i
 
   Attachment attachment(const End& end, int robot, const SE3<double>& offset) const {
-    return {robot, end.frame.joint, end.frame.placement * offset};
+    return {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
   }
 
   void add_one(const Element& e, const ContactElement& c, int i, int target) {

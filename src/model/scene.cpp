@@ -23,7 +23,7 @@ Attachment attach(const Scene& scene, const std::string& robot, const std::strin
   const Model& model = *scene.robots[found->second].model;
   const int f = model.find_frame(frame);
   if (f < 0) throw std::invalid_argument("attach: robot '" + robot + "' has no frame '" + frame + "'");
-  return {found->second, model.frames[f].joint, model.frames[f].placement * offset};
+  return {found->second, model.frames[f].joint, model.frames[f].placement * offset, frame};
 }
 
 namespace {

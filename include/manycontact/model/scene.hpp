@@ -36,9 +36,10 @@ inline std::string to_string(ContactType t) { return std::to_string(contact_rows
 
 /// A body a contact is attached to: a placement on a joint's body of a robot, or in the world.
 struct Attachment {
-  int robot = -1;         // -1: the world
-  int joint = -1;         // of that robot's model; -1: its fixed base
-  SE3<double> placement;  // of the contact frame on that body
+  int robot = -1;          // -1: the world
+  int joint = -1;          // of that robot's model; -1: its fixed base
+  SE3<double> placement;   // of the contact frame on that body
+  std::string frame = {};  // the robot's frame it was made from, before any offset; empty when unknown
 };
 
 /// A bilateral contact: frame A on a robot, B' on another body or in the world. Equations in contact/rows.hpp.
