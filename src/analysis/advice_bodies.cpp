@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 
-#include "inspect.hpp"
-#include "table.hpp"
+#include "manycontact/analysis/advice.hpp"
+#include "manycontact/analysis/text.hpp"
 
-namespace manycontact::cli {
+namespace manycontact {
+
+using text::count;
+using text::join;
 
 namespace {
 
@@ -19,19 +23,18 @@ struct State {
   double negligible = 0;  // an acceleration that counts as none
 };
 
-State read_state(const Inspection& x) {
-  const Scene& scene = x.file.scene;
+State read_state(const Scene& scene, const SceneData& data) {
   State s;
   for (const Robot& robot : scene.robots) s.touched.emplace_back(robot.model->joints.size(), 0);
   s.robot_touched.assign(scene.robots.size(), 0);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     for (const Attachment* a : {&scene.contacts[c].A, &scene.contacts[c].B}) {
-      if (x.data.f_offset[c] < 0 || a->robot < 0) continue;
+      if (data.f_offset[c] < 0 || a->robot < 0) continue;
       s.robot_touched[a->robot] = 1;
       if (a->joint >= 0) s.touched[a->robot][a->joint] = 1;
     }
   double largest = scene.gravity.norm();
-  for (double a : x.data.a) largest = std::isnan(a) ? largest : std::max(largest, std::abs(a));
+  for (double a : data.a) largest = std::isnan(a) ? largest : std::max(largest, std::abs(a));
   s.negligible = kNegligible * largest;
   return s;
 }
@@ -59,13 +62,13 @@ std::vector<std::string> joint_names(const Model& model, const std::vector<std::
 }
 
 // No contact, no velocity, no acceleration worth the name; a floating base cannot be locked.
-bool idle(const Inspection& x, const State& s, int r, int j) {
-  const Robot& robot = x.file.scene.robots[r];
+bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int j) {
+  const Robot& robot = scene.robots[r];
   const Joint& joint = robot.model->joints[j];
   if (joint.type == JointType::kFloating || s.touched[r][j]) return false;
   const int first = robot.idx_v + joint.idx_v;
-  return x.file.v.segment(first, joint.nv()).isZero(0) &&
-         (x.data.a.segment(first, joint.nv()).array().abs() <= s.negligible).all();  // false for NaN
+  return data.v.segment(first, joint.nv()).isZero(0) &&
+         (data.a.segment(first, joint.nv()).array().abs() <= s.negligible).all();  // false for NaN
 }
 
 // Adds up what is said of several robots: text -> robots, in the order of the first.
@@ -79,10 +82,10 @@ struct Said {
   }
 };
 
-void advise_idle(const Inspection& x, const State& s, int r, Said& said) {
-  const Robot& robot = x.file.scene.robots[r];
+void advise_idle(const Scene& scene, const SceneData& data, const State& s, int r, Said& said) {
+  const Robot& robot = scene.robots[r];
   const Model& model = *robot.model;
-  const auto subtrees = whole_subtrees(model, [&](int j) { return idle(x, s, r, j); });
+  const auto subtrees = whole_subtrees(model, [&](int j) { return idle(scene, data, s, r, j); });
   int joints = 0;
   for (const auto& subtree : subtrees) joints += 1 + subtree.second;
   if (!s.robot_touched[r] && !model.floating_base && joints == model.njoints()) {
@@ -99,8 +102,8 @@ void advise_idle(const Inspection& x, const State& s, int r, Said& said) {
              r);
 }
 
-void advise_massless(const Inspection& x, int r, Said& said) {
-  const Model& model = *x.file.scene.robots[r].model;
+void advise_massless(const Scene& scene, int r, Said& said) {
+  const Model& model = *scene.robots[r].model;
   const auto massless = [&](int j) {
     const Inertia<double>& Y = model.joints[j].inertia;
     return Y.m == 0 && Y.h.isZero(0) && Y.I.isZero(0);
@@ -113,16 +116,17 @@ void advise_massless(const Inspection& x, int r, Said& said) {
 
 }  // namespace
 
-std::vector<std::string> body_advice(const Inspection& x) {
-  const State state = read_state(x);
+std::vector<std::string> advise_on_bodies(const Scene& scene, const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("advise_on_bodies: solve first");
+  const State state = read_state(scene, data);
   Said said;
-  for (int r = 0; r < x.file.scene.nrobots(); ++r) {
-    advise_massless(x, r, said);
-    advise_idle(x, state, r, said);
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    advise_massless(scene, r, said);
+    advise_idle(scene, data, state, r, said);
   }
   std::vector<std::string> advice;
-  for (const auto& [text, robots] : said.items) advice.push_back(robot_names(x.file, robots) + ": " + text);
+  for (const auto& [text, robots] : said.items) advice.push_back(robot_names(scene, robots) + ": " + text);
   return advice;
 }
 
-}  // namespace manycontact::cli
+}  // namespace manycontact

@@ -5,8 +5,8 @@
 #include <new>
 
 #include "common/command.hpp"
-#include "manycontact/io/input_error.hpp"
 #include "common/table.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 namespace {

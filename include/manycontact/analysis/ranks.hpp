@@ -1,9 +1,11 @@
 #pragma once
-// Which contact rows of an island hold something the others do not, at the configuration solved last.
+// Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
+// of J, to tolerance::kRank of its largest row and of the largest motion its rows are picked from (motion_size).
 
-#include "describe.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/views.hpp"
 
-namespace manycontact::cli {
+namespace manycontact {
 
 /// What would hold the same as all contacts between two bodies.
 enum class Holds {
@@ -17,12 +19,12 @@ enum class Holds {
 
 /// All active contacts between the same two bodies.
 struct BodyPair {
-  Body A, B;                      // A can move
-  Vec3<double> point_A, point_B;  // means of the contacts' origins, on the bodies' joints
-  std::vector<int> contacts;      // scene numbers
+  Body A, B;                     // A can move
+  std::string place_A, place_B;  // place_name of the contacts' ends
+  std::vector<int> contacts;     // scene numbers, ascending
   int rows = 0, rank = 0;
   Holds holds = Holds::kEach;
-  int alone = -1;  // kOneContact: which
+  int alone = -1;  // kOneContact: which, by scene number
 };
 
 /// A contact whose own rows depend on each other, since its robots cannot move in all its directions.
@@ -32,17 +34,24 @@ struct Lighter {
 };
 
 struct IslandRanks {
-  bool known = false;           // false: left out, the island is too large
+  bool known = false;           // of rank and redundant; false: left out, the island is too large
   int rank = 0;                 // of the island's J
   std::vector<char> redundant;  // per row of the island: it depends on the rows before it
-  std::vector<BodyPair> pairs;
+  std::vector<BodyPair> pairs;  // by their first contacts
   std::vector<Lighter> lighter;
-
-  /// Equal for islands that have the same to say.
-  std::vector<long> key() const;
 };
 
-/// After a solve or evaluation of the island.
-IslandRanks find_ranks(const Scene& scene, const SceneData& data, const IslandData& island);
+/// After a solve, whatever its status. Dense: the island's rank is left out (`known`) where nv nc^2 is above 2e10,
+/// those of body pairs are always found. Throws std::logic_error before a solve.
+IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
-}  // namespace manycontact::cli
+/// An island's rows by name, and its contacts once the redundant rows are taken out, as words.
+struct RowSelection {
+  std::vector<std::string> redundant;  // "left_2[1]"
+  std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]": what holds the same
+  std::vector<std::string> dropped;    // contacts of which no row is left
+};
+/// ranks: of that island, known. Takes rows out from the last on, so that the first contacts stay whole.
+RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
+
+}  // namespace manycontact

@@ -70,7 +70,7 @@ const Command& chart_command() {
       "Accuracy against speed: every method, order and regularisation on each scene.",
       {{"--out", "DIR", "where chart.csv and the pictures go; it is made when it is missing", true},
        {"--seconds", "S", "of repeated measurements per scene (16); everything is run at least once"},
-       {"--longest", "S", "a call predicted to take more seconds is skipped (20)"}},
+       {"--longest", "S", "a call that would take more seconds, roughly, is skipped (20)"}},
       "DIR/chart.csv has a line per method, order and damping, the scene's own and guessed ones: 1e-12, 1e-9, 1e-6,\n"
       "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
       "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"

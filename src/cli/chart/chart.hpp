@@ -17,7 +17,7 @@ inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
   double seconds = 16;  // of repeats
-  double longest = 20;  // seconds: a call predicted to take longer is skipped
+  double longest = 20;  // seconds: a call that would take roughly longer is skipped
 };
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
@@ -79,10 +79,6 @@ struct Candidate {
 
 /// Rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
 std::vector<ChartRow> list_rows(const Scene& scene);
-
-/// Predicted time of one solve and of its derivatives, us: of the dense methods, which alone become too slow.
-double predicted_solve(const Scene& scene, const SceneData& data);
-double predicted_derivatives(const Scene& scene, const SceneData& data);
 
 /// Fills times: medians over rounds in each of which every candidate has its turn, so that a drift of the machine's
 /// speed meets all alike; the slow ones drop out of later rounds. Returns the number of rounds.

@@ -1,5 +1,5 @@
-#include "chart.hpp"
 #include "../common/csv_file.hpp"
+#include "chart.hpp"
 
 namespace manycontact::cli {
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <sstream>
 
-#include "chart.hpp"
 #include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
+#include "chart.hpp"
 
 namespace manycontact::cli {
 

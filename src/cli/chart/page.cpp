@@ -5,9 +5,8 @@
 #include <fstream>
 #include <map>
 
-#include "chart.hpp"
-#include "../common/choice.hpp"
 #include "../common/table.hpp"
+#include "chart.hpp"
 
 namespace manycontact::cli {
 

@@ -8,10 +8,11 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "chart.hpp"
-#include "truth.hpp"
-#include "../common/choice.hpp"
 #include "../common/table.hpp"
+#include "chart.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "manycontact/sparse/cholmod.hpp"
+#include "truth.hpp"
 
 namespace manycontact::cli {
 
@@ -23,7 +24,7 @@ std::optional<double> known(double error) {
 
 std::string title_of(const Scene& scene, const SceneData& data) {
   return count(scene.nrobots(), "robot") + ", " + count(scene.nv, "velocity coordinate") + ", " +
-         count(data.f.size(), "contact row") + ", " + count(static_cast<long>(data.islands.size()), "island");
+         count(data.f.size(), "contact row") + ", " + count(static_cast<long>(island_count(data)), "island");
 }
 
 void note_truth(const ChartTruth& truth, Chart& chart) {

@@ -7,8 +7,9 @@
 #include <optional>
 #include <random>
 
-#include "chart.hpp"
 #include "../common/choice.hpp"
+#include "../common/rough_time.hpp"
+#include "chart.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 
 namespace manycontact::cli {
@@ -114,52 +115,24 @@ void note_status(const Candidate& c) {
   if (row.guessed && row.outcome == Outcome::kAnswered) row.status = Status::kRegularised;
   row.answered_by = answered_by(*c.data);
   row.fallback.clear();
-  for (std::size_t i = 0; i < c.data->islands.size() && row.fallback.empty(); ++i)
-    if (c.data->report.islands[i].status != Status::kFailed)
-      row.fallback = why_changed(c.data->islands[i], c.data->report.islands[i]);
+  const std::vector<IslandReport>& reports = c.data->report.islands;
+  for (std::size_t i = 0; i < reports.size() && row.fallback.empty(); ++i)
+    if (reports[i].status != Status::kFailed) row.fallback = why_changed(choice_of(*c.data, i), reports[i]);
 }
 
 // Large derivatives of fifty candidates would not fit into memory together.
-void release(SceneData& data) {
+void release_large(SceneData& data) {
   double bytes = 0;
-  for (const IslandDerivatives& d : data.derivatives->islands) bytes += 8.0 * static_cast<double>(d.X.size());
-  if (bytes < kLarge) return;
-  data.derivatives.reset();
-  data.dense_schur.Kinv.resize(0, 0);
+  for (const IslandDerivatives& d : derivatives(data).islands) bytes += 8.0 * static_cast<double>(d.X.size());
+  if (bytes >= kLarge) release_derivatives(data);
 }
-
-double cube(double x) { return x * x * x; }
-
-constexpr double kDenseFlop = 9e-5;  // us, of Eigen's and this machine's
 
 }  // namespace
-
-double predicted_solve(const Scene& scene, const SceneData& data) {
-  double us = 0;
-  if (data.options.method == Method::kDense)
-    for (const IslandData& d : data.islands) us += predicted_dense(d);
-  if (data.options.method == Method::kDenseSchur) {
-    const double n = scene.nv, m = static_cast<double>(data.f.size());
-    us = kDenseFlop * (cube(n) / 3 + n * n * m + n * m * m + cube(m) / 3);  // LLT M, Z, S, LLT S
-  }
-  return us;
-}
-
-double predicted_derivatives(const Scene& scene, const SceneData& data) {
-  double us = 0;
-  if (data.options.method == Method::kDense)
-    for (const IslandData& d : data.islands) us += 20 * kDenseFlop * cube(d.island.size());
-  if (data.options.method == Method::kDenseSchur) {
-    const double n = scene.nv + static_cast<double>(data.f.size());
-    us = kDenseFlop * (2 * cube(n) + 2 * n * n * (2 * scene.nv + scene.nu));  // K^-1, times all right-hand sides
-  }
-  return us;
-}
 
 int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits) {
   std::vector<Candidate*> run;
   for (Candidate& c : candidates) {
-    if (predicted_solve(c.scene, *c.data) > 1e6 * limits.longest)
+    if (rough_time_of_solve(c.scene, *c.data) > 1e6 * limits.longest)
       c.row->outcome = Outcome::kSkipped;
     else
       run.push_back(&c);
@@ -185,7 +158,7 @@ int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& l
                         const std::function<void(Candidate&)>& first) {
   std::vector<Candidate*> run;
   for (Candidate& c : candidates)
-    if (c.row->outcome == Outcome::kAnswered && predicted_derivatives(c.scene, *c.data) <= 1e6 * limits.longest)
+    if (c.row->outcome == Outcome::kAnswered && rough_time_of_derivatives(c.scene, *c.data) <= 1e6 * limits.longest)
       run.push_back(&c);
     else
       c.data.reset();  // dense factors of large scenes
@@ -196,7 +169,7 @@ int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& l
       const double time = take_turn([&] { (void)differentiate(c.scene, *c.data); });
       if (!seen[i]) first(c);
       seen[i] = 1;
-      release(*c.data);
+      release_large(*c.data);
       return time;
     } catch (...) {
       c.data.reset();

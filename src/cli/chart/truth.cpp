@@ -5,6 +5,8 @@
 
 #include "chart.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/analysis/errors.hpp"
+#include "manycontact/dynamics/views.hpp"
 
 namespace manycontact::cli {
 
@@ -26,12 +28,14 @@ Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
 struct Places {
   std::vector<int> v, u, f;
   Places(const Scene& scene, const SceneData& data, const Island& island) {
-    for (int r : island.robots) {
-      for (int i = 0; i < scene.robots[r].model->nv; ++i) v.push_back(scene.robots[r].idx_v + i);
-      for (int i = 0; i < scene.robots[r].model->nu(); ++i) u.push_back(scene.robots[r].idx_u + i);
-    }
-    for (int c : island.contacts)
-      for (int i = 0; i < scene.contacts[c].rows(); ++i) f.push_back(data.f_offset[c] + i);
+    const auto into = [](std::vector<int>& places) {
+      return [&places](int first, int, int count) {
+        for (int i = 0; i < count; ++i) places.push_back(first + i);
+      };
+    };
+    each_velocity_block(scene, island, into(v));
+    each_torque_block(scene, island, into(u));
+    each_force_block(scene, data.f_offset, island, into(f));
   }
 };
 
@@ -100,8 +104,6 @@ void differences(const SceneFile& file, SceneData& data, const std::vector<Place
     }
 }
 
-double size_of(const Eigen::Ref<const Eigen::VectorXd>& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
-
 }  // namespace
 
 ChartTruth find_truth(const SceneFile& file, SceneData& data) {
@@ -118,16 +120,17 @@ ChartTruth find_truth(const SceneFile& file, SceneData& data) {
   truth.a_free = free.a;
   for (const Robot& robot : scene.robots) {
     const Eigen::VectorXd a = truth.a.segment(robot.idx_v, robot.model->nv).cast<double>();
-    truth.at_rest.push_back(size_of(a) < kAtRest * size_of(free.a.segment(robot.idx_v, robot.model->nv)));
+    truth.at_rest.push_back(largest_entry(a) < kAtRest * largest_entry(free.a.segment(robot.idx_v, robot.model->nv)));
   }
 
   std::mt19937 rng(20);
   std::vector<Places> places;
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+  for (std::size_t i = 0; i < island_count(data); ++i) {
     ChartTruth::OfIsland& o = truth.islands.emplace_back();
+    o.island = island_of(data, i);
     o.known = o.derivatives_known = here.regular[i];
-    choose_directions(places.emplace_back(scene, data, data.islands[i].island), rng, o);
-    truth.sampled += data.islands[i].island.nv > kWholeUpTo;
+    choose_directions(places.emplace_back(scene, data, o.island), rng, o);
+    truth.sampled += o.island.nv > kWholeUpTo;
   }
   differences(file, data, places, truth);
   for (const ChartTruth::OfIsland& o : truth.islands) {

@@ -1,11 +1,10 @@
 #pragma once
 // The truth of a scene and its derivatives in quadruple precision, and the errors of answers against it.
 
-#include <memory>
-
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/io/scene_file.hpp"
+#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::cli {
 
@@ -17,6 +16,7 @@ struct ChartTruth {
   // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island): the
   // unit vectors, or four random ones in each of q, v, u. first[k]: the first of q's, v's, u's; the last is one past.
   struct OfIsland {
+    Island island;  // of the contacts that are active
     Eigen::MatrixXd along;
     MatX<Quad> derivatives;
     int first[4] = {0, 0, 0, 0};

@@ -2,7 +2,7 @@
 // A command of the program: what it takes, and what runs it.
 
 #include "arguments.hpp"
-#include "manycontact/dynamics/options.hpp"
+#include "manycontact/kkt/options.hpp"
 
 namespace manycontact::cli {
 

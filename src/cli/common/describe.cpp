@@ -50,25 +50,9 @@ std::string islands_name(const SceneFile& file, const std::vector<const Island*>
   return text;
 }
 
-Body body_of(const Attachment& a) { return a.joint < 0 ? Body{} : Body{a.robot, a.joint}; }
-
-std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>& point) {
-  if (body.joint < 0) return "world";
-  const Robot& robot = scene.robots[body.robot];
-  const Frame* nearest = nullptr;
-  for (const Frame& frame : robot.model->frames)
-    if (frame.joint == body.joint &&
-        (!nearest || (frame.placement.p - point).norm() < (nearest->placement.p - point).norm() - 1e-9))
-      nearest = &frame;
-  return robot.name + "/" + (nearest ? nearest->name : robot.model->joints[body.joint].name);
-}
-
-std::string contact_names(const Scene& scene, const std::vector<int>& contacts) {
-  if (contacts.size() > 3 && contacts.back() - contacts.front() + 1 == static_cast<int>(contacts.size()))
-    return scene.contacts[contacts.front()].name + " .. " + scene.contacts[contacts.back()].name;
-  std::vector<std::string> names;
-  for (int c : contacts) names.push_back(scene.contacts[c].name);
-  return join(names, 4);
+std::size_t count_islands(const Scene& scene, const SceneData& data) {
+  const bool whole = data.options.method == Method::kDenseSchur;
+  return whole ? find_islands(scene, data.active).size() : island_count(data);
 }
 
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data) {
@@ -78,7 +62,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   wrap(out,
        "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
-           " in " + count(static_cast<long>(data.islands.size()), "island"),
+           " in " + count(static_cast<long>(count_islands(scene, data)), "island"),
        0);
   Table table({{"robot", Table::kLeft, 24},
                {"urdf", Table::kLeft, 24},

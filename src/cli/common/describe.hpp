@@ -1,7 +1,7 @@
 #pragma once
-// How robots, islands, bodies and contacts are called in readable output.
+// How robots and islands are called in readable output, copies together.
 
-#include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "manycontact/io/scene_file.hpp"
 
 namespace manycontact::cli {
@@ -15,17 +15,8 @@ std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// The same for several islands: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
 
-/// What a contact is attached to; anything that cannot move is the world.
-struct Body {
-  int robot = -1, joint = -1;
-  auto operator<=>(const Body&) const = default;
-};
-Body body_of(const Attachment& attachment);
-/// "humanoid/left_sole": of the body's frames the one nearest to `point` (in the joint's frame), or "world".
-std::string frame_name(const Scene& scene, const Body& body, const Vec3<double>& point);
-
-/// "left_1 .. left_4" or "left, right": as short as it stays clear.
-std::string contact_names(const Scene& scene, const std::vector<int>& contacts);
+/// Islands of the scene; with method dense-schur, whose report has a single entry for all of it, too.
+std::size_t count_islands(const Scene& scene, const SceneData& data);
 
 /// Heading of both commands: name, path, gravity, damping, sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);

@@ -33,8 +33,7 @@ Options solver_options(const Arguments& arguments) {
   if (const auto name = arguments.value("--order")) {
     options.order = order_from_string(*name);
     if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
-    if (options.method != Method::kSparseLdl && options.method != Method::kSparseCholmod &&
-        options.method != Method::kAuto)
+    if (!has_order(options.method) && options.method != Method::kAuto)
       throw UsageError("method " + to_string(options.method) + " has no order to choose");
   }
   return options;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "manycontact/analysis/text.hpp"
+
 namespace manycontact::cli {
 
 inline constexpr int kLineWidth = 100;
@@ -15,10 +17,8 @@ std::string number(double x, int digits = 3);
 std::string scientific(double x);
 /// `x` with `decimals` decimals, never "-0.00"; numbers too long for that as number() writes them.
 std::string decimal(double x, int decimals = 2);
-/// "1 robot", "3 robots".
-std::string count(long n, const std::string& noun);
-/// "a, b, c and 5 more": at most `most` names, all of them when only one more is left.
-std::string join(const std::vector<std::string>& names, std::size_t most = 12);
+using text::count;
+using text::join;
 /// Control characters replaced, so that no name disturbs the terminal.
 std::string printable(std::string text);
 

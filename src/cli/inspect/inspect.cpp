@@ -1,11 +1,15 @@
 #include "inspect.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <map>
 
+#include "../common/choice.hpp"
 #include "../common/command.hpp"
-#include "manycontact/dynamics/solve.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/advice.hpp"
+#include "manycontact/dynamics/solve.hpp"
 
 namespace manycontact::cli {
 
@@ -48,33 +52,42 @@ std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
   return join(parts);
 }
 
+// Of an island's shape. Predictions are relative (kkt/choose.hpp), so is what is shown.
+void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
+  const PredictedCosts costs = predict_costs(shape);
+  const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),
+                                 *std::min_element(costs.cholmod.begin(), costs.cholmod.end()), costs.supernodal});
+  const auto relative = [least](double cost) { return number(cost / least); };
+  Table table({{"order", Table::kLeft}, {"L: non-zeros"}, {"sparse-ldl"}, {"sparse-cholmod"}});
+  for (Order order : kOrders) {
+    const KktPattern& pattern = *shape.pattern(order);
+    const auto k = static_cast<std::size_t>(order);
+    table.add({to_string(order), std::to_string(pattern.ldl.nonzeros() + pattern.size()), relative(costs.ldl[k]),
+               relative(costs.cholmod[k])});
+  }
+  table.print(out, 4);
+  std::string others = "dense " + relative(costs.dense);
+  if (std::isfinite(costs.supernodal)) others = "sparse-supernodal " + relative(costs.supernodal) + ", " + others;
+  wrap(out, "in orders of their own: " + others, 4);
+  wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
+}
+
 }  // namespace
+
+const KktPattern& Inspection::pattern(std::size_t island) const {
+  return *shape_of(data, island)->pattern(choice_of(data, island).order);
+}
 
 std::string Inspection::name(const IslandKind& kind) const {
   std::vector<const Island*> islands;
-  for (int i : kind.islands) islands.push_back(&data.islands[i].island);
+  for (int i : kind.islands) islands.push_back(&island_of(data, static_cast<std::size_t>(i)));
   return islands_name(file, islands);
 }
 
 Inspection inspect_scene(const SceneFile& file) {
   Inspection x{file, SceneData(file.scene), {}};
   (void)solve(file.scene, file.q, file.v, file.u, x.data);
-  std::map<std::vector<long>, std::size_t> seen;
-  std::map<std::vector<long>, IslandCosts> costs;  // by shape
-  for (std::size_t i = 0; i < x.data.islands.size(); ++i) {
-    const IslandData& d = x.data.islands[i];
-    const IslandReport& r = x.data.report.islands[i];
-    IslandRanks ranks = find_ranks(file.scene, x.data, d);
-    std::vector<long> key = shape_key(file.scene, d.island, d.support);
-    if (!costs.contains(key)) costs.emplace(key, predict_costs(file.scene, d));
-    const IslandCosts& cost = costs.at(key);
-    const std::vector<long> rank_key = ranks.key();
-    key.insert(key.end(), rank_key.begin(), rank_key.end());
-    key.insert(key.end(), {long(r.status), long(r.method), long(r.reason), long(r.changed_order)});
-    const auto [at, fresh] = seen.emplace(key, x.kinds.size());
-    if (fresh) x.kinds.push_back({{}, std::move(ranks), cost});
-    x.kinds[at->second].islands.push_back(static_cast<int>(i));
-  }
+  x.kinds = find_kinds(file.scene, x.data);
   return x;
 }
 
@@ -82,10 +95,10 @@ void print_islands(std::ostream& out, const Inspection& x) {
   out << "\nIslands: robots joined by contacts, one system each; rank of the contact rows at the scene's q\n";
   Table table({{"islands"}, {"robots", Table::kLeft, 34}, {"velocities"}, {"rows"}, {"rank"}, {"K: n"}, {"non-zeros"}});
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
-    const Island& island = x.island(x.kinds[k]).island;
+    const Island& island = x.island(x.kinds[k]);
     table.add({std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
                std::to_string(island.nc), rank_text(x.kinds[k].ranks), std::to_string(island.size()),
-               std::to_string(x.kinds[k].costs.K_nonzeros)});
+               std::to_string(nonzeros_of_K(x.pattern(x.first(x.kinds[k])), x.file.scene.damping))});
   }
   table.print(out);
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
@@ -93,23 +106,6 @@ void print_islands(std::ostream& out, const Inspection& x) {
     if (!kind.ranks.known) wrap(out, "the rank was left out, the island is too large", 2, x.name(kind) + ": ");
   const std::vector<std::string> off = inactive(x);
   if (!off.empty()) wrap(out, join(off), 2, "contacts not active: ");
-}
-
-std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std::vector<BodyPair>& pairs) {
-  const auto model = [&](const Body& b) { return b.robot < 0 ? nullptr : scene.robots[b.robot].model.get(); };
-  std::map<std::vector<long>, std::size_t> seen;
-  std::vector<std::vector<std::size_t>> out;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const BodyPair& p = pairs[i];
-    std::vector<long> key{
-        reinterpret_cast<long>(model(p.A)), p.A.joint, reinterpret_cast<long>(model(p.B)), p.B.joint, p.rank,
-        static_cast<long>(p.holds)};
-    for (int c : p.contacts) key.push_back(static_cast<long>(scene.contacts[c].type));
-    const auto [at, fresh] = seen.emplace(key, out.size());
-    if (fresh) out.emplace_back();
-    out[at->second].push_back(i);
-  }
-  return out;
 }
 
 void print_contact_groups(std::ostream& out, const Inspection& x) {
@@ -126,9 +122,9 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
     for (const auto& alike : alike_pairs(scene, kind.ranks.pairs)) {
       const BodyPair& p = kind.ranks.pairs[alike.front()];
       if (++all > kMostPairs) continue;
-      table.add({std::to_string(alike.size() * kind.islands.size()), frame_name(scene, p.A, p.point_A),
-                 frame_name(scene, p.B, p.point_B), contact_names(scene, p.contacts), types_of(scene, p.contacts),
-                 std::to_string(p.rows), std::to_string(p.rank)});
+      table.add({std::to_string(alike.size() * kind.islands.size()), p.place_A, p.place_B,
+                 contact_names(scene, p.contacts), types_of(scene, p.contacts), std::to_string(p.rows),
+                 std::to_string(p.rank)});
     }
   if (table.empty()) return;
   out << "\nContact groups: all contacts between the same two bodies; the first of those that are alike\n";
@@ -138,29 +134,22 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
 
 void print_costs(std::ostream& out, const Inspection& x) {
   if (x.kinds.empty()) return;
-  out << "\nCost of one solve, predicted [us]; non-zeros of L in each order of elimination\n";
+  out << "\nCost of one solve, predicted, in units of the cheapest sparse one; non-zeros of L in each order\n";
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const IslandKind& kind = x.kinds[k];
-    Table table({{"order", Table::kLeft}, {"L: non-zeros"}, {"sparse-ldl"}, {"sparse-cholmod"}});
-    for (const OrderCost& o : kind.costs.orders)
-      table.add({to_string(o.order), std::to_string(o.nonzeros), number(o.ldl), number(o.cholmod)});
-    std::string others = "dense " + number(kind.costs.dense);
-    if (kind.costs.supernodal) others = "sparse-supernodal " + number(*kind.costs.supernodal) + ", " + others;
+    const std::size_t i = x.first(kind);
     if (k > 0) out << "\n";
     wrap(out, x.name(kind), 2);
-    table.print(out, 4);
-    wrap(out, "in orders of their own: " + others, 4);
-    const int i = kind.islands.front();
-    wrap(out, "auto chooses " + why_chosen(x.data.options, x.data.islands[i], kind.costs), 4);
-    const std::string changed = why_changed(x.data.islands[i], x.data.report.islands[i]);
+    print_costs(out, *shape_of(x.data, i), x.data.options, choice_of(x.data, i));
+    const std::string changed = why_changed(choice_of(x.data, i), x.data.report.islands[i]);
     if (!changed.empty()) wrap(out, "at the scene's state " + changed, 4);
   }
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
 }
 
 void print_advice(std::ostream& out, const Inspection& x) {
-  std::vector<std::string> advice = contact_advice(x);
-  const std::vector<std::string> bodies = body_advice(x);
+  std::vector<std::string> advice = advise_on_contacts(x.file.scene, x.data, x.kinds);
+  const std::vector<std::string> bodies = advise_on_bodies(x.file.scene, x.data);
   advice.insert(advice.end(), bodies.begin(), bodies.end());
   out << "\nAdvice\n";
   if (advice.empty()) out << "  none: every contact row counts, nothing stands idle\n";

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <fstream>
 
-#include "inspect.hpp"
-#include "manycontact/io/input_error.hpp"
 #include "../common/svg.hpp"
 #include "../common/table.hpp"
+#include "inspect.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
@@ -29,27 +29,23 @@ struct Block {
 };
 
 // Rows of an island's K in the scene: the robots' velocities, then the active contacts' rows.
-std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const IslandData& d) {
-  std::vector<int> rows(static_cast<std::size_t>(d.island.size()));
-  for (std::size_t r = 0; r < d.island.robots.size(); ++r) {
-    const Robot& robot = scene.robots[d.island.robots[r]];
-    for (int i = 0; i < robot.model->nv; ++i)
-      rows[static_cast<std::size_t>(d.island.dof_offset[r] + i)] = robot.idx_v + i;
-  }
-  for (std::size_t c = 0; c < d.island.contacts.size(); ++c) {
-    const int contact = d.island.contacts[c], first = d.island.nv + d.island.row_offset[c];
-    for (int i = 0; i < scene.contacts[contact].rows(); ++i)
-      rows[static_cast<std::size_t>(first + i)] = scene.nv + data.f_offset[contact] + i;
-  }
+std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const Island& island) {
+  std::vector<int> rows(static_cast<std::size_t>(island.size()));
+  const auto place = [&rows](int in_scene, int in_island, int count) {
+    for (int i = 0; i < count; ++i) rows[static_cast<std::size_t>(in_island + i)] = in_scene + i;
+  };
+  each_velocity_block(scene, island, place);
+  each_force_block(scene, data.f_offset, island,
+                   [&](int f, int row, int count) { place(scene.nv + f, island.nv + row, count); });
   return rows;
 }
 
 // Both triangles; contact rows have a diagonal only where the damping puts one.
 long fill_K(const Inspection& x, PatternGrid& grid) {
   long nonzeros = 0;
-  for (const IslandData& d : x.data.islands) {
-    const KktPattern& p = *d.chosen;
-    const std::vector<int> at = rows_in_scene(x.file.scene, x.data, d);
+  for (std::size_t island = 0; island < island_count(x.data); ++island) {
+    const KktPattern& p = x.pattern(island);
+    const std::vector<int> at = rows_in_scene(x.file.scene, x.data, island_of(x.data, island));
     for (int col = 0; col < p.size(); ++col)
       for (int k = p.K.p[col]; k < p.K.p[col + 1]; ++k) {
         const int i = p.perm[p.K.i[k]], j = p.perm[col];
@@ -68,8 +64,8 @@ long fill_K(const Inspection& x, PatternGrid& grid) {
 long fill_L(const Inspection& x, PatternGrid& grid, std::vector<char>& is_contact) {
   long nonzeros = 0;
   int offset = 0;
-  for (const IslandData& d : x.data.islands) {
-    const KktPattern& p = *d.chosen;
+  for (std::size_t island = 0; island < island_count(x.data); ++island) {
+    const KktPattern& p = x.pattern(island);
     for (int col = 0; col < p.size(); ++col) {
       const bool contact_col = p.perm[col] >= p.nv;
       is_contact.push_back(contact_col);
@@ -177,8 +173,10 @@ void draw_legend(std::ostream& svg, const Inspection& x, int cells, int n) {
                   " rows and columns, in the colour of most "
                   "of its entries; empty where all are zero",
               "start", 11);
-  if (std::any_of(x.data.islands.begin(), x.data.islands.end(),
-                  [](const IslandData& d) { return d.method == Method::kSparseSupernodal; }))
+  bool supernodal = false;
+  for (std::size_t i = 0; i < island_count(x.data); ++i)
+    supernodal = supernodal || choice_of(x.data, i).method == Method::kSparseSupernodal;
+  if (supernodal)
     draw_text(svg, kLeft, y += 18,
               "auto chooses sparse-supernodal, which factorizes M and J inv(M) J' instead: L is what "
               "sparse-ldl would compute",
@@ -187,9 +185,9 @@ void draw_legend(std::ostream& svg, const Inspection& x, int cells, int n) {
 
 // "contacts-early order" or, when islands differ, "each island in its order".
 std::string order_text(const Inspection& x) {
-  const Order first = x.data.islands.front().chosen->order;
-  const bool same = std::all_of(x.data.islands.begin(), x.data.islands.end(),
-                                [&](const IslandData& d) { return d.chosen->order == first; });
+  const Order first = choice_of(x.data, 0).order;
+  bool same = true;
+  for (std::size_t i = 1; i < island_count(x.data); ++i) same = same && choice_of(x.data, i).order == first;
   return same ? to_string(first) + " order" : "each island in the order chosen for it";
 }
 
@@ -202,7 +200,7 @@ void draw(std::ostream& svg, const Inspection& x) {
   svg << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   draw_text(svg, kWidth / 2, 30,
             "Scene " + scene.name + ": " + count(scene.nv, "velocity") + ", " + count(x.data.f.size(), "contact row") +
-                ", " + count(static_cast<long>(x.data.islands.size()), "island"),
+                ", " + count(static_cast<long>(island_count(x.data)), "island"),
             "middle", 17);
   if (n > 0) {
     PatternGrid K(n, kColours), L(n, kColours);

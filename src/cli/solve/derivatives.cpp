@@ -2,8 +2,10 @@
 
 #include <cmath>
 
-#include "solve.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
 
 namespace manycontact::cli {
 
@@ -23,8 +25,7 @@ Names names_of(const Scene& scene, const Island& island) {
     }
   }
   for (int c : island.contacts)
-    for (int k = 0; k < scene.contacts[c].rows(); ++k)
-      names.f.push_back(scene.contacts[c].name + "[" + std::to_string(k) + "]");
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) names.f.push_back(row_name(scene.contacts[c], k));
   return names;
 }
 
@@ -46,15 +47,15 @@ struct Largest {
 
 }  // namespace
 
-void print_derivatives(std::ostream& out, const Solution& s) {
+void print_derivatives(std::ostream& out, const SolvedScene& s) {
   out << "\nDerivatives, in " << number(s.time.derivatives) << " us"
       << (s.repeat > 1 ? " (median of " + std::to_string(s.repeat) + ")" : "")
       << "; the largest entry of each (per rad, m, rad/s, m/s, N m, N)\n";
   Largest a[3], f[3];
-  const DerivativeData& dd = *s.data.derivatives;
-  for (std::size_t i = 0; i < s.data.islands.size(); ++i) {
+  const DerivativeData& dd = derivatives(s.data);
+  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     if (s.data.report.islands[i].status == Status::kFailed) continue;
-    const Names n = names_of(s.file.scene, s.data.islands[i].island);
+    const Names n = names_of(s.file.scene, island_of(s.data, i));
     const IslandDerivatives& d = dd.islands[i];
     a[0].look(d.da_dq(), n.v, n.v);
     a[1].look(d.da_dv(), n.v, n.v);

@@ -5,7 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "../common/choice.hpp"
+#include "../common/describe.hpp"
+#include "manycontact/analysis/rounding.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "solve.hpp"
 
@@ -25,18 +26,18 @@ Json matrix(const Eigen::MatrixXd& x) {
   return rows;
 }
 
-Json times(const Solution& s) {
-  Json out = {{"symbolic", s.time.symbolic}, {"solve", s.time.solve}};
+Json times(const SolvedScene& s) {
+  Json out = {{"symbolic", s.time.symbolic}, {"setup", s.time.setup}, {"solve", s.time.solve}};
   if (s.derivatives) out["derivatives"] = s.time.derivatives;
   return out;
 }
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
-Json island(const Scene& scene, const IslandData& d, const IslandReport& r,
-            const std::vector<std::string>& force_names) {
+Json island_entry(const Scene& scene, const Island& island, const IslandReport& r,
+                  const std::vector<std::string>& force_names) {
   Json robots = Json::array(), dependent = Json::array();
-  for (int k : d.island.robots) robots.push_back(scene.robots[k].name);
+  for (int k : island.robots) robots.push_back(scene.robots[k].name);
   for (int row : r.dependent_rows) dependent.push_back(force_names[row]);
   return {{"robots", robots},
           {"status", to_string(r.status)},
@@ -54,22 +55,23 @@ Json island(const Scene& scene, const IslandData& d, const IslandReport& r,
           {"condition", r.condition},
           {"error_acceleration", r.error_acceleration},
           {"error_forces", r.error_forces},
+          {"rounding", find_rounding(r).names()},
           {"dependent_rows", dependent}};
 }
 
-Json report(const Solution& s) {
+Json report(const SolvedScene& s) {
   const Report& r = s.data.report;
   Json list = Json::array();
   std::set<std::string> answered;
   const std::vector<std::string> names = force_names(s.file.scene, s.data);
   for (std::size_t i = 0; i < r.islands.size(); ++i) {
-    list.push_back(island(s.file.scene, s.data.islands[i], r.islands[i], names));
+    list.push_back(island_entry(s.file.scene, island_of(s.data, i), r.islands[i], names));
     answered.insert(to_string(r.islands[i].method));
   }
   return {{"status", to_string(r.status)},
           {"method", to_string(r.method)},
           {"answered_by", answered},
-          {"islands", r.islands.size()},
+          {"islands", count_islands(s.file.scene, s.data)},
           {"nv", r.nv},
           {"nc", r.nc},
           {"rank", r.rank},
@@ -80,12 +82,13 @@ Json report(const Solution& s) {
           {"condition", r.condition},
           {"error_acceleration", r.error_acceleration},
           {"error_forces", r.error_forces},
+          {"rounding", find_rounding(r).names()},
           {"refinement_steps", r.refinement_steps},
           {"time_us", times(s)},
           {"island_list", list}};
 }
 
-Json document(const Solution& s) {
+Json document(const SolvedScene& s) {
   Json json = {{"scene", s.file.scene.name},
                {"velocity_names", velocity_names(s.file.scene)},
                {"force_names", force_names(s.file.scene, s.data)},
@@ -117,8 +120,8 @@ void print(std::ostream& out, const Json& json) {
 
 }  // namespace
 
-void write_json(const Solution& solution, const std::string& path) {
-  const Json json = document(solution);
+void write_json(const SolvedScene& solved, const std::string& path) {
+  const Json json = document(solved);
   if (path == "-") return print(std::cout, json);
   errno = 0;
   std::ofstream out(path);

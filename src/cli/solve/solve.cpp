@@ -6,23 +6,68 @@
 
 #include "../common/command.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/kkt/choose.hpp"
 
 namespace manycontact::cli {
 
 namespace {
 
-// Median time of `repeat` calls, us.
-template <class Call>
-double median_time(int repeat, Call&& call) {
-  using Clock = std::chrono::steady_clock;
+using Clock = std::chrono::steady_clock;
+
+double microseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Median time of `repeat` calls, us. Before each, `before`, which is not timed.
+template <class Before, class Call>
+double median_time(int repeat, Before&& before, Call&& call) {
   std::vector<double> times;
   for (int k = 0; k < repeat; ++k) {
+    before();
     const Clock::time_point start = Clock::now();
     call();
-    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    times.push_back(microseconds_since(start));
   }
   std::sort(times.begin(), times.end());
   return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
+template <class Call>
+double median_time(int repeat, Call&& call) {
+  return median_time(
+      repeat, [] {}, call);
+}
+
+// Everything that setting up and the first solve analyse: the patterns that the choice compares, CHOLMOD's symbolic
+// factorization where it is the choice. Islands of a shape met before cost their look-up.
+void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
+  for (const Island& island : islands) {
+    const std::size_t known = shapes.size();
+    IslandShape& shape = *shapes.find(scene, island);
+    if (shapes.size() == known) continue;
+    const Choice choice = choose(shape, options);
+    (void)shape.pattern(choice.order);
+    if (choice.method == Method::kSparseCholmod) (void)shape.cholmod(choice.order);
+    if (choice.method == Method::kSparseSupernodal) (void)shape.cholmod_schur();
+  }
+}
+
+double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
+  std::vector<Island> islands;
+  if (data.options.method == Method::kDenseSchur)
+    islands.push_back(whole_scene(scene, data.active));
+  else
+    islands = find_islands(scene, data.active);
+  std::optional<ShapeCache> shapes;
+  return median_time(
+      repeat, [&] { shapes.emplace(); }, [&] { analyse(scene, islands, data.options, *shapes); });
+}
+
+// A SceneData, and how long it took to make one.
+SceneData set_up(const Scene& scene, const Options& options, int repeat, double& time) {
+  std::optional<SceneData> data;
+  time = median_time(
+      repeat, [&] { data.reset(); }, [&] { data.emplace(scene, options); });
+  return std::move(*data);
 }
 
 int run(const Arguments& arguments) {
@@ -31,31 +76,34 @@ int run(const Arguments& arguments) {
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
 
   const SceneFile file = load_scene(path);
-  Solution solution = solve_scene(file, options, repeat, arguments.has("--derivatives"));
-  if (arguments.has("--quasi-static")) solution.quasi_static_u = quasi_static(file.scene, file.q);
+  SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
+  if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))
-    write_json(solution, *json);
+    write_json(solved, *json);
   else
-    print_summary(std::cout, solution);
-  return solution.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
+    print_summary(std::cout, solved);
+  return solved.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
 }
 
 }  // namespace
 
-Solution solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
-  Solution solution{file, SceneData(file.scene, options), {}, repeat, {}, derivatives};
-  solution.time.symbolic = median_time(repeat, [&] { const SceneData data(file.scene, options); });
-  const auto once = [&] { (void)solve(file.scene, file.q, file.v, file.u, solution.data); };
+SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
+  const Scene& scene = file.scene;
+  Times time;
+  SolvedScene s{file, set_up(scene, options, repeat, time.setup), {}, repeat, {}, derivatives};
+  time.symbolic = time_of_analysis(scene, s.data, repeat);
+  const auto once = [&] { (void)solve(scene, file.q, file.v, file.u, s.data); };
   once();
-  solution.time.solve = median_time(repeat, once);
+  time.solve = median_time(repeat, once);
   if (derivatives) {
-    const auto again = [&] { (void)differentiate(file.scene, solution.data); };
+    const auto again = [&] { (void)differentiate(scene, s.data); };
     again();
-    solution.time.derivatives = median_time(repeat, again);
+    time.derivatives = median_time(repeat, again);
   }
-  estimate_condition(file.scene, solution.data);
-  estimate_errors(file.scene, solution.data);
-  return solution;
+  s.time = time;
+  estimate_condition(scene, s.data);
+  estimate_errors(scene, s.data);
+  return s;
 }
 
 const Command& solve_command() {

@@ -6,8 +6,10 @@
 
 #include "../common/choice.hpp"
 #include "../common/describe.hpp"
-#include "solve.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/rounding.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
 
 namespace manycontact::cli {
 
@@ -34,22 +36,23 @@ std::string in_words(Status status, double damping) {
 // Islands that went alike share a line.
 struct Alike {
   std::vector<const Island*> islands;
-  std::vector<int> numbers;
-  IslandReport report;  // of the first, with the largest residuals and condition
+  std::size_t number;   // of the first
+  IslandReport report;  // of the first, with the largest residuals, condition and errors
 };
 
 std::vector<Alike> alike_islands(const SceneData& data) {
   std::map<std::vector<int>, std::size_t> seen;
   std::vector<Alike> out;
-  for (std::size_t i = 0; i < data.islands.size(); ++i) {
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& r = data.report.islands[i];
-    const std::vector<int> key{int(r.status), int(r.method), int(r.order), int(r.reason),    r.changed_order,
-                               r.nv,          r.nc,          r.rank,       r.factor_nonzeros};
+    const Rounding rounding = find_rounding(r);
+    const std::vector<int> key{int(r.status),  int(r.method), int(r.order), int(r.reason),     r.changed_order,
+                               r.nv,           r.nc,          r.rank,       r.factor_nonzeros, rounding.acceleration,
+                               rounding.forces};
     const auto [at, fresh] = seen.emplace(key, out.size());
-    if (fresh) out.push_back({{}, {}, r});
+    if (fresh) out.push_back({{}, i, r});
     Alike& alike = out[at->second];
-    alike.islands.push_back(&data.islands[i].island);
-    alike.numbers.push_back(static_cast<int>(i));
+    alike.islands.push_back(&island_of(data, i));
     const auto keep_larger = [&r, &alike](double IslandReport::*x) {
       if (!(r.*x <= alike.report.*x)) alike.report.*x = r.*x;
     };
@@ -63,17 +66,17 @@ std::vector<Alike> alike_islands(const SceneData& data) {
   return out;
 }
 
-std::string why(const Solution& s, const Alike& kind) {
-  const IslandData& d = s.data.islands[kind.numbers.front()];
+std::string why(const SolvedScene& s, const Alike& kind) {
+  const Choice choice = choice_of(s.data, kind.number);
   std::string text;
   if (s.data.options.method == Method::kAuto)
-    text = "auto chose " + why_chosen(s.data.options, d, predict_costs(s.file.scene, d));
-  const std::string changed = why_changed(d, kind.report);
+    text = "auto chose " + why_chosen(choice, predict_costs(*shape_of(s.data, kind.number)), s.data.options);
+  const std::string changed = why_changed(choice, kind.report);
   return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
 }
 
 // "left_b[0], left_b[1], ... and 4 more", empty when all rows are independent.
-std::string dependent_rows(const Solution& s, const IslandReport& r) {
+std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   constexpr std::size_t kShown = 6;
   const std::vector<std::string> names = force_names(s.file.scene, s.data);
   std::string text;
@@ -83,13 +86,25 @@ std::string dependent_rows(const Solution& s, const IslandReport& r) {
   return text + (text.empty() ? "" : " follow from the other rows");
 }
 
-std::string times(const Solution& s) {
-  return "analysis " + number(s.time.symbolic) + " us, one solve " + number(s.time.solve) + " us" +
-         (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
+// "at most 1.2e-13 of the largest acceleration, forces are rounding"; empty where there is no bound.
+std::string errors_in_words(const IslandReport& r) {
+  const Rounding rounding = find_rounding(r);
+  const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
+    if (is_rounding) return many + " are rounding";
+    return std::isfinite(error) ? "at most " + scientific(error) + " of the largest " + one : "";
+  };
+  const std::string a = words(rounding.acceleration, r.error_acceleration, "acceleration", "accelerations");
+  const std::string f = r.nc == 0 ? "" : words(rounding.forces, r.error_forces, "force", "forces");
+  return a + (a.empty() || f.empty() ? "" : ", ") + f;
+}
+
+std::string times(const SolvedScene& s) {
+  return "analysis " + number(s.time.symbolic) + " us, set-up " + number(s.time.setup) + " us, one solve " +
+         number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
 // All islands went alike: one fact per line.
-void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
+void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {
     title.resize(11, ' ');
@@ -110,17 +125,11 @@ void print_one_kind(std::ostream& out, const Solution& s, const Alike& kind) {
   line("residuals",
        "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) + " (relative)");
   line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
-  if (std::isfinite(r.error_acceleration))
-    line("errors",
-         (r.error_acceleration < 1 ? "at most " + scientific(r.error_acceleration) + " of the largest acceleration"
-                                   : "accelerations are rounding") +
-             (r.nc == 0            ? ""
-              : r.error_forces < 1 ? ", at most " + scientific(r.error_forces) + " of the largest force"
-                                   : ", forces are rounding"));
+  line("errors", errors_in_words(r));
   line("time", times(s));
 }
 
-void print_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>& kinds, std::size_t shown) {
+void print_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds, std::size_t shown) {
   Table table({{"islands"},
                {"robots", Table::kLeft, 22},
                {"nv"},
@@ -151,13 +160,14 @@ void print_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>&
   out << "  factor: non-zeros; refined: steps; residuals are relative; condition: of K, 1-norm\n\n";
 }
 
-void print_several_kinds(std::ostream& out, const Solution& s, const std::vector<Alike>& kinds) {
+void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
   const Report& r = s.data.report;
   const std::size_t shown = kinds.size() <= 9 ? kinds.size() : 8;
   print_kinds(out, s, kinds, shown);
   for (std::size_t k = 0; k < shown; ++k) {
-    const std::string text = why(s, kinds[k]);
-    if (!text.empty()) wrap(out, text, 2, islands_name(s.file, kinds[k].islands) + ": ");
+    const std::string text = why(s, kinds[k]), errors = errors_in_words(kinds[k].report);
+    const std::string both = text + (text.empty() || errors.empty() ? "" : "; errors: ") + errors;
+    if (!both.empty()) wrap(out, both, 2, islands_name(s.file, kinds[k].islands) + ": ");
   }
   wrap(out,
        std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
@@ -169,7 +179,7 @@ void print_several_kinds(std::ostream& out, const Solution& s, const std::vector
 
 }  // namespace
 
-void print_report(std::ostream& out, const Solution& s) {
+void print_report(std::ostream& out, const SolvedScene& s) {
   wrap(out, in_words(s.data.report.status, s.file.scene.damping), 0,
        "Status " + to_string(s.data.report.status) + ": ");
   const std::vector<Alike> kinds = alike_islands(s.data);
@@ -180,7 +190,7 @@ void print_report(std::ostream& out, const Solution& s) {
     print_several_kinds(out, s, kinds);
 }
 
-void print_summary(std::ostream& out, const Solution& s) {
+void print_summary(std::ostream& out, const SolvedScene& s) {
   print_heading(out, s.file, s.data);
   print_notes(out, s.file, false);
   out << "\n";

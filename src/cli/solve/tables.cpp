@@ -5,8 +5,10 @@
 #include <numeric>
 
 #include "../common/describe.hpp"
-#include "solve.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/rounding.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
 
 namespace manycontact::cli {
 
@@ -83,13 +85,13 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
 }
 
 // Force on A in the world's axes.
-Vec3<double> force_in_world(const Solution& s, int c) {
+Vec3<double> force_in_world(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
   const Vec3<double> f = force_in_axes(contact, s.data.f, s.data.f_offset[c]).head<3>();
-  return contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(s.data.contacts[c].aMA.R * f) : f;
+  return contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(contact_of(s.data, c).aMA.R * f) : f;
 }
 
-std::vector<int> active_contacts(const Solution& s) {
+std::vector<int> active_contacts(const SolvedScene& s) {
   std::vector<int> active;
   for (std::size_t c = 0; c < s.data.f_offset.size(); ++c)
     if (s.data.f_offset[c] >= 0) active.push_back(static_cast<int>(c));
@@ -97,7 +99,7 @@ std::vector<int> active_contacts(const Solution& s) {
 }
 
 // Per robot the force of all its contacts, in the world's axes; the last one is what the world gives.
-std::vector<Vec3<double>> contact_force_on(const Solution& s) {
+std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   std::vector<Vec3<double>> total(scene.robots.size() + 1, Vec3<double>::Zero());
   for (int c : active_contacts(s)) {
@@ -119,7 +121,7 @@ std::vector<std::string> components(const Eigen::Ref<const Eigen::VectorXd>& x) 
 }
 
 // What the world gives, and what it has to carry.
-void print_total(std::ostream& out, const Solution& s) {
+void print_total(std::ostream& out, const SolvedScene& s) {
   double mass = 0;
   for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
   Table table({{"", Table::kLeft}, {""}, {""}, {""}});
@@ -131,19 +133,22 @@ void print_total(std::ostream& out, const Solution& s) {
   table.print(out);
 }
 
+bool nothing_accelerates(const Report& report) {
+  return std::all_of(report.islands.begin(), report.islands.end(),
+                     [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
+}
+
 }  // namespace
 
-void print_accelerations(std::ostream& out, const Solution& s) {
+void print_accelerations(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const std::vector<Vec3<double>> force = contact_force_on(s);
   Lines lines;
-  double largest = 0;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const Robot& robot = scene.robots[i];
     const Model& model = *robot.model;
     const auto a = s.data.a.segment(robot.idx_v, model.nv);
     const double size = a.hasNaN() ? NAN : model.nv == 0 ? 0 : a.cwiseAbs().maxCoeff();
-    if (!(size <= largest)) largest = size;
     const int k = fastest_joint(model, a);
     const bool floats = model.floating_base;
     add_line(lines, s.file.robot_group[i], robot.name,
@@ -160,10 +165,10 @@ void print_accelerations(std::ostream& out, const Solution& s) {
                      {"at", Table::kLeft, 22},
                      {"force"}}),
               lines, kMostRobots);
-  if (largest < 1e-9 * scene.gravity.norm()) out << "  nothing accelerates: what is left is rounding\n";
+  if (nothing_accelerates(s.data.report)) out << "  nothing accelerates: what is left is rounding\n";
 }
 
-void print_forces(std::ostream& out, const Solution& s) {
+void print_forces(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   std::vector<int> group(scene.contacts.size());
   for (std::size_t g = 0; g < s.file.contact_groups.size(); ++g)
@@ -195,7 +200,7 @@ void print_forces(std::ostream& out, const Solution& s) {
   print_total(out, s);
 }
 
-void print_quasi_static(std::ostream& out, const Solution& s) {
+void print_quasi_static(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   Lines lines;
   for (const Robot& robot : scene.robots)

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "../common/gnuplot.hpp"
-#include "stability.hpp"
 #include "../common/table.hpp"
+#include "stability.hpp"
 
 namespace manycontact::cli {
 

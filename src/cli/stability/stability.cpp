@@ -9,9 +9,9 @@
 
 #include "../common/command.hpp"
 #include "../common/gnuplot.hpp"
-#include "manycontact/io/input_error.hpp"
 #include "../common/progress.hpp"
 #include "../common/table.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
