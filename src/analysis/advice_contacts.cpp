@@ -1,5 +1,7 @@
 // Advice on contacts: only what follows from ranks at the scene's configuration.
 
+#include <stdexcept>
+
 #include "manycontact/analysis/advice.hpp"
 #include "manycontact/analysis/text.hpp"
 
@@ -127,6 +129,7 @@ void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
 
 std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
                                             const std::vector<IslandKind>& kinds) {
+  if (data.serial == 0) throw std::logic_error("advise_on_contacts: solve first");
   std::vector<std::string> advice;
   for (const IslandKind& kind : kinds) {
     const Subject subject{scene, island_of(data, static_cast<std::size_t>(kind.islands.front())), kind};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 
 namespace manycontact {
 
@@ -23,6 +24,7 @@ Key key_of(const IslandRanks& ranks) {
 }  // namespace
 
 std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("find_kinds: solve first");
   std::map<Key, std::size_t> seen;
   std::vector<IslandKind> kinds;
   for (std::size_t i = 0; i < island_count(data); ++i) {

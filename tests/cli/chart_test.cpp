@@ -6,9 +6,9 @@
 #include <set>
 
 #include "cli/program.hpp"
-#include "manycontact/kkt/options.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/scene_file.hpp"
+#include "manycontact/kkt/options.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::cli {
