@@ -4,9 +4,9 @@
 #include <iostream>
 #include <new>
 
-#include "command.hpp"
+#include "common/command.hpp"
+#include "common/table.hpp"
 #include "manycontact/io/input_error.hpp"
-#include "table.hpp"
 
 namespace manycontact::cli {
 namespace {

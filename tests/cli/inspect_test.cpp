@@ -1,5 +1,7 @@
 // `manycontact inspect`: ranks, advice that holds, the picture.
 
+#include <cmath>
+
 #include "cli/program.hpp"
 
 namespace manycontact::cli {
@@ -100,8 +102,38 @@ TEST_F(Inspect, HerdAndRingAreSummedUp) {
   expect_contains(ring, "16 ring0/left_hand ring1/right_hand hold0 6d 6 6");
 }
 
+// Offsets may reach nearer to another frame.
+TEST_F(Inspect, FramesAreCalledAsTheFileDoes) {
+  const std::string out = inspect(scene(R"(<robot name="b" urdf="box.urdf" base="floating"/>
+    <robot name="c" urdf="box.urdf" base="floating" xyz="0 0 0.5"/>
+    <contact name="hold" type="3d" frame="b/crate" offset="0.2 0.2 0.2"/>
+    <contact name="tie" type="6d" frame="c/face_left" offset="0.2 -0.2 0" to="b/bottom_3" to_offset="0.2 0.2 0.4"/>)"));
+  expect_contains(out, "b/crate world hold 3d 3 3");
+  expect_contains(out, "c/face_left b/bottom_3 tie 6d 6 6");
+}
+
+TEST_F(Inspect, CostsAreRelativeToTheCheapest) {
+  for (const std::string& path : model_scenes()) {
+    const std::vector<std::string> lines = lines_of(inspect(path));
+    const auto title = std::find_if(lines.begin(), lines.end(), [](const auto& l) { return l.starts_with("Cost of"); });
+    ASSERT_NE(title, lines.end());
+    expect_contains(*title, "predicted, in units of the cheapest sparse one");
+    double least = INFINITY;
+    for (auto line = title; line != lines.end(); ++line)
+      for (const char* order : {"leaf-to-root", "contacts-early", "camd"}) {
+        std::istringstream words(*line);
+        std::string first, nonzeros;
+        double ldl, cholmod;
+        if (!(words >> first >> nonzeros >> ldl >> cholmod) || first != order) continue;
+        least = std::min({least, ldl, cholmod});
+      }
+    EXPECT_EQ(least, 1) << path;
+  }
+}
+
 TEST_F(Inspect, CostsAndChoiceAreShown) {
   const std::string out = inspect(model("two_humanoids_carry_beam.xml"));
+  expect_lacks(out, " us ");
   for (const char* part : {"leaf-to-root", "contacts-early", "camd", "sparse-cholmod", "dense", "auto chooses"})
     expect_contains(out, part);
 }

@@ -28,12 +28,13 @@ TEST_F(Solve, JsonHasTheSizesOfTheScene) {
     EXPECT_FALSE(j.contains("da_dq"));
     const json& r = j.at("report");
     for (const char* key : {"status", "method", "islands", "nv", "nc", "rank", "factor_nonzeros", "residual_dynamics",
-                            "residual_contact", "condition", "refinement_steps", "time_us"})
+                            "residual_contact", "condition", "refinement_steps", "rounding", "time_us"})
       EXPECT_TRUE(r.contains(key)) << key;
     EXPECT_EQ(r.at("nv"), file.scene.nv);
     EXPECT_EQ(r.at("nc").get<std::size_t>(), j.at("forces").size());
     EXPECT_EQ(r.at("islands").get<std::size_t>(), r.at("island_list").size());
     EXPECT_GT(r.at("time_us").at("symbolic").get<double>(), 0);
+    EXPECT_GT(r.at("time_us").at("setup").get<double>(), 0);
     EXPECT_GT(r.at("time_us").at("solve").get<double>(), 0);
     EXPECT_FALSE(r.at("time_us").contains("derivatives"));
     EXPECT_GT(r.at("condition").get<double>(), 1);
@@ -44,7 +45,7 @@ TEST_F(Solve, JsonHasTheSizesOfTheScene) {
       nonzeros += island.at("factor_nonzeros").get<int>();
       robots += island.at("robots").size();
       for (const char* key : {"status", "method", "order", "reason", "nv", "nc", "refinement_steps",
-                              "residual_dynamics", "residual_contact", "condition"})
+                              "residual_dynamics", "residual_contact", "condition", "rounding"})
         EXPECT_TRUE(island.contains(key)) << key;
     }
     EXPECT_EQ(r.at("rank"), rank);
@@ -77,6 +78,49 @@ TEST_F(Solve, MethodAndOrderAreObeyed) {
   const json r = solve({path, "--method", "dense"}).at("report");
   EXPECT_EQ(r.at("island_list")[0].at("method"), "dense");
   EXPECT_TRUE(r.at("island_list")[0].at("order").is_null());
+}
+
+// The report of dense-schur has one entry for the whole scene; the scene has its islands all the same.
+TEST_F(Solve, DenseSchurCountsTheScenesIslands) {
+  const std::string path = scene(R"(<robot name="b" urdf="box.urdf" base="floating" copies="3" spacing="1"/>
+    <contact name="c" type="3d" frame="b/top_1"/>)");
+  const json sparse = solve({path}).at("report"), r = solve({path, "--method", "dense-schur"}).at("report");
+  EXPECT_EQ(sparse.at("island_list").size(), 3u);
+  EXPECT_EQ(r.at("island_list").size(), 1u);
+  for (const char* key : {"islands", "nv", "nc", "rank"}) EXPECT_EQ(r.at(key), sparse.at(key)) << key;
+  EXPECT_EQ(r.at("islands"), 3);
+  expect_contains(run({"solve", path, "--method", "dense-schur"}).out, "9 contact rows in 3 islands");
+}
+
+// What the summary says in words, the JSON says too.
+TEST_F(Solve, TextAndJsonAgreeOnWhatIsRounding) {
+  const auto check = [this](const std::string& path, bool at_rest) {
+    const json r = solve({path}).at("report");
+    const std::string out = unwrapped(run({"solve", path}).out);
+    const std::vector<std::string> rounding = r.at("rounding");
+    EXPECT_EQ(rounding, at_rest ? std::vector<std::string>{"acceleration"} : std::vector<std::string>{}) << path;
+    EXPECT_EQ(r.at("error_acceleration").get<double>() > 1, at_rest) << path;
+    for (const char* text : {"accelerations are rounding", "nothing accelerates"})
+      EXPECT_EQ(out.find(text) != std::string::npos, at_rest) << path << ": " << text;
+    for (const json& island : r.at("island_list")) EXPECT_EQ(island.at("rounding"), r.at("rounding"));
+  };
+  for (const char* name : {"humanoid_standing.xml", "herd.xml", "two_humanoids_carry_beam.xml"})
+    check(model(name), true);
+  for (const char* name : {"humanoid_hands_and_feet.xml", "arm_pushes_box.xml"}) check(model(name), false);
+
+  const std::string mixed = scene(R"(<robot name="still" urdf="quadruped.urdf" base="floating" u="gravity"/>
+    <robot name="moving" urdf="box.urdf" base="floating" xyz="3 0 0"><v>0 0 0 1 0 2</v></robot>
+    <contact name="LF" type="3d" frame="still/LF_foot"/> <contact name="RF" type="3d" frame="still/RF_foot"/>
+    <contact name="LH" type="3d" frame="still/LH_foot"/> <contact name="RH" type="3d" frame="still/RH_foot"/>
+    <contact name="c" type="3d" frame="moving/top_1"/>)");
+  const json r = solve({mixed}).at("report");
+  EXPECT_EQ(r.at("rounding"), json{"acceleration"});
+  EXPECT_EQ(r.at("island_list")[0].at("rounding"), json{"acceleration"});
+  EXPECT_EQ(r.at("island_list")[1].at("rounding"), json::array());
+  const std::string out = run({"solve", mixed}).out;
+  expect_contains(out, "errors: accelerations are rounding");
+  expect_contains(out, "of the largest acceleration");
+  expect_lacks(out, "nothing accelerates");
 }
 
 TEST_F(Solve, RedundantIsAnAnswer) {

@@ -1,0 +1,96 @@
+#pragma once
+// How far an answer is from another one, or from the truth, per robot and in the maximum norm. Templates over the
+// scalar of the truth, so that differences from one in quadruple precision are taken in that.
+
+#include <cmath>
+#include <vector>
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN where either holds NaN.
+struct Deviation {
+  double absolute = 0, relative = 0;
+};
+
+namespace internal {
+// The larger; NaN when either is.
+inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
+}  // namespace internal
+
+/// max |x_ij|. NaN where x holds NaN.
+template <class X>
+double largest_entry(const X& x) {
+  using std::abs;
+  double out = 0;
+  for (Eigen::Index j = 0; j < x.cols(); ++j)
+    for (Eigen::Index i = 0; i < x.rows(); ++i) out = internal::worse(out, static_cast<double>(abs(x(i, j))));
+  return out;
+}
+
+/// max |x_ij - truth_ij|. NaN where either holds NaN.
+template <class X, class T>
+double largest_difference(const X& x, const T& truth) {
+  using S = typename T::Scalar;
+  using std::abs;
+  double out = 0;
+  for (Eigen::Index j = 0; j < truth.cols(); ++j)
+    for (Eigen::Index i = 0; i < truth.rows(); ++i)
+      out = internal::worse(out, static_cast<double>(abs(S(S(x(i, j)) - truth(i, j)))));
+  return out;
+}
+
+/// Per robot: its accelerations; a, truth: scene.nv [m/s^2, rad/s^2]. at_least: empty, or scene.nv; errors are then
+/// relative to the larger of |truth| and these, of use where a robot is at rest and its accelerations are rounding.
+template <class S>
+std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
+                                               const Eigen::VectorXd& at_least = {}) {
+  std::vector<Deviation> out;
+  for (const Robot& robot : scene.robots) {
+    const int first = robot.idx_v, nv = robot.model->nv;
+    const double absolute = largest_difference(a.segment(first, nv), truth.segment(first, nv));
+    double size = largest_entry(truth.segment(first, nv));
+    if (at_least.size() > 0) size = internal::worse(size, largest_entry(at_least.segment(first, nv)));
+    out.push_back({absolute, absolute == 0 ? 0 : absolute / size});
+  }
+  return out;
+}
+
+/// Per robot: the largest entry of the forces of all contacts on it [N, N m]. f as Solution::f, f_offset as Solution's.
+template <class S>
+std::vector<double> largest_forces(const Scene& scene, const std::vector<int>& f_offset, const VecX<S>& f) {
+  std::vector<double> out(scene.robots.size(), 0.0);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (f_offset[c] < 0) continue;
+    const Contact& contact = scene.contacts[c];
+    const double size = largest_entry(f.segment(f_offset[c], contact.rows()));
+    for (int robot : {contact.A.robot, contact.B.robot})
+      if (robot >= 0) out[robot] = internal::worse(out[robot], size);
+  }
+  return out;
+}
+
+/// Per robot: the forces of all contacts on it.
+template <class S>
+std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<int>& f_offset, const Eigen::VectorXd& f,
+                                        const VecX<S>& truth) {
+  const std::vector<double> absolute = largest_forces<S>(scene, f_offset, f.cast<S>() - truth);
+  const std::vector<double> size = largest_forces<S>(scene, f_offset, truth);
+  std::vector<Deviation> out;
+  for (std::size_t r = 0; r < size.size(); ++r)
+    out.push_back({absolute[r], absolute[r] == 0 ? 0 : absolute[r] / size[r]});
+  return out;
+}
+
+/// The larger of each. NaN where one is NaN.
+inline Deviation worst(const std::vector<Deviation>& deviations) {
+  Deviation out;
+  for (const Deviation& d : deviations) {
+    out.absolute = internal::worse(out.absolute, d.absolute);
+    out.relative = internal::worse(out.relative, d.relative);
+  }
+  return out;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,57 @@
+#pragma once
+// Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
+// of J, to tolerance::kRank of its largest row and of the largest motion its rows are picked from (motion_size).
+
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact {
+
+/// What would hold the same as all contacts between two bodies.
+enum class Holds {
+  kEach,        // every row counts
+  kOneContact,  // one of them alone
+  kSixD,        // one 6D contact anywhere on the body
+  kThreeD,      // one 3D contact at their common point
+  kLine,        // points on a line: five motions, which no single type holds
+  kFewerRows,   // some of the rows; see IslandRanks::redundant
+};
+
+/// All active contacts between the same two bodies.
+struct BodyPair {
+  Body A, B;                     // A can move
+  std::string place_A, place_B;  // place_name of the contacts' ends
+  std::vector<int> contacts;     // scene numbers, ascending
+  int rows = 0, rank = 0;
+  Holds holds = Holds::kEach;
+  int alone = -1;  // kOneContact: which, by scene number
+};
+
+/// A contact whose own rows depend on each other, since its robots cannot move in all its directions.
+struct Lighter {
+  int contact = -1, rank = 0;
+  std::string type;  // the lightest type of the same rank at the same frame, empty if there is none
+};
+
+struct IslandRanks {
+  bool known = false;           // of rank and redundant; false: left out, the island is too large
+  int rank = 0;                 // of the island's J
+  std::vector<char> redundant;  // per row of the island: it depends on the rows before it
+  std::vector<BodyPair> pairs;  // by their first contacts
+  std::vector<Lighter> lighter;
+};
+
+/// After a solve, whatever its status. Dense: the island's rank is left out (`known`) where nv nc^2 is above 2e10,
+/// those of body pairs are always found. Throws std::logic_error before a solve.
+IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
+
+/// An island's rows by name, and its contacts once the redundant rows are taken out, as words.
+struct RowSelection {
+  std::vector<std::string> redundant;  // "left_2[1]"
+  std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]": what holds the same
+  std::vector<std::string> dropped;    // contacts of which no row is left
+};
+/// ranks: of that island, known. Takes rows out from the last on, so that the first contacts stay whole.
+RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
+
+}  // namespace manycontact

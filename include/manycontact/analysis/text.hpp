@@ -1,0 +1,15 @@
+#pragma once
+// Plain words: counts and lists. No line breaks, nothing for a terminal.
+
+#include <string>
+#include <vector>
+
+namespace manycontact::text {
+
+/// "1 robot", "3 robots", "2 velocities".
+std::string count(long n, const std::string& noun);
+
+/// "a, b, c and 5 more": at most `most` names, all of them when only one more is left.
+std::string join(const std::vector<std::string>& names, std::size_t most = 12);
+
+}  // namespace manycontact::text

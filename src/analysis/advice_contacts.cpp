@@ -1,0 +1,143 @@
+// Advice on contacts: only what follows from ranks at the scene's configuration.
+
+#include <stdexcept>
+
+#include "manycontact/analysis/advice.hpp"
+#include "manycontact/analysis/text.hpp"
+
+namespace manycontact {
+
+using text::count;
+using text::join;
+
+namespace {
+
+constexpr std::size_t kMostNames = 40;
+
+// " (63 more islands alike)", empty when there is none.
+std::string and_more(std::size_t more, const std::string& what) {
+  return more == 0 ? "" : " (" + count(static_cast<long>(more), what) + " more alike)";
+}
+
+// The islands of a kind, of which the first speaks for all.
+struct Subject {
+  const Scene& scene;
+  const Island& island;  // the first
+  const IslandKind& kind;
+};
+
+// Redundant rows by name, and what is left without them.
+void advise_rows(const Subject& x, std::vector<std::string>& advice) {
+  const IslandRanks& ranks = x.kind.ranks;
+  if (!ranks.known || ranks.rank == x.island.nc) return;
+  const RowSelection s = select_rows(x.scene, x.island, ranks);
+  const long n = static_cast<long>(s.redundant.size());
+  std::string text = "the " + std::to_string(x.island.nc) + " contact rows of " +
+                     robot_names(x.scene, x.island.robots) + " have rank " + std::to_string(ranks.rank);
+  if (n != x.island.nc - ranks.rank) {
+    advice.push_back(text + "; which rows are redundant hangs on the tolerance: they are nearly dependent");
+    return;
+  }
+  text += "; " + count(n, "row") + (n == 1 ? " is" : " are") +
+          " redundant, since the rows before hold the same: " + join(s.redundant, kMostNames) +
+          and_more(x.kind.islands.size() - 1, "island");
+  advice.push_back(text);
+  text = "the rows that are left hold the same: " + join(s.kept, kMostNames);
+  if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostNames);
+  if (x.scene.damping > 0) text += " (the damping acts on every row: without some, the answer moves by as much)";
+  advice.push_back(text);
+}
+
+std::string advice_on(const Scene& scene, const BodyPair& p) {
+  const std::string contacts = contact_names(scene, p.contacts);
+  const std::string rows = count(p.rows, "row") + " of rank " + std::to_string(p.rank);
+  const std::string frame = "`" + p.place_A + "`" + (p.B.joint < 0 ? "" : " to `" + p.place_B + "`");
+  const std::string start = contacts + ", " + rows + ": ";
+  switch (p.holds) {
+    case Holds::kOneContact:
+      return start + "`" + scene.contacts[p.alone].name + "` alone holds the same";
+    case Holds::kSixD:
+      return start + "one 6D contact on " + frame + " holds the same";
+    case Holds::kThreeD:
+      return start + "one 3D contact on " + frame + ", at their common point, holds the same";
+    case Holds::kLine:
+      return start + "points on a line hold five motions, all but the turn about the line, and no single type does";
+    case Holds::kEach:
+    case Holds::kFewerRows:
+      break;
+  }
+  return "";
+}
+
+// Rows of a pair once the advice is followed, -1 when no contact type takes the place of the rows.
+int rows_needed(const Scene& scene, const BodyPair& p) {
+  switch (p.holds) {
+    case Holds::kEach:
+      return p.rows;
+    case Holds::kOneContact:
+      return scene.contacts[p.alone].rows();
+    case Holds::kSixD:
+      return 6;
+    case Holds::kThreeD:
+      return 3;
+    case Holds::kLine:
+    case Holds::kFewerRows:
+      return -1;
+  }
+  return -1;
+}
+
+// One contact that does for all between the same two bodies; and what that would leave.
+void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
+  const IslandRanks& ranks = x.kind.ranks;
+  for (const auto& alike : alike_pairs(x.scene, ranks.pairs)) {
+    const std::string text = advice_on(x.scene, ranks.pairs[alike.front()]);
+    if (!text.empty()) advice.push_back(text + and_more(alike.size() * x.kind.islands.size() - 1, "group"));
+  }
+  if (!ranks.known) return;
+  int rows = 0, sum = 0;
+  bool all = true;
+  for (const BodyPair& p : ranks.pairs) {
+    const int needed = rows_needed(x.scene, p);
+    all = all && needed >= 0;
+    rows += needed;
+    sum += p.rank;
+  }
+  if (all && rows == ranks.rank && rows < x.island.nc)
+    advice.push_back("so simplified, " + count(rows, "row") + " hold what " + std::to_string(x.island.nc) +
+                     " do, and every one counts");
+  if (sum > ranks.rank)
+    advice.push_back("the contact groups of " + robot_names(x.scene, x.island.robots) +
+                     " hold each other through the robots: their ranks add up to " + std::to_string(sum) +
+                     ", together they have " + std::to_string(ranks.rank));
+}
+
+// Contacts that hold more directions than their robots can move in.
+void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
+  for (const Lighter& l : x.kind.ranks.lighter) {
+    const Contact& contact = x.scene.contacts[l.contact];
+    std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") +
+                       ") has rank " + std::to_string(l.rank) +
+                       ": at this configuration its bodies cannot move in the other directions";
+    if (l.rank == 0) text += ", it holds nothing";
+    if (!l.type.empty()) text += "; " + l.type + " at the same frame holds the same there";
+    advice.push_back(text + and_more(x.kind.islands.size() - 1, "island"));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
+                                            const std::vector<IslandKind>& kinds) {
+  if (data.serial == 0) throw std::logic_error("advise_on_contacts: solve first");
+  std::vector<std::string> advice;
+  for (const IslandKind& kind : kinds) {
+    const Subject subject{scene, island_of(data, static_cast<std::size_t>(kind.islands.front())), kind};
+    advise_rows(subject, advice);
+    advise_pairs(subject, advice);
+    advise_lighter(subject, advice);
+  }
+  return advice;
+}
+
+}  // namespace manycontact

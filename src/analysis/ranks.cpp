@@ -1,0 +1,235 @@
+#include "manycontact/analysis/ranks.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "manycontact/analysis/text.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr double kMostWork = 2e10;   // multiplications of one rank
+constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
+
+// J^T of some contacts of an island, of the columns they act on only; columns of a norm up to `rounding` are nothing.
+struct Rows {
+  Eigen::MatrixXd Jt;
+  double rounding = 0;
+};
+
+// The island under examination.
+struct Examined {
+  const Scene& scene;
+  const SceneData& data;
+  const Island& island;
+  const IslandSupport& support;
+
+  const Contact& contact(int position) const { return scene.contacts[island.contacts[position]]; }
+  const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
+};
+
+Rows rows_of(const Examined& x, const std::vector<int>& positions) {
+  std::map<int, int> column;  // of the island -> of the result
+  int rows = 0;
+  for (int c : positions) {
+    for (int k : x.support.columns[c]) column.emplace(k, 0);
+    rows += x.contact(c).rows();
+  }
+  int n = 0;
+  for (auto& [from, to] : column) to = n++;
+  Rows out{Eigen::MatrixXd::Zero(n, rows)};
+  int row = 0;
+  double size = 0;
+  for (int c : positions) {
+    const Eigen::MatrixXd& J = x.numbers(c).J;
+    for (Eigen::Index k = 0; k < J.cols(); ++k)
+      out.Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) =
+          J.col(k).transpose();
+    row += static_cast<int>(J.rows());
+    size = std::max(size, motion_size(x.contact(c), x.numbers(c)));
+  }
+  if (out.Jt.size() > 0) size = std::max(size, out.Jt.colwise().norm().maxCoeff());
+  out.rounding = tolerance::kRank * size;
+  return out;
+}
+
+// Which columns of J^T depend on those before them. Gram-Schmidt, twice.
+std::vector<char> dependent_columns(const Rows& x) {
+  std::vector<char> dependent(static_cast<std::size_t>(x.Jt.cols()), 0);
+  Eigen::MatrixXd Q(x.Jt.rows(), std::min(x.Jt.rows(), x.Jt.cols()));
+  Eigen::Index rank = 0;
+  for (Eigen::Index j = 0; j < x.Jt.cols(); ++j) {
+    Eigen::VectorXd w = x.Jt.col(j);
+    for (int pass = 0; pass < 2; ++pass) w -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * w).eval();
+    const double norm = w.norm();
+    if (norm > x.rounding && rank < Q.cols())
+      Q.col(rank++) = w / norm;
+    else
+      dependent[static_cast<std::size_t>(j)] = 1;
+  }
+  return dependent;
+}
+
+int rank_of(const Eigen::MatrixXd& Jt, double rounding) {
+  if (Jt.size() == 0) return 0;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
+  return static_cast<int>((qr.matrixR().diagonal().array().abs() > rounding).count());
+}
+int rank_of(const Rows& rows) { return rank_of(rows.Jt, rows.rounding); }
+
+// Positions in the island of the contacts between each two bodies.
+std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
+  std::map<std::pair<Body, Body>, std::vector<int>> sorted;
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    const auto [low, high] = std::minmax({body_of(contact.A), body_of(contact.B)});
+    sorted[{low, high}].push_back(static_cast<int>(c));
+  }
+  return sorted;
+}
+
+// The points on body A, one per contact; empty when some contact has its frame A on the other body.
+std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
+  std::vector<Vec3<double>> points;
+  for (int c : pair.contacts) {
+    if (body_of(scene.contacts[c].A) != pair.A) return {};
+    points.push_back(scene.contacts[c].A.placement.p);
+  }
+  return points;
+}
+
+// 0: one point, 1: on a line, 2: neither.
+int spread(const std::vector<Vec3<double>>& points) {
+  Vec3<double> direction = Vec3<double>::Zero();
+  for (const Vec3<double>& p : points)
+    if ((p - points[0]).norm() > direction.norm()) direction = p - points[0];
+  double scale = 1;
+  for (const Vec3<double>& p : points) scale = std::max(scale, p.norm());
+  const double length = direction.norm();
+  if (length <= kSamePoint * scale) return 0;
+  for (const Vec3<double>& p : points)
+    if ((p - points[0]).cross(direction / length).norm() > kSamePoint * scale) return 2;
+  return 1;
+}
+
+Holds what_holds(const Examined& x, const std::vector<int>& positions, BodyPair& pair) {
+  if (pair.rank == pair.rows) return Holds::kEach;
+  for (int c : positions) {
+    if (positions.size() == 1 || rank_of(rows_of(x, {c})) < pair.rank) continue;
+    pair.alone = x.island.contacts[c];
+    return Holds::kOneContact;
+  }
+  if (pair.rank == 6 && pair.rows > 6) return Holds::kSixD;
+  const auto all_of = [&](auto&& test) {
+    return std::all_of(pair.contacts.begin(), pair.contacts.end(),
+                       [&](int c) { return test(x.scene.contacts[c].type); });
+  };
+  const std::vector<Vec3<double>> points = points_on(x.scene, pair);
+  if (points.empty()) return Holds::kFewerRows;
+  if (pair.rank == 3 && pair.rows > 3 && all_of([](ContactType t) { return t != ContactType::k6D; }) &&
+      spread(points) == 0)
+    return Holds::kThreeD;
+  if (pair.rank == 5 && all_of([](ContactType t) { return t == ContactType::k3D; }) && spread(points) == 1)
+    return Holds::kLine;
+  return Holds::kFewerRows;
+}
+
+BodyPair examine(const Examined& x, const std::vector<int>& positions) {
+  BodyPair pair;
+  const Contact& first = x.contact(positions[0]);
+  const bool turned = body_of(first.A).joint < 0;  // the moving body goes first
+  pair.A = body_of(turned ? first.B : first.A);
+  pair.B = body_of(turned ? first.A : first.B);
+  std::vector<const Attachment*> on_A, on_B;
+  for (int position : positions) {
+    const Contact& contact = x.contact(position);
+    const bool same = body_of(contact.A) == pair.A;
+    on_A.push_back(same ? &contact.A : &contact.B);
+    on_B.push_back(same ? &contact.B : &contact.A);
+    pair.contacts.push_back(x.island.contacts[position]);
+    pair.rows += contact.rows();
+  }
+  pair.place_A = place_name(x.scene, on_A);
+  pair.place_B = place_name(x.scene, on_B);
+  pair.rank = rank_of(rows_of(x, positions));
+  pair.holds = what_holds(x, positions, pair);
+  return pair;
+}
+
+// The lightest type at the contact's own frame that has its rank: rows k, or x and z, or the first three.
+std::string lightest(const Contact& contact, const Rows& rows, int rank) {
+  if (contact.type != ContactType::k3D && contact.type != ContactType::k6D) return "";
+  const auto rank_of_columns = [&rows](const std::vector<int>& k) {
+    return rank_of(rows.Jt(Eigen::all, k), rows.rounding);
+  };
+  const char* along[] = {"1d along x", "1d along y", "1d along z"};
+  Eigen::Index k = 0;
+  if (rank == 1 && rows.Jt.leftCols(3).colwise().norm().maxCoeff(&k) > rows.rounding) return along[k];
+  if (rank == 2 && rank_of_columns({0, 2}) == rank) return "2d (x and z)";
+  if (contact.type == ContactType::k6D && rank <= 3 && rank_of_columns({0, 1, 2}) == rank) return "3d";
+  return "";
+}
+
+// What is left of a contact when only some of its rows are kept.
+std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
+  std::vector<std::string> names;
+  for (int r : rows) names.push_back(row_name(contact, r));
+  const bool linear = contact.type == ContactType::k3D || contact.type == ContactType::k6D;
+  if (linear && rows.size() == 1 && rows[0] < 3) return contact.name + " as 1d along " + "xyz"[rows[0]];
+  if (contact.type == ContactType::k2D) return contact.name + " as 1d along " + (rows[0] == 0 ? "x" : "z");
+  if (linear && rows == std::vector<int>{0, 2}) return contact.name + " as 2d (x and z)";
+  if (linear && rows == std::vector<int>{0, 1, 2}) return contact.name + " as 3d";
+  return text::join(names);
+}
+
+}  // namespace
+
+IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
+  if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
+  const Island& island = island_of(data, number);
+  const Examined x{scene, data, island, shape_of(data, number)->support()};
+  IslandRanks out;
+  for (const auto& [bodies, positions] : sort_by_bodies(scene, island)) out.pairs.push_back(examine(x, positions));
+  std::sort(out.pairs.begin(), out.pairs.end(),
+            [](const BodyPair& p, const BodyPair& q) { return p.contacts[0] < q.contacts[0]; });
+  std::vector<int> all(island.contacts.size());
+  std::iota(all.begin(), all.end(), 0);
+  for (int k : all) {
+    const Rows rows = rows_of(x, {k});
+    const int rank = rank_of(rows);
+    if (rank < x.contact(k).rows())
+      out.lighter.push_back({island.contacts[k], rank, lightest(x.contact(k), rows, rank)});
+  }
+  const double nv = island.nv, nc = island.nc;
+  if (nv * nc * nc > kMostWork) return out;
+  const Rows rows = rows_of(x, all);
+  out.known = true;
+  out.rank = rank_of(rows);
+  out.redundant = dependent_columns(rows);
+  return out;
+}
+
+RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks) {
+  RowSelection s;
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    std::vector<int> rows;
+    for (int i = 0; i < contact.rows(); ++i)
+      if (ranks.redundant[static_cast<std::size_t>(island.row_offset[c] + i)])
+        s.redundant.push_back(row_name(contact, i));
+      else
+        rows.push_back(i);
+    if (rows.empty())
+      s.dropped.push_back(contact.name);
+    else
+      s.kept.push_back(static_cast<int>(rows.size()) == contact.rows() ? contact.name : kept_as(contact, rows));
+  }
+  return s;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,87 @@
+#include "chart.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <set>
+
+#include "../common/command.hpp"
+#include "../common/gnuplot.hpp"
+#include "../common/table.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The scene's name as a file name, unlike those given before.
+std::string file_name(const std::string& scene, std::set<std::string>& taken) {
+  std::string name;
+  for (char c : scene) name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+  if (name.empty()) name = "scene";
+  std::string unique = name;
+  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
+  return unique;
+}
+
+void say(const Chart& chart, std::ostream& out) {
+  out << chart.scene << ": " << chart.title << "\n";
+  for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.rest().empty()) throw UsageError("SCENE is missing");
+  const auto out = arguments.value("--out");
+  if (!out) throw UsageError("--out DIR is missing");
+  const ChartLimits limits{double(arguments.integer("--seconds", 0, 100000, 16)),
+                           double(arguments.integer("--longest", 0, 100000, 20))};
+  std::vector<SceneFile> files;
+  for (const std::string& path : arguments.rest()) files.push_back(load_scene(path));
+  std::error_code error;
+  fs::create_directories(*out, error);
+  if (!fs::is_directory(*out)) throw InputError(*out, 1, "is not a folder and cannot be made one");
+
+  const bool draws = gnuplot_available();
+  std::vector<Chart> charts;
+  std::vector<std::string> images;
+  std::set<std::string> taken;
+  for (const SceneFile& file : files) {
+    std::cerr << "manycontact: chart of " << printable(file.path) << " (" << charts.size() + 1 << "/" << files.size()
+              << ")" << std::endl;
+    charts.push_back(make_chart(file, limits));
+    say(charts.back(), std::cout);
+    write_csv(charts, *out + "/chart.csv");
+    images.emplace_back(!draws ? "" : files.size() == 1 ? "chart" : file_name(file.scene.name, taken));
+    if (draws) draw(charts.back(), *out + "/" + images.back());
+  }
+  if (files.size() > 1) write_page(charts, images, *out + "/README.md");
+  if (!draws) std::cerr << "manycontact: gnuplot is not installed: chart.csv is written, no picture\n";
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command& chart_command() {
+  static const Command command{
+      "chart",
+      "SCENE...",
+      "Accuracy against speed: every method, order and regularisation on each scene.",
+      {{"--out", "DIR", "where chart.csv and the pictures go; it is made when it is missing", true},
+       {"--seconds", "S", "of repeated measurements per scene (16); everything is run at least once"},
+       {"--longest", "S", "a call that would take more seconds, roughly, is skipped (20)"}},
+      "DIR/chart.csv has a line per method, order and damping, the scene's own and guessed ones: 1e-12, 1e-9, 1e-6,\n"
+      "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
+      "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"
+      "status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
+      "front: no other answer is as fast and as accurate in accelerations, and better in one of them.\n"
+      "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
+      "Without gnuplot there are no pictures.\n"
+      "Exit status: 0, whatever the methods answered; 2 bad usage or bad input.\n",
+      run};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,104 @@
+#pragma once
+// `manycontact chart`: every method, order and regularisation on a scene; what each costs and how far off it is.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+
+/// Dampings guessed in the scene's stead.
+inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
+
+struct ChartLimits {
+  double seconds = 16;  // of repeats
+  double longest = 20;  // seconds: a call that would take roughly longer is skipped
+};
+
+enum class Outcome { kAnswered, kFailed, kSkipped };
+
+/// Significant digits of times and errors. A chart holds them rounded: answers that differ by rounding alone are equal,
+/// and the front is that of the numbers in the CSV.
+inline constexpr int kDigits = 6;
+double as_written(double x);
+
+/// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives),
+/// against the truth of the scene as given; none where there is no answer or no truth.
+struct ChartRow {
+  Method method = Method::kAuto;
+  std::optional<Order> order;
+  double damping = 0;
+  bool guessed = false;  // the damping is not the scene's
+
+  Outcome outcome = Outcome::kAnswered;
+  Status status = Status::kOk;  // of the last solve; regularised when the damping is guessed and there is an answer
+  std::string answered_by;      // "sparse-ldl leaf-to-root", several joined: methods and orders that gave the answer
+  std::string fallback;         // why another way answered, of the first island where one did
+  std::optional<double> time;   // of solve, us
+  std::optional<double> time_derivatives;  // us
+  std::optional<double> error_acceleration, error_forces, error_derivatives;
+  bool front = false;  // no other answer is at least as fast and as accurate, and better in one (acceleration)
+
+  /// "none", or the damping: "1e-6".
+  std::string regularisation() const;
+};
+
+struct Chart {
+  std::string scene, title;  // name, and what it is: "82 velocities, 48 contact rows, 1 island"
+  std::vector<ChartRow> rows;
+  double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
+  double condition = 0;
+  std::vector<std::string> notes;  // what the errors mean here, where that is not plain
+  int rounds = 0;                  // of measurement
+
+  const ChartRow* fastest(bool with_derivatives) const;  // of the answers; null if there is none
+};
+
+/// What is plotted: time of the panel (0, 1: solve; 2: with derivatives) and its error.
+std::optional<double> panel_time(const ChartRow& row, int panel);
+std::optional<double> panel_error(const ChartRow& row, int panel);
+/// Row numbers of the answers that no other answer dominates in a panel, by time ascending.
+std::vector<std::size_t> panel_front(const Chart& chart, int panel);
+
+/// Runs everything, with a progress line on standard error.
+Chart make_chart(const SceneFile& file, const ChartLimits& limits);
+
+// ---- its steps ----------------------------------------------------------------------------------------------------
+
+/// A row and what computes it.
+struct Candidate {
+  ChartRow* row = nullptr;
+  Scene scene;  // with the row's damping
+  std::unique_ptr<SceneData> data;
+};
+
+/// Rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
+std::vector<ChartRow> list_rows(const Scene& scene);
+
+/// Fills times: medians over rounds in each of which every candidate has its turn, so that a drift of the machine's
+/// speed meets all alike; the slow ones drop out of later rounds. Returns the number of rounds.
+int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
+/// After measure_solve. `first` is called once per candidate while it holds its derivatives.
+int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
+                        const std::function<void(Candidate&)>& first);
+
+/// Overwrites the same line of standard error while that is a terminal; "" clears it.
+void progress(const std::string& text);
+
+// ---- its forms ----------------------------------------------------------------------------------------------------
+
+/// chart.csv of several charts. Throws InputError when it cannot be written, as all below.
+void write_csv(const std::vector<Chart>& charts, const std::string& path);
+/// base.svg and base.png.
+void draw(const Chart& chart, const std::string& base);
+/// What the rows say, in a few sentences.
+std::vector<std::string> describe(const Chart& chart);
+/// README.md with the pictures; images[k] of charts[k], empty: none drawn.
+void write_page(const std::vector<Chart>& charts, const std::vector<std::string>& images, const std::string& path);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,153 @@
+// What a chart holds: the list of its rows, their fronts, the whole of it.
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
+#include "../common/table.hpp"
+#include "chart.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "manycontact/sparse/cholmod.hpp"
+#include "truth.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+std::optional<double> known(double error) {
+  return std::isfinite(error) ? std::optional(as_written(error)) : std::nullopt;
+}
+
+std::string title_of(const Scene& scene, const SceneData& data) {
+  return count(scene.nrobots(), "robot") + ", " + count(scene.nv, "velocity coordinate") + ", " +
+         count(data.f.size(), "contact row") + ", " + count(static_cast<long>(island_count(data)), "island");
+}
+
+void note_truth(const ChartTruth& truth, Chart& chart) {
+  const long at_rest = std::count(truth.at_rest.begin(), truth.at_rest.end(), 1);
+  if (at_rest > 0)
+    chart.notes.push_back("Accelerations of " + count(at_rest, "robot") +
+                          " vanish (under 1e-4 of those without contacts, which their errors are relative to).");
+  if (truth.sampled > 0)
+    chart.notes.push_back("Derivatives of " + count(truth.sampled, "island") +
+                          " are judged along four random directions each in q, v and u.");
+  if (truth.unknown > 0)
+    chart.notes.push_back("The truth of " + count(truth.unknown, "island") +
+                          " is not known: K is singular, and the island too large for dense quadruple precision.");
+  else if (truth.unknown_derivatives > 0)
+    chart.notes.push_back("The truth of the derivatives of " + count(truth.unknown_derivatives, "island") +
+                          " is not known: no answer, or another rank, next to the state.");
+}
+
+}  // namespace
+
+std::string ChartRow::regularisation() const {
+  if (damping == 0) return "none";
+  char text[32];
+  const int power = static_cast<int>(std::floor(std::log10(damping) + 1e-9));
+  std::snprintf(text, sizeof text, "%.6ge%d", damping / std::pow(10.0, power), power);
+  return text;
+}
+
+double as_written(double x) { return std::strtod(number(x, kDigits).c_str(), nullptr); }
+
+std::optional<double> panel_time(const ChartRow& row, int panel) {
+  if (panel < 2 || !row.time) return row.time;
+  return row.time_derivatives ? std::optional(*row.time + *row.time_derivatives) : std::nullopt;
+}
+
+std::optional<double> panel_error(const ChartRow& row, int panel) {
+  return panel == 0 ? row.error_acceleration : panel == 1 ? row.error_forces : row.error_derivatives;
+}
+
+const ChartRow* Chart::fastest(bool with_derivatives) const {
+  const ChartRow* best = nullptr;
+  const int panel = with_derivatives ? 2 : 0;
+  for (const ChartRow& row : rows)
+    if (row.outcome == Outcome::kAnswered && panel_time(row, panel) &&
+        (!best || *panel_time(row, panel) < *panel_time(*best, panel)))
+      best = &row;
+  return best;
+}
+
+std::vector<std::size_t> panel_front(const Chart& chart, int panel) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < chart.rows.size(); ++k) {
+    const ChartRow& row = chart.rows[k];
+    if (row.outcome == Outcome::kAnswered && panel_time(row, panel) && panel_error(row, panel)) order.push_back(k);
+  }
+  const auto key = [&](std::size_t k) {
+    return std::pair(*panel_time(chart.rows[k], panel), *panel_error(chart.rows[k], panel));
+  };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::vector<std::size_t> front;
+  for (std::size_t k : order)
+    if (front.empty() || key(k).second < key(front.back()).second || key(k) == key(front.back())) front.push_back(k);
+  return front;
+}
+
+std::vector<ChartRow> list_rows(const Scene& scene) {
+  std::vector<double> dampings{scene.damping};
+  for (double guess : kGuessedDampings)
+    if (guess != scene.damping) dampings.push_back(guess);
+  std::vector<ChartRow> rows;
+  for (std::size_t k = 0; k < dampings.size(); ++k)
+    for (Method method : kMethods) {
+      if (method == Method::kSparseSupernodal && !sparse::supernodal_available()) continue;
+      std::vector<std::optional<Order>> orders{std::nullopt};
+      if (has_order(method)) orders.assign(std::begin(kOrders), std::end(kOrders));
+      for (const auto& order : orders) {
+        ChartRow& row = rows.emplace_back();
+        row.method = method;
+        row.order = order;
+        row.damping = dampings[k];
+        row.guessed = k > 0;
+      }
+    }
+  return rows;
+}
+
+void progress(const std::string& text) {
+  static const bool terminal = isatty(STDERR_FILENO);
+  if (terminal) std::cerr << "\r\033[K" << text << std::flush;
+}
+
+Chart make_chart(const SceneFile& file, const ChartLimits& limits) {
+  const Scene& scene = file.scene;
+  Chart chart;
+  chart.scene = scene.name;
+  chart.rows = list_rows(scene);
+
+  SceneData reference(scene, {Method::kSparseLdl, Order::kLeafToRoot});
+  (void)solve(scene, file.q, file.v, file.u, reference);
+  const ChartTruth truth = find_truth(file, reference);
+  estimate_condition(scene, reference);
+  chart.condition = reference.report.condition;
+  chart.allowed = std::max(1e-12, 100 * std::numeric_limits<double>::epsilon() * chart.condition);
+  chart.title = title_of(scene, reference);
+  note_truth(truth, chart);
+
+  std::vector<Candidate> candidates;
+  for (ChartRow& row : chart.rows) {
+    Candidate& c = candidates.emplace_back(Candidate{&row, scene, nullptr});
+    c.scene.damping = row.damping;
+    c.data = std::make_unique<SceneData>(c.scene, Options{row.method, row.order});
+  }
+  chart.rounds = measure_solve(file, candidates, limits);
+  for (Candidate& c : candidates) {
+    if (c.row->outcome != Outcome::kAnswered) continue;
+    c.row->error_acceleration = known(acceleration_error(scene, *c.data, truth));
+    if (c.data->f.size() > 0) c.row->error_forces = known(force_error(scene, *c.data, truth));
+  }
+  measure_derivatives(candidates, limits,
+                      [&](Candidate& c) { c.row->error_derivatives = known(derivative_error(scene, *c.data, truth)); });
+  progress("");
+  for (std::size_t k : panel_front(chart, 0)) chart.rows[k].front = true;
+  return chart;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,143 @@
+#include "truth.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "chart.hpp"
+#include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/analysis/errors.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr int kWholeUpTo = 60;    // dof: derivatives along all unit vectors
+constexpr int kDirections = 4;    // else along as many random ones in q, v and u
+constexpr int kDenseSize = 150;   // unknowns: dense truth where refinement has no factor
+constexpr double kAtRest = 1e-4;  // of a robot's accelerations against those without contacts: less is as good as none
+
+Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
+  if (whole) return Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd out(n, kDirections);
+  for (double& x : out.reshaped()) x = 2.0 * rng() / 4294967295.0 - 1;
+  return out;
+}
+
+// Coordinates of the scene behind those of an island: [q | v | u], and [a; f].
+struct Places {
+  std::vector<int> v, u, f;
+  Places(const Scene& scene, const SceneData& data, const Island& island) {
+    const auto into = [](std::vector<int>& places) {
+      return [&places](int first, int, int count) {
+        for (int i = 0; i < count; ++i) places.push_back(first + i);
+      };
+    };
+    each_velocity_block(scene, island, into(v));
+    each_torque_block(scene, island, into(u));
+    each_force_block(scene, data.f_offset, island, into(f));
+  }
+};
+
+void choose_directions(const Places& p, std::mt19937& rng, ChartTruth::OfIsland& out) {
+  const int nv = static_cast<int>(p.v.size()), nu = static_cast<int>(p.u.size());
+  const bool whole = nv <= kWholeUpTo;
+  const Eigen::MatrixXd dq = directions(nv, whole, rng), dv = directions(nv, whole, rng);
+  const Eigen::MatrixXd du = directions(nu, whole, rng);
+  const Eigen::Index nq = dq.cols(), n = dq.cols() + dv.cols() + du.cols();
+  out.along.setZero(2 * nv + nu, n);
+  out.along.topLeftCorner(nv, nq) = dq;
+  out.along.block(nv, nq, nv, dv.cols()) = dv;
+  out.along.bottomRightCorner(nu, du.cols()) = du;
+  const Eigen::Index first[4] = {0, nq, nq + dv.cols(), n};
+  for (int k = 0; k < 4; ++k) out.first[k] = static_cast<int>(first[k]);
+  out.derivatives.setConstant(nv + static_cast<int>(p.f.size()), n, std::numeric_limits<Quad>::quiet_NaN());
+}
+
+// The truth at the state moved by h along a direction of q (by = 0), v or u.
+Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const VecX<Quad>& step) {
+  const Scene& scene = file.scene;
+  VecX<Quad> q = file.q.cast<Quad>(), v = file.v.cast<Quad>(), u = file.u.cast<Quad>();
+  if (by == 1) v += step;
+  if (by == 2) u += step;
+  if (by == 0)
+    for (const Robot& robot : scene.robots) {
+      const Model& model = *robot.model;
+      VecX<Quad> moved(model.nq);
+      integrate<Quad>(model, q.segment(robot.idx_q, model.nq), step.segment(robot.idx_v, model.nv), moved);
+      q.segment(robot.idx_q, model.nq) = moved;
+    }
+  return refine_truth<Quad>(scene, data, q, v, u, kDenseSize);
+}
+
+// Central differences; the k-th directions of all islands at once: no island depends on another's.
+void differences(const SceneFile& file, SceneData& data, const std::vector<Places>& places, ChartTruth& truth) {
+  const Quad h = Quad(1) / Quad(10000000000LL);
+  int most = 0;
+  for (const ChartTruth::OfIsland& o : truth.islands)
+    for (int by = 0; by < 3; ++by) most = std::max(most, o.first[by + 1] - o.first[by]);
+  for (int by = 0; by < 3; ++by)
+    for (int k = 0; k < most; ++k) {
+      progress("truth of derivatives " + std::to_string(by * most + k + 1) + "/" + std::to_string(3 * most));
+      VecX<Quad> step = VecX<Quad>::Zero(by == 2 ? file.scene.nu : file.scene.nv);
+      bool moves = false;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const ChartTruth::OfIsland& o = truth.islands[i];
+        if (k >= o.first[by + 1] - o.first[by]) continue;
+        const std::vector<int>& to = by == 2 ? places[i].u : places[i].v;
+        const std::size_t row = by * places[i].v.size();
+        for (std::size_t j = 0; j < to.size(); ++j) step[to[j]] = h * o.along(row + j, o.first[by] + k);
+        moves = true;
+      }
+      if (!moves) continue;
+      const Truth<Quad> after = truth_along(file, data, by, step), before = truth_along(file, data, by, -step);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        ChartTruth::OfIsland& o = truth.islands[i];
+        if (k >= o.first[by + 1] - o.first[by]) continue;
+        if (!after.regular[i] || !before.regular[i] || after.rank[i] != before.rank[i]) o.derivatives_known = false;
+        const Places& p = places[i];
+        auto column = o.derivatives.col(o.first[by] + k);
+        for (std::size_t j = 0; j < p.v.size(); ++j) column[j] = (after.a[p.v[j]] - before.a[p.v[j]]) / (2 * h);
+        for (std::size_t j = 0; j < p.f.size(); ++j)
+          column[p.v.size() + j] = (after.f[p.f[j]] - before.f[p.f[j]]) / (2 * h);
+      }
+    }
+}
+
+}  // namespace
+
+ChartTruth find_truth(const SceneFile& file, SceneData& data) {
+  const Scene& scene = file.scene;
+  ChartTruth truth;
+  progress("truth");
+  const Truth<Quad> here = truth_along(file, data, 2, VecX<Quad>::Zero(scene.nu));
+  truth.a = here.a;
+  truth.f = here.f;
+
+  SceneData free(scene, {Method::kSparseLdl, Order::kLeafToRoot});
+  free.active.assign(scene.contacts.size(), 0);
+  (void)solve(scene, file.q, file.v, file.u, free);
+  truth.a_free = free.a;
+  for (const Robot& robot : scene.robots) {
+    const Eigen::VectorXd a = truth.a.segment(robot.idx_v, robot.model->nv).cast<double>();
+    truth.at_rest.push_back(largest_entry(a) < kAtRest * largest_entry(free.a.segment(robot.idx_v, robot.model->nv)));
+  }
+
+  std::mt19937 rng(20);
+  std::vector<Places> places;
+  for (std::size_t i = 0; i < island_count(data); ++i) {
+    ChartTruth::OfIsland& o = truth.islands.emplace_back();
+    o.island = island_of(data, i);
+    o.known = o.derivatives_known = here.regular[i];
+    choose_directions(places.emplace_back(scene, data, o.island), rng, o);
+    truth.sampled += o.island.nv > kWholeUpTo;
+  }
+  differences(file, data, places, truth);
+  for (const ChartTruth::OfIsland& o : truth.islands) {
+    truth.unknown += !o.known;
+    truth.unknown_derivatives += !o.derivatives_known;
+  }
+  return truth;
+}
+
+}  // namespace manycontact::cli

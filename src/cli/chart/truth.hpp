@@ -1,0 +1,40 @@
+#pragma once
+// The truth of a scene and its derivatives in quadruple precision, and the errors of answers against it.
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/truth.hpp"
+#include "manycontact/io/scene_file.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact::cli {
+
+struct ChartTruth {
+  VecX<Quad> a, f;            // as SceneData's
+  Eigen::VectorXd a_free;     // accelerations without contacts
+  std::vector<char> at_rest;  // per robot: a all but vanishes, errors are relative to a_free
+
+  // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island): the
+  // unit vectors, or four random ones in each of q, v, u. first[k]: the first of q's, v's, u's; the last is one past.
+  struct OfIsland {
+    Island island;  // of the contacts that are active
+    Eigen::MatrixXd along;
+    MatX<Quad> derivatives;
+    int first[4] = {0, 0, 0, 0};
+    bool known = true, derivatives_known = true;
+  };
+  std::vector<OfIsland> islands;
+  int unknown = 0;  // islands whose truth is not known
+  int unknown_derivatives = 0;
+  int sampled = 0;  // islands whose derivatives are sampled
+};
+
+/// `data`: solved by sparse-ldl at the scene's state.
+ChartTruth find_truth(const SceneFile& file, SceneData& data);
+
+/// Relative errors, worst over robots; NaN where the answer holds NaN or the truth is not known.
+double acceleration_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
+double force_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
+/// Also the worst over the six blocks.
+double derivative_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
+
+}  // namespace manycontact::cli

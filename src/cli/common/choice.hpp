@@ -1,0 +1,15 @@
+#pragma once
+// What became of the method and order chosen for an island.
+
+#include "manycontact/dynamics/report.hpp"
+#include "manycontact/kkt/choose.hpp"
+
+namespace manycontact::cli {
+
+/// Why the last solve's answer came another way than chosen, empty when it did not.
+std::string why_changed(const Choice& choice, const IslandReport& report);
+
+/// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.
+long nonzeros_of_K(const KktPattern& pattern, double damping);
+
+}  // namespace manycontact::cli

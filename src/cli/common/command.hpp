@@ -1,0 +1,43 @@
+#pragma once
+// A command of the program: what it takes, and what runs it.
+
+#include "arguments.hpp"
+#include "manycontact/kkt/options.hpp"
+
+namespace manycontact::cli {
+
+enum Exit {
+  kExitOk = 0,       // ok, redundant, inconsistent
+  kExitUnsound = 1,  // regularised, failed; out of memory
+  kExitUsage = 2,    // bad usage or bad input
+};
+
+struct Command {
+  std::string name;
+  std::string operands;  // what it takes besides options, for the usage
+  std::string summary;   // one line
+  std::vector<Option> options;
+  std::string help;  // after the options
+  int (*run)(const Arguments&);
+};
+
+const Command& solve_command();
+const Command& inspect_command();
+const Command& simulate_command();
+const Command& stability_command();
+const Command& chart_command();
+
+/// The one operand SCENE. Throws UsageError.
+std::string scene_operand(const Arguments& arguments);
+
+/// --method and --order, and what they mean. Throws UsageError.
+Option method_option();
+Option order_option();
+Options solver_options(const Arguments& arguments);
+
+/// "usage: manycontact solve SCENE [--method M] ...", one line.
+std::string usage(const Command& command);
+/// The whole help of a command.
+std::string help(const Command& command);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,109 @@
+#include "describe.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+std::string group_name(const RobotGroup& group) {
+  return group.copied ? group.name + " x" + std::to_string(group.count) : group.name;
+}
+
+std::string joint_types(const Model& model) {
+  const std::pair<JointType, const char*> types[] = {{JointType::kFloating, "floating"},
+                                                     {JointType::kPlanar, "planar"},
+                                                     {JointType::kRevolute, "revolute"},
+                                                     {JointType::kPrismatic, "prismatic"}};
+  std::vector<std::string> parts;
+  for (const auto& [type, name] : types) {
+    const auto n =
+        std::count_if(model.joints.begin(), model.joints.end(), [&](const Joint& j) { return j.type == type; });
+    if (n > 0) parts.push_back(std::to_string(n) + " " + name);
+  }
+  return parts.empty() ? "none" : join(parts);
+}
+
+std::string robot_names(const SceneFile& file, const std::vector<int>& robots) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robots.size();) {
+    const RobotGroup& group = file.robot_groups[file.robot_group[robots[i]]];
+    std::size_t end = i;
+    while (end < robots.size() && robots[end] < group.first + group.count) ++end;
+    if (static_cast<int>(end - i) == group.count)
+      names.push_back(group_name(group));
+    else
+      for (std::size_t k = i; k < end; ++k) names.push_back(file.scene.robots[robots[k]].name);
+    i = end;
+  }
+  return join(names, 4);
+}
+
+std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands) {
+  std::vector<std::string> names;
+  for (const Island* island : islands) names.push_back(robot_names(file, island->robots));
+  if (names.size() > 3) return names.front() + " .. " + names.back();
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? " | " : "") + names[i];
+  return text;
+}
+
+std::size_t count_islands(const Scene& scene, const SceneData& data) {
+  const bool whole = data.options.method == Method::kDenseSchur;
+  return whole ? find_islands(scene, data.active).size() : island_count(data);
+}
+
+void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data) {
+  const Scene& scene = file.scene;
+  wrap(out, "Scene " + scene.name + " (" + file.path + ")", 0);
+  const Vec3<double>& g = scene.gravity;
+  wrap(out,
+       "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
+           number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
+           " in " + count(static_cast<long>(count_islands(scene, data)), "island"),
+       0);
+  Table table({{"robot", Table::kLeft, 24},
+               {"urdf", Table::kLeft, 24},
+               {"base", Table::kLeft},
+               {"velocities"},
+               {"mass [kg]"},
+               {"joints", Table::kLeft}});
+  for (const RobotGroup& group : file.robot_groups) {
+    if (group.count == 0) continue;
+    const Model& model = *scene.robots[group.first].model;
+    table.add({group_name(group), std::filesystem::path(group.urdf).filename().string(),
+               model.floating_base ? "floating" : "fixed", std::to_string(model.nv), number(model.mass(), 4),
+               joint_types(model)});
+  }
+  out << "\n";
+  table.print(out);
+}
+
+void print_notes(std::ostream& out, const SceneFile& file, bool all) {
+  std::vector<std::pair<std::string, std::string>> notes;  // what is said, of which robots
+  for (const RobotGroup& group : file.robot_groups) {
+    if (group.count == 0) continue;
+    const ModelNotes& n = file.scene.robots[group.first].model->notes;
+    const auto note = [&](const std::vector<std::string>& joints, const std::string& what) {
+      if (joints.empty()) return;
+      const std::string text = what + ": " + join(joints);
+      const auto same = std::find_if(notes.begin(), notes.end(), [&](const auto& said) { return said.first == text; });
+      if (same == notes.end())
+        notes.emplace_back(text, group_name(group));
+      else
+        same->second += ", " + group_name(group);
+    };
+    const auto joints = [](const std::vector<std::string>& list) { return static_cast<long>(list.size()); };
+    if (all) {
+      note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
+      note(n.locked, count(joints(n.locked), "joint") + " locked");
+    }
+    note(n.mimic, "mimic is not modelled, kept independent");
+    if (all) note(n.dynamics, "damping and friction of <dynamics> are not modelled");
+  }
+  for (const auto& [text, robots] : notes) wrap(out, text, 2, robots + ": ");
+}
+
+}  // namespace manycontact::cli

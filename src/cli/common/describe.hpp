@@ -1,0 +1,26 @@
+#pragma once
+// How robots and islands are called in readable output, copies together.
+
+#include "manycontact/dynamics/views.hpp"
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+
+/// "humanoid", or "herd x64" for copies.
+std::string group_name(const RobotGroup& group);
+/// "1 floating, 32 revolute".
+std::string joint_types(const Model& model);
+/// The robots, all copies of a group as one: "a, b, beam", "ring x16".
+std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
+/// The same for several islands: "herd0 .. herd63".
+std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
+
+/// Islands of the scene; with method dense-schur, whose report has a single entry for all of it, too.
+std::size_t count_islands(const Scene& scene, const SceneData& data);
+
+/// Heading of both commands: name, path, gravity, damping, sizes.
+void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
+/// What reading the files merged, locked or did not model, by robot; only the mimic joints unless `all`.
+void print_notes(std::ostream& out, const SceneFile& file, bool all);
+
+}  // namespace manycontact::cli

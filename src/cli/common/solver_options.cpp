@@ -1,0 +1,42 @@
+#include "command.hpp"
+#include "manycontact/sparse/cholmod.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+template <class Values>
+std::string names_of(const Values& values) {
+  std::vector<std::string> names;
+  for (const auto& value : values) names.push_back(to_string(value));
+  return join(names, 20);
+}
+
+}  // namespace
+
+Option method_option() { return {"--method", "M", "one of " + names_of(kMethods)}; }
+
+Option order_option() {
+  return {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)};
+}
+
+Options solver_options(const Arguments& arguments) {
+  Options options;
+  if (const auto name = arguments.value("--method")) {
+    const auto method = method_from_string(*name);
+    if (!method) throw UsageError("unknown method '" + *name + "', expected one of " + names_of(kMethods));
+    if (*method == Method::kSparseSupernodal && !sparse::supernodal_available())
+      throw UsageError("method sparse-supernodal is not in this build, which leaves out CHOLMOD's GPL part");
+    options.method = *method;
+  }
+  if (const auto name = arguments.value("--order")) {
+    options.order = order_from_string(*name);
+    if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
+    if (!has_order(options.method) && options.method != Method::kAuto)
+      throw UsageError("method " + to_string(options.method) + " has no order to choose");
+  }
+  return options;
+}
+
+}  // namespace manycontact::cli

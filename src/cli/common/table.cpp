@@ -1,0 +1,117 @@
+#include "table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+namespace manycontact::cli {
+
+namespace {
+
+bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }  // inside a UTF-8 character
+
+int width(const std::string& text) {
+  return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) { return !continues(c); }));
+}
+
+// The first `n` characters, or the last ones.
+std::string head(const std::string& text, int n) {
+  std::size_t end = 0;
+  for (; end < text.size(); ++end)
+    if (!continues(text[end]) && n-- == 0) break;
+  return text.substr(0, end);
+}
+std::string tail(const std::string& text, int n) {
+  const std::string front = head(text, width(text) - n);
+  return text.substr(front.size());
+}
+
+std::string shortened(const std::string& text, int widest) {
+  if (widest <= 0 || width(text) <= widest) return text;
+  const int back = (widest - 2) / 2;
+  return head(text, widest - 2 - back) + ".." + tail(text, back);
+}
+
+std::string padded(const std::string& text, int to, Table::Align align) {
+  const std::string blanks(static_cast<std::size_t>(std::max(0, to - width(text))), ' ');
+  return align == Table::kLeft ? text + blanks : blanks + text;
+}
+
+std::string print_as(const char* format, int digits, double x) {
+  char text[400];
+  std::snprintf(text, sizeof text, format, digits, x);
+  return text;
+}
+
+}  // namespace
+
+std::string number(double x, int digits) {
+  if (std::isnan(x)) return "nan";
+  if (std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7) return print_as("%.*f", 0, x);  // not 1.2e+04
+  return print_as("%.*g", digits, x == 0 ? 0.0 : x);
+}
+
+std::string scientific(double x) { return std::isfinite(x) && x != 0 ? print_as("%.*e", 1, x) : number(x); }
+
+std::string decimal(double x, int decimals) {
+  if (!(std::abs(x) < 1e7)) return number(x, 4);
+  const std::string text = print_as("%.*f", decimals, x);
+  if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) return text.substr(1);
+  return text;
+}
+
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
+void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet) {
+  const std::string blanks(static_cast<std::size_t>(indent), ' ');
+  const std::string below = blanks + std::string(bullet.size(), ' ');
+  std::string line = blanks + bullet, word;
+  bool empty = true;
+  for (std::istringstream words(printable(text)); words >> word;) {
+    if (!empty && width(line) + 1 + width(word) > kLineWidth) {
+      out << line << "\n";
+      line = below;
+      empty = true;
+    }
+    line += (empty ? "" : " ") + word;
+    empty = false;
+  }
+  out << line << "\n";
+}
+
+void Table::add(std::vector<std::string> cells) {
+  cells.resize(columns_.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = shortened(printable(cells[k]), columns_[k].widest);
+  rows_.push_back(std::move(cells));
+}
+
+void Table::print(std::ostream& out, int indent) const {
+  if (rows_.empty()) return;
+  std::vector<int> widths(columns_.size(), 0);
+  for (const auto& row : rows_)
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], width(row[k]));
+  bool titled = false;
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    if (widths[k] > 0) widths[k] = std::max(widths[k], width(columns_[k].title));
+    titled = titled || !columns_[k].title.empty();
+  }
+  const auto line = [&](const auto& cell) {
+    std::string text(static_cast<std::size_t>(indent), ' ');
+    bool first = true;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (widths[k] == 0) continue;
+      text += (first ? "" : "  ") + padded(cell(k), widths[k], columns_[k].align);
+      first = false;
+    }
+    out << text.substr(0, text.find_last_not_of(' ') + 1) << "\n";
+  };
+  if (titled) line([&](std::size_t k) { return columns_[k].title; });
+  for (const auto& row : rows_) line([&](std::size_t k) { return row[k]; });
+}
+
+}  // namespace manycontact::cli

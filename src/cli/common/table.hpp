@@ -1,0 +1,50 @@
+#pragma once
+// Readable output: numbers, aligned columns, wrapped text, nothing wider than kLineWidth if it can be helped.
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "manycontact/analysis/text.hpp"
+
+namespace manycontact::cli {
+
+inline constexpr int kLineWidth = 100;
+
+/// `x` with `digits` significant digits.
+std::string number(double x, int digits = 3);
+/// "3.5e+05"
+std::string scientific(double x);
+/// `x` with `decimals` decimals, never "-0.00"; numbers too long for that as number() writes them.
+std::string decimal(double x, int decimals = 2);
+using text::count;
+using text::join;
+/// Control characters replaced, so that no name disturbs the terminal.
+std::string printable(std::string text);
+
+/// Words of `text` in lines no wider than kLineWidth: the first after `indent` blanks and `bullet`, the others below
+/// it.
+void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
+
+class Table {
+ public:
+  enum Align { kLeft, kRight };
+  struct Column {
+    std::string title;
+    Align align = kRight;
+    int widest = 0;  // longer cells lose their middle; 0: any width
+  };
+
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  /// A row; a missing cell is empty.
+  void add(std::vector<std::string> cells);
+  bool empty() const { return rows_.empty(); }
+  /// The titles, unless all are empty, and the rows. A column without a cell that says something is left out.
+  void print(std::ostream& out, int indent = 2) const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace manycontact::cli

@@ -1,0 +1,171 @@
+#include "inspect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+
+#include "../common/choice.hpp"
+#include "../common/command.hpp"
+#include "../common/table.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/analysis/advice.hpp"
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
+
+int run(const Arguments& arguments) {
+  const SceneFile file = load_scene(scene_operand(arguments));
+  const Inspection inspection = inspect_scene(file);
+  if (const auto picture = arguments.value("--picture")) write_picture(inspection, *picture);
+  print_heading(std::cout, file, inspection.data);
+  print_notes(std::cout, file, true);
+  print_islands(std::cout, inspection);
+  print_contact_groups(std::cout, inspection);
+  print_costs(std::cout, inspection);
+  print_advice(std::cout, inspection);
+  return kExitOk;
+}
+
+std::string rank_text(const IslandRanks& ranks) { return ranks.known ? std::to_string(ranks.rank) : "?"; }
+
+void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std::string& what) {
+  if (shown < all) out << "  ... and " << all - shown << " more " << what << "\n";
+}
+
+// Names of the contacts of a scene that are switched off.
+std::vector<std::string> inactive(const Inspection& x) {
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < x.data.f_offset.size(); ++c)
+    if (x.data.f_offset[c] < 0) names.push_back(x.file.scene.contacts[c].name);
+  return names;
+}
+
+std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
+  std::map<std::string, int> counts;
+  for (int c : contacts) ++counts[to_string(scene.contacts[c].type)];
+  std::vector<std::string> parts;
+  for (const auto& [type, n] : counts) parts.push_back((n > 1 ? std::to_string(n) + " x " : "") + type);
+  return join(parts);
+}
+
+// Of an island's shape. Predictions are relative (kkt/choose.hpp), so is what is shown.
+void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
+  const PredictedCosts costs = predict_costs(shape);
+  const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),
+                                 *std::min_element(costs.cholmod.begin(), costs.cholmod.end()), costs.supernodal});
+  const auto relative = [least](double cost) { return number(cost / least); };
+  Table table({{"order", Table::kLeft}, {"L: non-zeros"}, {"sparse-ldl"}, {"sparse-cholmod"}});
+  for (Order order : kOrders) {
+    const KktPattern& pattern = *shape.pattern(order);
+    const auto k = static_cast<std::size_t>(order);
+    table.add({to_string(order), std::to_string(pattern.ldl.nonzeros() + pattern.size()), relative(costs.ldl[k]),
+               relative(costs.cholmod[k])});
+  }
+  table.print(out, 4);
+  std::string others = "dense " + relative(costs.dense);
+  if (std::isfinite(costs.supernodal)) others = "sparse-supernodal " + relative(costs.supernodal) + ", " + others;
+  wrap(out, "in orders of their own: " + others, 4);
+  wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
+}
+
+}  // namespace
+
+const KktPattern& Inspection::pattern(std::size_t island) const {
+  return *shape_of(data, island)->pattern(choice_of(data, island).order);
+}
+
+std::string Inspection::name(const IslandKind& kind) const {
+  std::vector<const Island*> islands;
+  for (int i : kind.islands) islands.push_back(&island_of(data, static_cast<std::size_t>(i)));
+  return islands_name(file, islands);
+}
+
+Inspection inspect_scene(const SceneFile& file) {
+  Inspection x{file, SceneData(file.scene), {}};
+  (void)solve(file.scene, file.q, file.v, file.u, x.data);
+  x.kinds = find_kinds(file.scene, x.data);
+  return x;
+}
+
+void print_islands(std::ostream& out, const Inspection& x) {
+  out << "\nIslands: robots joined by contacts, one system each; rank of the contact rows at the scene's q\n";
+  Table table({{"islands"}, {"robots", Table::kLeft, 34}, {"velocities"}, {"rows"}, {"rank"}, {"K: n"}, {"non-zeros"}});
+  for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
+    const Island& island = x.island(x.kinds[k]);
+    table.add({std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
+               std::to_string(island.nc), rank_text(x.kinds[k].ranks), std::to_string(island.size()),
+               std::to_string(nonzeros_of_K(x.pattern(x.first(x.kinds[k])), x.file.scene.damping))});
+  }
+  table.print(out);
+  print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
+  for (const IslandKind& kind : x.kinds)
+    if (!kind.ranks.known) wrap(out, "the rank was left out, the island is too large", 2, x.name(kind) + ": ");
+  const std::vector<std::string> off = inactive(x);
+  if (!off.empty()) wrap(out, join(off), 2, "contacts not active: ");
+}
+
+void print_contact_groups(std::ostream& out, const Inspection& x) {
+  const Scene& scene = x.file.scene;
+  Table table({{"groups"},
+               {"between", Table::kLeft, 22},
+               {"and", Table::kLeft, 22},
+               {"contacts", Table::kLeft, 22},
+               {"types", Table::kLeft, 14},
+               {"rows"},
+               {"rank"}});
+  std::size_t all = 0;
+  for (const IslandKind& kind : x.kinds)
+    for (const auto& alike : alike_pairs(scene, kind.ranks.pairs)) {
+      const BodyPair& p = kind.ranks.pairs[alike.front()];
+      if (++all > kMostPairs) continue;
+      table.add({std::to_string(alike.size() * kind.islands.size()), p.place_A, p.place_B,
+                 contact_names(scene, p.contacts), types_of(scene, p.contacts), std::to_string(p.rows),
+                 std::to_string(p.rank)});
+    }
+  if (table.empty()) return;
+  out << "\nContact groups: all contacts between the same two bodies; the first of those that are alike\n";
+  table.print(out);
+  print_more(out, all, kMostPairs, "kinds of group");
+}
+
+void print_costs(std::ostream& out, const Inspection& x) {
+  if (x.kinds.empty()) return;
+  out << "\nCost of one solve, predicted, in units of the cheapest sparse one; non-zeros of L in each order\n";
+  for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
+    const IslandKind& kind = x.kinds[k];
+    const std::size_t i = x.first(kind);
+    if (k > 0) out << "\n";
+    wrap(out, x.name(kind), 2);
+    print_costs(out, *shape_of(x.data, i), x.data.options, choice_of(x.data, i));
+    const std::string changed = why_changed(choice_of(x.data, i), x.data.report.islands[i]);
+    if (!changed.empty()) wrap(out, "at the scene's state " + changed, 4);
+  }
+  print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
+}
+
+void print_advice(std::ostream& out, const Inspection& x) {
+  std::vector<std::string> advice = advise_on_contacts(x.file.scene, x.data, x.kinds);
+  const std::vector<std::string> bodies = advise_on_bodies(x.file.scene, x.data);
+  advice.insert(advice.end(), bodies.begin(), bodies.end());
+  out << "\nAdvice\n";
+  if (advice.empty()) out << "  none: every contact row counts, nothing stands idle\n";
+  for (const std::string& item : advice) wrap(out, item, 2, "- ");
+}
+
+const Command& inspect_command() {
+  static const Command command{
+      "inspect",
+      "SCENE",
+      "What is modelled and what is not, islands, ranks of the contacts, predicted costs, advice.",
+      {{"--picture", "FILE.svg", "also draw the patterns of K and of its factor L"}},
+      "Exit status: 0; 2 bad usage or bad input.\n",
+      run};
+  return command;
+}
+
+}  // namespace manycontact::cli

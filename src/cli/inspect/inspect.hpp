@@ -1,0 +1,32 @@
+#pragma once
+// `manycontact inspect`: what the scene holds, seen from its structure, and what could be simpler.
+
+#include "../common/describe.hpp"
+#include "manycontact/analysis/kinds.hpp"
+
+namespace manycontact::cli {
+
+struct Inspection {
+  const SceneFile& file;
+  SceneData data;  // solved by `auto` at the scene's state
+  std::vector<IslandKind> kinds;
+
+  /// The first island of a kind, whose name, shape and ranks are those of all.
+  std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
+  const Island& island(const IslandKind& kind) const { return island_of(data, first(kind)); }
+  /// Analysed in the order that was chosen.
+  const KktPattern& pattern(std::size_t island) const;
+  std::string name(const IslandKind& kind) const;
+};
+
+Inspection inspect_scene(const SceneFile& file);
+
+void print_islands(std::ostream& out, const Inspection& inspection);
+void print_contact_groups(std::ostream& out, const Inspection& inspection);
+void print_costs(std::ostream& out, const Inspection& inspection);
+void print_advice(std::ostream& out, const Inspection& inspection);
+
+/// The patterns of K and L as an SVG file. Throws InputError when it cannot be written.
+void write_picture(const Inspection& inspection, const std::string& path);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,186 @@
+#include "simulate.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+
+#include "../common/command.hpp"
+#include "../common/progress.hpp"
+#include "../common/table.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr double kMostSteps = 1e9;
+
+// What the command line asks for, and what came of it.
+struct Run {
+  Integrator integrator = Integrator::kSemiImplicitEuler;
+  double h = 0;
+  long steps = 0;
+  int every = 1;
+
+  StepStatus stopped = StepStatus::kOk;
+  Invariants start, end, largest;  // largest: drift of the states written
+  double seconds = 0;
+};
+
+Integrator integrator_of(const Arguments& arguments) {
+  const std::string name = arguments.value("--integrator").value_or("semi-implicit-euler");
+  const auto integrator = integrator_from_string(name);
+  if (!integrator) throw UsageError("unknown integrator '" + name + "', expected semi-implicit-euler or rk4");
+  return *integrator;
+}
+
+// "25 10" or "25,10".
+Gains two_numbers(const std::string& text) {
+  double x[2];
+  const char *at = text.data(), *end = at + text.size();
+  for (int k = 0; k < 2; ++k) {
+    while (at != end && (*at == ' ' || (k == 1 && *at == ','))) ++at;
+    const auto [next, error] = std::from_chars(at, end, x[k]);
+    if (error != std::errc() || !std::isfinite(x[k]) || x[k] < 0) at = nullptr;
+    if (!at) break;
+    at = next;
+  }
+  if (at != end)
+    throw UsageError("option --gains is '" + text + "', expected 'alpha beta', neither below 0, or 'recommended'");
+  return {x[0], x[1]};
+}
+
+std::optional<Gains> gains_of(const Arguments& arguments, const Run& run) {
+  const auto text = arguments.value("--gains");
+  if (!text) return std::nullopt;
+  return *text == "recommended" ? recommended_gains(run.integrator, run.h) : two_numbers(*text);
+}
+
+Run run_of(const Arguments& arguments) {
+  Run run;
+  run.integrator = integrator_of(arguments);
+  const double time = arguments.positive("--time");
+  run.h = arguments.positive("--step");
+  if (!(time / run.h <= kMostSteps)) throw UsageError("--time is more than 1e9 times --step");
+  run.steps = std::max(1L, static_cast<long>(std::ceil(time / run.h - 1e-6)));
+  run.every = arguments.integer("--every", 1, 1000000000, 1);
+  return run;
+}
+
+// Steps and writes until the end, or until a step is not kOk.
+void simulate(const Scene& scene, const Eigen::VectorXd& u, bool progress_always, SimulationData& sim, CsvFile& csv,
+              Run& run) {
+  InvariantsData room(scene);
+  const auto record = [&] {
+    run.end = invariants(scene, sim.dynamics.active, sim.q, sim.v, room);
+    run.largest.position_drift = std::max(run.largest.position_drift, run.end.position_drift);
+    run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
+    write_trajectory_row(sim, run.end, csv);
+  };
+  write_trajectory_header(scene, csv);
+  record();
+  run.start = run.end;
+  Progress progress("simulate", static_cast<double>(run.steps), progress_always);
+  const auto begin = std::chrono::steady_clock::now();
+  long written = 0;
+  while (sim.steps < run.steps && run.stopped == StepStatus::kOk) {
+    run.stopped = step(scene, u, sim);
+    if (sim.steps % run.every == 0 && sim.steps != written) record(), written = sim.steps;
+    progress.update(static_cast<double>(sim.steps));
+  }
+  if (written != sim.steps) record();
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  csv.close();
+}
+
+// The contact whose gains bear the smallest step, if that is below h.
+void print_advice(std::ostream& out, const Scene& scene, const SimulationData& sim) {
+  const Contact* worst = nullptr;
+  double least = sim.h;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    const double most = largest_stable_step(sim.integrator, {contact.alpha, contact.beta});
+    if (sim.dynamics.active[c] && most < least * (1 - 1e-9)) worst = &contact, least = most;
+  }
+  if (!worst) return;
+  const Gains fit = recommended_gains(sim.integrator, sim.h);
+  wrap(out,
+       "contact " + worst->name + "'s gains " + number(worst->alpha) + " " + number(worst->beta) +
+           " are unstable with " + to_string(sim.integrator) + " beyond steps of " + number(least) +
+           " s; recommended for this step are " + number(fit.alpha) + " " + number(fit.beta),
+       2);
+}
+
+void print_summary(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Run& run) {
+  out << printable(file.scene.name) << ": " << count(sim.steps, "step") << " of " << number(sim.h) << " s, "
+      << to_string(sim.integrator) << ", to t = " << number(sim.time(), 6) << " s in " << number(run.seconds)
+      << " s, status " << to_string(sim.worst) << "\n";
+  Table table({{"", Table::kLeft}, {"start"}, {"end"}, {"largest"}, {"", Table::kLeft}});
+  const auto short_of = [](double x) { return x == 0 ? std::string("0") : scientific(x); };
+  table.add({"drift, position", short_of(run.start.position_drift), short_of(run.end.position_drift),
+             short_of(run.largest.position_drift), "m, rad"});
+  table.add({"drift, velocity", short_of(run.start.velocity_drift), short_of(run.end.velocity_drift),
+             short_of(run.largest.velocity_drift), "m/s, rad/s"});
+  table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
+  table.print(out);
+  print_advice(out, file.scene, sim);
+}
+
+int run(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments);
+  Run run = run_of(arguments);
+  const std::optional<Gains> gains = gains_of(arguments, run);
+  const Options options = solver_options(arguments);
+  const double damping = arguments.positive("--damping", 0);
+  const auto out = arguments.value("--out");
+  if (!out) throw UsageError("option --out is missing");
+
+  SceneFile file = load_scene(path);
+  if (gains) set_gains(file.scene, *gains);
+  if (damping > 0) file.scene.damping = damping;
+  if (arguments.has("--passive")) file.u.setZero();
+  CsvFile csv(*out);
+  SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
+  simulate(file.scene, file.u, arguments.has("--progress"), sim, csv, run);
+  if (*out != "-") print_summary(std::cout, file, sim, run);
+  if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
+  std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
+            << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
+            << "\n";
+  return kExitUnsound;
+}
+
+}  // namespace
+
+void set_gains(Scene& scene, const Gains& gains) {
+  for (Contact& contact : scene.contacts) contact.alpha = gains.alpha, contact.beta = gains.beta;
+}
+
+const Command& simulate_command() {
+  static const Command command{
+      "simulate",
+      "SCENE",
+      "The scene through time, its torques constant, its contacts held: trajectory, drift of the contacts, energy, "
+      "momentum.",
+      {{"--time", "T", "s; the last step ends at T or just after", true},
+       {"--step", "H", "s", true},
+       {"--out", "FILE",
+        "CSV: t, q, v, largest drift over the contacts (m or rad, and per s), energy, momentum; - is standard output",
+        true},
+       {"--integrator", "I", "semi-implicit-euler (the default) or rk4, both on the manifold"},
+       {"--gains", "G", "of all contacts: 'alpha beta', or 'recommended' for the step; default the scene's"},
+       {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 carries over singular configurations"},
+       {"--every", "N", "writes every Nth state, and the last"},
+       {"--passive", "", "without torques"},
+       {"--progress", "", "shows progress even where standard error is not a terminal"},
+       method_option(),
+       order_option()},
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
+      "finite, or faster than 1e5 m/s or rad/s): what was reached is written; 2 bad usage or bad input.\n",
+      run};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,19 @@
+#pragma once
+// What `manycontact simulate` and `manycontact stability` share.
+
+#include "../common/csv_file.hpp"
+#include "manycontact/io/scene_file.hpp"
+#include "manycontact/simulation/gains.hpp"
+#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact::cli {
+
+/// The same gains for every contact.
+void set_gains(Scene& scene, const Gains& gains);
+
+/// t, q, v, drift, energy, momentum: the header, then a row per state.
+void write_trajectory_header(const Scene& scene, CsvFile& csv);
+void write_trajectory_row(const SimulationData& sim, const Invariants& at, CsvFile& csv);
+
+}  // namespace manycontact::cli

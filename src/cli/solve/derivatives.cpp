@@ -1,0 +1,79 @@
+// The derivatives in the summary: how long they took, and the largest entry of each matrix.
+
+#include <cmath>
+
+#include "../common/table.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+// Names of an island's rows and columns, in the island's order.
+struct Names {
+  std::vector<std::string> v, u, f;
+};
+Names names_of(const Scene& scene, const Island& island) {
+  Names names;
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    for (int i = 0; i < robot.model->nv; ++i) {
+      names.v.push_back(robot.name + "/" + dof_name(*robot.model, i));
+      if (i >= robot.model->first_actuated()) names.u.push_back(names.v.back());
+    }
+  }
+  for (int c : island.contacts)
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) names.f.push_back(row_name(scene.contacts[c], k));
+  return names;
+}
+
+struct Largest {
+  double value = 0;
+  std::string row, column;
+
+  template <class Block>
+  void look(const Block& block, const std::vector<std::string>& rows, const std::vector<std::string>& columns) {
+    if (block.size() == 0) return;
+    Eigen::Index i, j;
+    const double largest = block.cwiseAbs().maxCoeff(&i, &j);
+    if (!(largest > std::abs(value))) return;
+    value = block(i, j);
+    row = rows[i];
+    column = columns[j];
+  }
+};
+
+}  // namespace
+
+void print_derivatives(std::ostream& out, const SolvedScene& s) {
+  out << "\nDerivatives, in " << number(s.time.derivatives) << " us"
+      << (s.repeat > 1 ? " (median of " + std::to_string(s.repeat) + ")" : "")
+      << "; the largest entry of each (per rad, m, rad/s, m/s, N m, N)\n";
+  Largest a[3], f[3];
+  const DerivativeData& dd = derivatives(s.data);
+  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
+    if (s.data.report.islands[i].status == Status::kFailed) continue;
+    const Names n = names_of(s.file.scene, island_of(s.data, i));
+    const IslandDerivatives& d = dd.islands[i];
+    a[0].look(d.da_dq(), n.v, n.v);
+    a[1].look(d.da_dv(), n.v, n.v);
+    a[2].look(d.da_du(), n.v, n.u);
+    f[0].look(d.dforces_dq(), n.f, n.v);
+    f[1].look(d.dforces_dv(), n.f, n.v);
+    f[2].look(d.dforces_du(), n.f, n.u);
+  }
+  Table table({{"of", Table::kLeft}, {"entry"}, {"row", Table::kLeft, 36}, {"column", Table::kLeft, 36}});
+  const char* by[] = {"dq", "dv", "du"};
+  for (int k = 0; k < 3; ++k)
+    if (!a[k].row.empty()) table.add({std::string("da/") + by[k], number(a[k].value, 4), a[k].row, a[k].column});
+  for (int k = 0; k < 3; ++k)
+    if (!f[k].row.empty()) table.add({std::string("df/") + by[k], number(f[k].value, 4), f[k].row, f[k].column});
+  if (table.empty())
+    out << "  none: every island failed\n";
+  else
+    table.print(out);
+}
+
+}  // namespace manycontact::cli

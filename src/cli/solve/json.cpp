@@ -1,0 +1,135 @@
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "../common/describe.hpp"
+#include "manycontact/analysis/rounding.hpp"
+#include "manycontact/io/input_error.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers that are not finite become null when written.
+Json vector(const Eigen::VectorXd& x) { return Json(std::vector<double>(x.begin(), x.end())); }
+
+// A list of rows.
+Json matrix(const Eigen::MatrixXd& x) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(vector(x.row(i).transpose()));
+  return rows;
+}
+
+Json times(const SolvedScene& s) {
+  Json out = {{"symbolic", s.time.symbolic}, {"setup", s.time.setup}, {"solve", s.time.solve}};
+  if (s.derivatives) out["derivatives"] = s.time.derivatives;
+  return out;
+}
+
+Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
+
+Json island_entry(const Scene& scene, const Island& island, const IslandReport& r,
+                  const std::vector<std::string>& force_names) {
+  Json robots = Json::array(), dependent = Json::array();
+  for (int k : island.robots) robots.push_back(scene.robots[k].name);
+  for (int row : r.dependent_rows) dependent.push_back(force_names[row]);
+  return {{"robots", robots},
+          {"status", to_string(r.status)},
+          {"method", to_string(r.method)},
+          {"order", order_of(r)},
+          {"reason", to_string(r.reason)},
+          {"nv", r.nv},
+          {"nc", r.nc},
+          {"rank", r.rank},
+          {"factor_nonzeros", r.factor_nonzeros},
+          {"refinement_steps", r.refinement_steps},
+          {"residual_dynamics", r.residual_dynamics},
+          {"residual_contact", r.residual_contact},
+          {"backward_error", r.backward_error},
+          {"condition", r.condition},
+          {"error_acceleration", r.error_acceleration},
+          {"error_forces", r.error_forces},
+          {"rounding", find_rounding(r).names()},
+          {"dependent_rows", dependent}};
+}
+
+Json report(const SolvedScene& s) {
+  const Report& r = s.data.report;
+  Json list = Json::array();
+  std::set<std::string> answered;
+  const std::vector<std::string> names = force_names(s.file.scene, s.data);
+  for (std::size_t i = 0; i < r.islands.size(); ++i) {
+    list.push_back(island_entry(s.file.scene, island_of(s.data, i), r.islands[i], names));
+    answered.insert(to_string(r.islands[i].method));
+  }
+  return {{"status", to_string(r.status)},
+          {"method", to_string(r.method)},
+          {"answered_by", answered},
+          {"islands", count_islands(s.file.scene, s.data)},
+          {"nv", r.nv},
+          {"nc", r.nc},
+          {"rank", r.rank},
+          {"factor_nonzeros", r.factor_nonzeros},
+          {"residual_dynamics", r.residual_dynamics},
+          {"residual_contact", r.residual_contact},
+          {"backward_error", r.backward_error},
+          {"condition", r.condition},
+          {"error_acceleration", r.error_acceleration},
+          {"error_forces", r.error_forces},
+          {"rounding", find_rounding(r).names()},
+          {"refinement_steps", r.refinement_steps},
+          {"time_us", times(s)},
+          {"island_list", list}};
+}
+
+Json document(const SolvedScene& s) {
+  Json json = {{"scene", s.file.scene.name},
+               {"velocity_names", velocity_names(s.file.scene)},
+               {"force_names", force_names(s.file.scene, s.data)},
+               {"acceleration", vector(s.data.a)},
+               {"forces", vector(s.data.f)}};
+  if (s.derivatives) {
+    const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
+    json["da_dq"] = matrix(d.da_dq);
+    json["da_dv"] = matrix(d.da_dv);
+    json["da_du"] = matrix(d.da_du);
+    json["dforces_dq"] = matrix(d.dforces_dq);
+    json["dforces_dv"] = matrix(d.dforces_dv);
+    json["dforces_du"] = matrix(d.dforces_du);
+  }
+  if (s.quasi_static_u) json["quasi_static_u"] = vector(*s.quasi_static_u);
+  json["report"] = report(s);
+  return json;
+}
+
+// One line per member, so that long lists stay apart; doubles as short as they read back to the same bits.
+void print(std::ostream& out, const Json& json) {
+  const char* before = "{\n";
+  for (const auto& [key, value] : json.items()) {
+    out << before << Json(key).dump() << ": " << value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    before = ",\n";
+  }
+  out << "\n}\n";
+}
+
+}  // namespace
+
+void write_json(const SolvedScene& solved, const std::string& path) {
+  const Json json = document(solved);
+  if (path == "-") return print(std::cout, json);
+  errno = 0;
+  std::ofstream out(path);
+  if (out) print(out, json);
+  if (!out.flush())
+    throw InputError(path, 1,
+                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
+                         ", expected a file that --json may create");
+}
+
+}  // namespace manycontact::cli

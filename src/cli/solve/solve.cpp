@@ -1,0 +1,126 @@
+#include "solve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+
+#include "../common/command.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/kkt/choose.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Median time of `repeat` calls, us. Before each, `before`, which is not timed.
+template <class Before, class Call>
+double median_time(int repeat, Before&& before, Call&& call) {
+  std::vector<double> times;
+  for (int k = 0; k < repeat; ++k) {
+    before();
+    const Clock::time_point start = Clock::now();
+    call();
+    times.push_back(microseconds_since(start));
+  }
+  std::sort(times.begin(), times.end());
+  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
+template <class Call>
+double median_time(int repeat, Call&& call) {
+  return median_time(
+      repeat, [] {}, call);
+}
+
+// Everything that setting up and the first solve analyse: the patterns that the choice compares, CHOLMOD's symbolic
+// factorization where it is the choice. Islands of a shape met before cost their look-up.
+void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
+  for (const Island& island : islands) {
+    const std::size_t known = shapes.size();
+    IslandShape& shape = *shapes.find(scene, island);
+    if (shapes.size() == known) continue;
+    const Choice choice = choose(shape, options);
+    (void)shape.pattern(choice.order);
+    if (choice.method == Method::kSparseCholmod) (void)shape.cholmod(choice.order);
+    if (choice.method == Method::kSparseSupernodal) (void)shape.cholmod_schur();
+  }
+}
+
+double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
+  std::vector<Island> islands;
+  if (data.options.method == Method::kDenseSchur)
+    islands.push_back(whole_scene(scene, data.active));
+  else
+    islands = find_islands(scene, data.active);
+  std::optional<ShapeCache> shapes;
+  return median_time(
+      repeat, [&] { shapes.emplace(); }, [&] { analyse(scene, islands, data.options, *shapes); });
+}
+
+// A SceneData, and how long it took to make one.
+SceneData set_up(const Scene& scene, const Options& options, int repeat, double& time) {
+  std::optional<SceneData> data;
+  time = median_time(
+      repeat, [&] { data.reset(); }, [&] { data.emplace(scene, options); });
+  return std::move(*data);
+}
+
+int run(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments);
+  const Options options = solver_options(arguments);
+  const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
+
+  const SceneFile file = load_scene(path);
+  SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
+  if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
+  if (const auto json = arguments.value("--json"))
+    write_json(solved, *json);
+  else
+    print_summary(std::cout, solved);
+  return solved.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
+}
+
+}  // namespace
+
+SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
+  const Scene& scene = file.scene;
+  Times time;
+  SolvedScene s{file, set_up(scene, options, repeat, time.setup), {}, repeat, {}, derivatives};
+  time.symbolic = time_of_analysis(scene, s.data, repeat);
+  const auto once = [&] { (void)solve(scene, file.q, file.v, file.u, s.data); };
+  once();
+  time.solve = median_time(repeat, once);
+  if (derivatives) {
+    const auto again = [&] { (void)differentiate(scene, s.data); };
+    again();
+    time.derivatives = median_time(repeat, again);
+  }
+  s.time = time;
+  estimate_condition(scene, s.data);
+  estimate_errors(scene, s.data);
+  return s;
+}
+
+const Command& solve_command() {
+  static const Command command{
+      "solve",
+      "SCENE",
+      "Accelerations and contact forces of the scene, and what they are worth.",
+      {method_option(),
+       order_option(),
+       {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
+       {"--quasi-static", "", "also the torques that hold the scene still"},
+       {"--repeat", "N", "times are medians over N solves, after one to warm up"},
+       {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad input.\n",
+      run};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,46 @@
+#pragma once
+// `manycontact solve`: what it computes, and the two ways of showing it.
+
+#include <optional>
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+
+/// Medians, us.
+struct Times {
+  double symbolic = 0;  // analysis: every shape of island as if met for the first time
+  double setup = 0;     // of the SceneData: memory, islands, and that analysis
+  double solve = 0;
+  double derivatives = 0;  // 0 when not asked for
+};
+
+struct SolvedScene {
+  const SceneFile& file;
+  SceneData data;  // solved, with condition and errors estimated
+  Times time;
+  int repeat = 1;
+  std::optional<Eigen::VectorXd> quasi_static_u;
+  bool derivatives = false;  // derivatives(data) are there
+};
+
+/// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and
+/// derivatives once more before, to warm up.
+SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
+
+/// The JSON of design.md, section 6, to `path`, "-" is standard output. Throws InputError when it cannot be written.
+void write_json(const SolvedScene& solved, const std::string& path);
+
+void print_summary(std::ostream& out, const SolvedScene& solved);
+/// Its parts, in the order of the summary.
+void print_report(std::ostream& out, const SolvedScene& solved);
+void print_accelerations(std::ostream& out, const SolvedScene& solved);
+void print_forces(std::ostream& out, const SolvedScene& solved);
+void print_derivatives(std::ostream& out, const SolvedScene& solved);
+void print_quasi_static(std::ostream& out, const SolvedScene& solved);
+/// Solves again with the dense oracle and compares answers and times.
+void print_against_dense(std::ostream& out, const SolvedScene& solved);
+
+}  // namespace manycontact::cli

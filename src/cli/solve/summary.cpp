@@ -1,0 +1,209 @@
+// The readable summary of `solve`: sizes, islands, what the answer is worth, times.
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "../common/choice.hpp"
+#include "../common/describe.hpp"
+#include "../common/table.hpp"
+#include "manycontact/analysis/rounding.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+std::string in_words(Status status, double damping) {
+  switch (status) {
+    case Status::kOk:
+      return damping > 0 ? "the damped system is solved to its residuals"
+                         : "the contacts are independent and the system is solved to its residuals";
+    case Status::kRedundant:
+      return "contacts depend on each other and agree; accelerations are exact, the forces shown are those of least "
+             "norm";
+    case Status::kInconsistent:
+      return "contacts contradict each other; the accelerations miss them by the least squares";
+    case Status::kRegularised:
+      return "the answer to a neighbouring problem, not to the one asked";
+    case Status::kFailed:
+      return "no answer for at least one island; its accelerations and forces are not numbers";
+  }
+  return "";
+}
+
+// Islands that went alike share a line.
+struct Alike {
+  std::vector<const Island*> islands;
+  std::size_t number;   // of the first
+  IslandReport report;  // of the first, with the largest residuals, condition and errors
+};
+
+std::vector<Alike> alike_islands(const SceneData& data) {
+  std::map<std::vector<int>, std::size_t> seen;
+  std::vector<Alike> out;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const IslandReport& r = data.report.islands[i];
+    const Rounding rounding = find_rounding(r);
+    const std::vector<int> key{int(r.status),  int(r.method), int(r.order), int(r.reason),     r.changed_order,
+                               r.nv,           r.nc,          r.rank,       r.factor_nonzeros, rounding.acceleration,
+                               rounding.forces};
+    const auto [at, fresh] = seen.emplace(key, out.size());
+    if (fresh) out.push_back({{}, i, r});
+    Alike& alike = out[at->second];
+    alike.islands.push_back(&island_of(data, i));
+    const auto keep_larger = [&r, &alike](double IslandReport::*x) {
+      if (!(r.*x <= alike.report.*x)) alike.report.*x = r.*x;
+    };
+    keep_larger(&IslandReport::residual_dynamics);
+    keep_larger(&IslandReport::residual_contact);
+    keep_larger(&IslandReport::condition);
+    keep_larger(&IslandReport::error_acceleration);
+    keep_larger(&IslandReport::error_forces);
+    alike.report.refinement_steps = std::max(alike.report.refinement_steps, r.refinement_steps);
+  }
+  return out;
+}
+
+std::string why(const SolvedScene& s, const Alike& kind) {
+  const Choice choice = choice_of(s.data, kind.number);
+  std::string text;
+  if (s.data.options.method == Method::kAuto)
+    text = "auto chose " + why_chosen(choice, predict_costs(*shape_of(s.data, kind.number)), s.data.options);
+  const std::string changed = why_changed(choice, kind.report);
+  return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
+}
+
+// "left_b[0], left_b[1], ... and 4 more", empty when all rows are independent.
+std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
+  constexpr std::size_t kShown = 6;
+  const std::vector<std::string> names = force_names(s.file.scene, s.data);
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kShown, r.dependent_rows.size()); ++k)
+    text += (k ? ", " : "") + names[r.dependent_rows[k]];
+  if (r.dependent_rows.size() > kShown) text += ", and " + std::to_string(r.dependent_rows.size() - kShown) + " more";
+  return text + (text.empty() ? "" : " follow from the other rows");
+}
+
+// "at most 1.2e-13 of the largest acceleration, forces are rounding"; empty where there is no bound.
+std::string errors_in_words(const IslandReport& r) {
+  const Rounding rounding = find_rounding(r);
+  const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
+    if (is_rounding) return many + " are rounding";
+    return std::isfinite(error) ? "at most " + scientific(error) + " of the largest " + one : "";
+  };
+  const std::string a = words(rounding.acceleration, r.error_acceleration, "acceleration", "accelerations");
+  const std::string f = r.nc == 0 ? "" : words(rounding.forces, r.error_forces, "force", "forces");
+  return a + (a.empty() || f.empty() ? "" : ", ") + f;
+}
+
+std::string times(const SolvedScene& s) {
+  return "analysis " + number(s.time.symbolic) + " us, set-up " + number(s.time.setup) + " us, one solve " +
+         number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
+}
+
+// All islands went alike: one fact per line.
+void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
+  const IslandReport& r = kind.report;
+  const auto line = [&out](std::string title, const std::string& text) {
+    title.resize(11, ' ');
+    if (!text.empty()) wrap(out, text, 2, title);
+  };
+  const std::string each = kind.islands.size() > 1 ? ", each" : "";
+  line("islands", count(static_cast<long>(kind.islands.size()), "island") + " of " + count(r.nv, "velocity") + " and " +
+                      count(r.nc, "contact row") + " (" + islands_name(s.file, kind.islands) + ")");
+  if (r.status == Status::kFailed) return line("why", why(s, kind));
+  const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
+  line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
+                        : "not examined: with damping any will do, `inspect` shows it");
+  line("dependent", dependent_rows(s, r));
+  line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
+  line("why", why(s, kind));
+  line("factor",
+       count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
+  line("residuals",
+       "dynamics " + scientific(r.residual_dynamics) + ", contacts " + scientific(r.residual_contact) + " (relative)");
+  line("condition", std::isfinite(r.condition) ? scientific(r.condition) + " (of K, 1-norm)" : "not estimated");
+  line("errors", errors_in_words(r));
+  line("time", times(s));
+}
+
+void print_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds, std::size_t shown) {
+  Table table({{"islands"},
+               {"robots", Table::kLeft, 22},
+               {"nv"},
+               {"rows"},
+               {"rank"},
+               {"method", Table::kLeft},
+               {"order", Table::kLeft},
+               {"status", Table::kLeft}});
+  Table worth({{"islands"},
+               {"robots", Table::kLeft, 22},
+               {"factor"},
+               {"refined"},
+               {"residual: dynamics"},
+               {"contacts"},
+               {"condition"}});
+  for (std::size_t k = 0; k < shown; ++k) {
+    const IslandReport& r = kinds[k].report;
+    const std::string n = std::to_string(kinds[k].islands.size()), name = islands_name(s.file, kinds[k].islands);
+    table.add({n, name, std::to_string(r.nv), std::to_string(r.nc), std::to_string(r.rank), to_string(r.method),
+               has_order(r.method) ? to_string(r.order) : "", to_string(r.status)});
+    worth.add({n, name, std::to_string(r.factor_nonzeros), std::to_string(r.refinement_steps),
+               scientific(r.residual_dynamics), scientific(r.residual_contact), scientific(r.condition)});
+  }
+  table.print(out);
+  out << "\n";
+  worth.print(out);
+  if (shown < kinds.size()) out << "  ... and " << kinds.size() - shown << " more kinds of island\n";
+  out << "  factor: non-zeros; refined: steps; residuals are relative; condition: of K, 1-norm\n\n";
+}
+
+void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
+  const Report& r = s.data.report;
+  const std::size_t shown = kinds.size() <= 9 ? kinds.size() : 8;
+  print_kinds(out, s, kinds, shown);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const std::string text = why(s, kinds[k]), errors = errors_in_words(kinds[k].report);
+    const std::string both = text + (text.empty() || errors.empty() ? "" : "; errors: ") + errors;
+    if (!both.empty()) wrap(out, both, 2, islands_name(s.file, kinds[k].islands) + ": ");
+  }
+  wrap(out,
+       std::to_string(r.nv) + " velocities, " + std::to_string(r.nc) + " rows of rank " + std::to_string(r.rank) +
+           ", " + std::to_string(r.factor_nonzeros) + " non-zeros, residuals " + scientific(r.residual_dynamics) +
+           " and " + scientific(r.residual_contact) + ", condition " + scientific(r.condition),
+       2, "together: ");
+  wrap(out, times(s), 2);
+}
+
+}  // namespace
+
+void print_report(std::ostream& out, const SolvedScene& s) {
+  wrap(out, in_words(s.data.report.status, s.file.scene.damping), 0,
+       "Status " + to_string(s.data.report.status) + ": ");
+  const std::vector<Alike> kinds = alike_islands(s.data);
+  out << "\n";
+  if (kinds.size() == 1)
+    print_one_kind(out, s, kinds[0]);
+  else if (!kinds.empty())
+    print_several_kinds(out, s, kinds);
+}
+
+void print_summary(std::ostream& out, const SolvedScene& s) {
+  print_heading(out, s.file, s.data);
+  print_notes(out, s.file, false);
+  out << "\n";
+  print_report(out, s);
+  const auto& islands = s.data.report.islands;
+  const auto failed = [](const IslandReport& r) { return r.status == Status::kFailed; };
+  if (!std::all_of(islands.begin(), islands.end(), failed)) {
+    print_accelerations(out, s);
+    print_forces(out, s);
+  }
+  if (s.derivatives) print_derivatives(out, s);
+  if (s.quasi_static_u) print_quasi_static(out, s);
+  print_against_dense(out, s);
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,217 @@
+// Who is accelerated how much, and by which contact forces.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "../common/describe.hpp"
+#include "../common/table.hpp"
+#include "manycontact/analysis/rounding.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
+
+// A line of a table and what it is ranked by. Neighbouring copies that read alike are one line, "foot0 .. foot63".
+struct Line {
+  int group = 0;  // of copies
+  std::string first, last;
+  std::vector<std::string> cells;
+  double size = 0;
+  std::size_t count = 1;
+};
+using Lines = std::vector<Line>;
+
+void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size) {
+  if (std::isnan(size)) size = INFINITY;
+  if (lines.empty() || lines.back().group != group || lines.back().cells != cells)
+    return lines.push_back({group, name, "", std::move(cells), size});
+  Line& line = lines.back();
+  line.last = name;
+  line.size = std::max(line.size, size);
+  ++line.count;
+}
+
+// Prints the `most` largest lines in their old order, and how many more there are.
+void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most) {
+  std::vector<std::size_t> at(lines.size());
+  std::iota(at.begin(), at.end(), 0);
+  std::size_t more = 0;
+  if (at.size() > most) {
+    std::stable_sort(at.begin(), at.end(), [&](std::size_t i, std::size_t j) { return lines[i].size > lines[j].size; });
+    for (std::size_t k = most; k < at.size(); ++k) more += lines[at[k]].count;
+    at.resize(most);
+    std::sort(at.begin(), at.end());
+  }
+  for (std::size_t i : at) {
+    std::vector<std::string> cells{lines[i].first + (lines[i].last.empty() ? "" : " .. " + lines[i].last)};
+    cells.insert(cells.end(), lines[i].cells.begin(), lines[i].cells.end());
+    table.add(cells);
+  }
+  table.print(out);
+  if (more > 0) out << "  ... and " << more << " more, none larger\n";
+}
+
+// The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
+int fastest_joint(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& a) {
+  int best = -1;
+  for (int i = model.first_actuated(); i < model.nv; ++i)
+    if (best < 0 || !(std::abs(a[i]) <= std::abs(a[best]))) best = i;
+  return best;
+}
+
+// Force and moment on A in the contact's axes.
+Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int offset) {
+  Vec6<double> w = Vec6<double>::Zero();
+  switch (contact.type) {
+    case ContactType::k1D:
+      w.head<3>() = f[offset] * contact.axis;
+      break;
+    case ContactType::k2D:
+      w[0] = f[offset], w[2] = f[offset + 1];
+      break;
+    case ContactType::k3D:
+      w.head<3>() = f.segment<3>(offset);
+      break;
+    case ContactType::k6D:
+      w = f.segment<6>(offset);
+      break;
+  }
+  return w;
+}
+
+// Force on A in the world's axes.
+Vec3<double> force_in_world(const SolvedScene& s, int c) {
+  const Contact& contact = s.file.scene.contacts[c];
+  const Vec3<double> f = force_in_axes(contact, s.data.f, s.data.f_offset[c]).head<3>();
+  return contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(contact_of(s.data, c).aMA.R * f) : f;
+}
+
+std::vector<int> active_contacts(const SolvedScene& s) {
+  std::vector<int> active;
+  for (std::size_t c = 0; c < s.data.f_offset.size(); ++c)
+    if (s.data.f_offset[c] >= 0) active.push_back(static_cast<int>(c));
+  return active;
+}
+
+// Per robot the force of all its contacts, in the world's axes; the last one is what the world gives.
+std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
+  const Scene& scene = s.file.scene;
+  std::vector<Vec3<double>> total(scene.robots.size() + 1, Vec3<double>::Zero());
+  for (int c : active_contacts(s)) {
+    const Vec3<double> f = force_in_world(s, c);
+    const Contact& contact = scene.contacts[c];
+    total[contact.A.robot] += f;
+    if (contact.B.robot >= 0)
+      total[contact.B.robot] -= f;
+    else
+      total.back() += f;
+  }
+  return total;
+}
+
+std::vector<std::string> components(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  std::vector<std::string> cells;
+  for (double k : x) cells.push_back(decimal(k));
+  return cells;
+}
+
+// What the world gives, and what it has to carry.
+void print_total(std::ostream& out, const SolvedScene& s) {
+  double mass = 0;
+  for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
+  Table table({{"", Table::kLeft}, {""}, {""}, {""}});
+  const auto row = [&table](const std::string& what, const Vec3<double>& f) {
+    table.add({what, decimal(f[0]), decimal(f[1]), decimal(f[2])});
+  };
+  row("all forces from the world, world axes [N]", contact_force_on(s).back());
+  if (mass > 0) row("weight of the floating robots", mass * s.file.scene.gravity);
+  table.print(out);
+}
+
+bool nothing_accelerates(const Report& report) {
+  return std::all_of(report.islands.begin(), report.islands.end(),
+                     [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
+}
+
+}  // namespace
+
+void print_accelerations(std::ostream& out, const SolvedScene& s) {
+  const Scene& scene = s.file.scene;
+  const std::vector<Vec3<double>> force = contact_force_on(s);
+  Lines lines;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const Robot& robot = scene.robots[i];
+    const Model& model = *robot.model;
+    const auto a = s.data.a.segment(robot.idx_v, model.nv);
+    const double size = a.hasNaN() ? NAN : model.nv == 0 ? 0 : a.cwiseAbs().maxCoeff();
+    const int k = fastest_joint(model, a);
+    const bool floats = model.floating_base;
+    add_line(lines, s.file.robot_group[i], robot.name,
+             {floats ? number(a.head<3>().norm()) : "", floats ? number(a.segment<3>(3).norm()) : "",
+              k < 0 ? "" : number(a[k]), k < 0 ? "" : dof_name(model, k), decimal(force[i].norm())},
+             size);
+  }
+  out << "\nAccelerations [m/s^2, rad/s^2] and the sum of the contact forces on each robot [N]\n";
+  print_lines(out,
+              Table({{"robot", Table::kLeft, 24},
+                     {"base linear"},
+                     {"base angular"},
+                     {"joints, largest"},
+                     {"at", Table::kLeft, 22},
+                     {"force"}}),
+              lines, kMostRobots);
+  if (nothing_accelerates(s.data.report)) out << "  nothing accelerates: what is left is rounding\n";
+}
+
+void print_forces(std::ostream& out, const SolvedScene& s) {
+  const Scene& scene = s.file.scene;
+  std::vector<int> group(scene.contacts.size());
+  for (std::size_t g = 0; g < s.file.contact_groups.size(); ++g)
+    for (int k = 0; k < s.file.contact_groups[g].count; ++k)
+      group[s.file.contact_groups[g].first + k] = static_cast<int>(g);
+  Lines lines;
+  for (int c : active_contacts(s)) {
+    const Contact& contact = scene.contacts[c];
+    const Vec6<double> w = force_in_axes(contact, s.data.f, s.data.f_offset[c]);
+    std::vector<std::string> cells{to_string(contact.type),
+                                   contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
+    for (const std::string& cell : components(w.head(contact.type == ContactType::k6D ? 6 : 3))) cells.push_back(cell);
+    add_line(lines, group[c], contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
+  }
+  if (lines.empty()) return;
+  for (Line& line : lines) line.cells.resize(8);
+  out << "\nContact forces on frame A [N, N m], in its own axes (local) or the world's\n";
+  print_lines(out,
+              Table({{"contact", Table::kLeft, 24},
+                     {"type", Table::kLeft},
+                     {"axes", Table::kLeft},
+                     {"fx"},
+                     {"fy"},
+                     {"fz"},
+                     {"mx"},
+                     {"my"},
+                     {"mz"}}),
+              lines, kMostContacts);
+  print_total(out, s);
+}
+
+void print_quasi_static(std::ostream& out, const SolvedScene& s) {
+  const Scene& scene = s.file.scene;
+  Lines lines;
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k) {
+      const double torque = (*s.quasi_static_u)[robot.idx_u + k];
+      add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k),
+               {decimal(torque, 3)}, std::abs(torque));
+    }
+  out << "\nQuasi-static torques, which hold the scene still [N m, N]\n";
+  if (lines.empty()) out << "  no joint is actuated\n";
+  print_lines(out, Table({{"joint", Table::kLeft, 60}, {"torque"}}), lines, kMostTorques);
+}
+
+}  // namespace manycontact::cli
