@@ -4,49 +4,73 @@
 #include <benchmark/benchmark.h>
 
 #include "manycontact/algorithm/aba.hpp"
+#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "scenes.hpp"
 
 namespace manycontact::bench {
 namespace {
 
-// One robot after a solve.
+// One robot after a solve, and memory of the parts' own.
 struct Fixture {
   SceneFile s;
   SceneData data;
   const Model& model;
-  RobotData& robot;
   Eigen::VectorXd qdd, tau;
+  Kinematics<double> kin;
+  std::vector<Inertia<double>> Yc;
+  std::vector<Vec6<double>> f;
+  std::vector<double> M;
+  std::vector<ContactData<double>> contacts;
+  std::vector<std::span<const double>> M_spans, J_spans;
+  KktMatrix K;
+  KktVectors v;
+  sparse::LdlWorkspace work;
+  std::vector<double> Lx, D;
 
   explicit Fixture(SceneFile scene)
       : s(std::move(scene)),
         data(s.scene, {Method::kSparseLdl, Order::kLeafToRoot}),
         model(*s.scene.robots[0].model),
-        robot(data.robots[0]) {
-    benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
+        kin(model),
+        Yc(model.njoints()),
+        f(model.njoints()),
+        M(model.M_begin[model.nv]) {
+    (void)solve(s.scene, s.q, s.v, s.u, data);
     qdd = data.a;
     tau = Eigen::VectorXd::Zero(model.nv);
+    kin = kinematics_of(data, 0);
+    crba<double>(model, kin, Yc, M.data());
+    M_spans.emplace_back(M);
+    for (std::size_t c = 0; c < s.scene.contacts.size(); ++c) contacts.push_back(contact_of(data, static_cast<int>(c)));
+    for (const ContactData<double>& c : contacts) J_spans.emplace_back(c.J.data(), c.J.size());
+    K = matrix_of(data, 0);
+    v.resize(K.size());
+    for (int k = 0; k < K.size(); ++k) v.b[k] = v.x[k] = std::sin(k + 1.0);
+    Lx.resize(K.pattern->ldl.nonzeros());
+    D.resize(K.size());
+    benchmark::DoNotOptimize(factor());
+  }
+  int factor() {
+    return sparse::ldl_factor(K.pattern->K, K.pattern->ldl, K.values.data(), work, Lx.data(), D.data());
   }
 };
 
 void ldl_numeric(benchmark::State& state, Fixture& f) {
-  IslandData& d = f.data.islands[0];
-  const KktPattern& p = *d.system.pattern;
-  for (auto _ : state)
-    benchmark::DoNotOptimize(
-        sparse::ldl_factor(p.K, p.ldl, d.system.Kx.data(), f.data.ldl_work, d.Lx.data(), d.D.data()));
+  for (auto _ : state) benchmark::DoNotOptimize(f.factor());
 }
 
 void kinematics(benchmark::State& state, Fixture& f) {
-  for (auto _ : state) forward_kinematics<double>(f.model, {}, f.s.q, f.robot.kin);
+  for (auto _ : state) forward_kinematics<double>(f.model, {}, f.s.q, f.kin);
 }
 
 void rnea_whole(benchmark::State& state, Fixture& f) {
   for (auto _ : state)
-    rnea<double>(f.model, {}, f.s.q, f.s.v, f.qdd, f.s.scene.gravity, {}, f.robot.kin, f.robot.f, f.tau);
+    rnea<double>(f.model, {}, f.s.q, f.s.v, f.qdd, f.s.scene.gravity, {}, f.kin, f.f, f.tau);
 }
 
 void aba_whole(benchmark::State& state, Fixture& f) {
@@ -54,35 +78,33 @@ void aba_whole(benchmark::State& state, Fixture& f) {
   Eigen::VectorXd qdd(f.model.nv);
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        aba<double>(f.model, {}, f.s.q, f.s.v, f.tau, f.s.scene.gravity, {}, f.robot.kin, aba_data, qdd));
+        aba<double>(f.model, {}, f.s.q, f.s.v, f.tau, f.s.scene.gravity, {}, f.kin, aba_data, qdd));
 }
 
 void crba_alone(benchmark::State& state, Fixture& f) {
-  for (auto _ : state) crba<double>(f.model, f.robot.kin, f.robot.Yc, f.robot.M.data());
+  for (auto _ : state) crba<double>(f.model, f.kin, f.Yc, f.M.data());
 }
 
 void rows(benchmark::State& state, Fixture& f) {
   for (auto _ : state)
     for (std::size_t c = 0; c < f.s.scene.contacts.size(); ++c)
-      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], f.data.supports[c], f.robot.kin, nullptr,
-                           f.data.contacts[c]);
+      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], support_of(f.data, static_cast<int>(c)), f.kin, nullptr,
+                           f.contacts[c]);
 }
 
 void assemble_k(benchmark::State& state, Fixture& f) {
-  IslandData& d = f.data.islands[0];
-  for (auto _ : state) assemble(d.M, d.J, 0, d.system);
+  for (auto _ : state) assemble(f.M_spans, f.J_spans, 0, f.K);
 }
 
 void triangular_solve(benchmark::State& state, Fixture& f) {
-  IslandData& d = f.data.islands[0];
   for (auto _ : state) {
-    d.system.x = d.system.b;
-    sparse::ldl_solve(d.system.pattern->ldl, d.Lx.data(), d.D.data(), d.system.x.data());
+    f.v.x = f.v.b;
+    sparse::ldl_solve(f.K.pattern->ldl, f.Lx.data(), f.D.data(), f.v.x.data());
   }
 }
 
 void residual(benchmark::State& state, Fixture& f) {
-  for (auto _ : state) benchmark::DoNotOptimize(backward_error(f.data.islands[0].system));
+  for (auto _ : state) benchmark::DoNotOptimize(backward_error(f.K, f.v));
 }
 
 void solve_whole(benchmark::State& state, Fixture& f) {
@@ -92,18 +114,18 @@ void solve_whole(benchmark::State& state, Fixture& f) {
 void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
   RneaDerivatives d(f.model);
   for (auto _ : state) {
-    forward_kinematics<double>(f.model, {}, f.s.q, f.robot.kin);
-    forward_accelerations<double>(f.model, f.s.v, f.qdd.data(), f.s.scene.gravity, f.robot.kin);
-    f.robot.Yc = f.robot.kin.Y;
-    for (int i = f.model.njoints() - 1; i > 0; --i) f.robot.Yc[f.model.joints[i].parent] += f.robot.Yc[i];
-    rnea_derivatives(f.model, f.robot.kin, f.robot.Yc, {}, d);
+    forward_kinematics<double>(f.model, {}, f.s.q, f.kin);
+    forward_accelerations<double>(f.model, f.s.v, f.qdd.data(), f.s.scene.gravity, f.kin);
+    f.Yc = f.kin.Y;
+    for (int i = f.model.njoints() - 1; i > 0; --i) f.Yc[f.model.joints[i].parent] += f.Yc[i];
+    rnea_derivatives(f.model, f.kin, f.Yc, {}, d);
     benchmark::DoNotOptimize(d);
   }
 }
 
 // All derivatives, after a solve.
 void differentiate_whole(benchmark::State& state, Fixture& f) {
-  benchmark::DoNotOptimize(solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data));
+  (void)solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data);
   for (auto _ : state) benchmark::DoNotOptimize(differentiate(f.s.scene, f.data));
 }
 

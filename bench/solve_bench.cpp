@@ -6,6 +6,7 @@
 
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "scenes.hpp"
 
 namespace manycontact::bench {
@@ -51,13 +52,20 @@ void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool
 void eigen_factors(benchmark::State& state, int robots) {
   const SceneFile s = humanoids(robots, false);
   SceneData data(s.scene, {Method::kDenseSchur, {}});
-  benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
-  const DenseSchurData& d = data.dense_schur;
-  Eigen::LLT<Eigen::MatrixXd> llt_M(d.M.rows()), llt_S(d.S.rows());
-  Eigen::MatrixXd Z = d.Z, S = d.S;
+  (void)solve(s.scene, s.q, s.v, s.u, data);
+  const KktMatrix& K = matrix_of(data, 0);
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(K.size(), K.size());
+  for (int j = 0; j < K.size(); ++j)
+    for (int k = K.pattern->K.p[j]; k < K.pattern->K.p[j + 1]; ++k) {
+      const int row = K.pattern->perm[K.pattern->K.i[k]], column = K.pattern->perm[j];
+      all(row, column) = all(column, row) = K.values[k];
+    }
+  const Eigen::MatrixXd M = all.topLeftCorner(K.nv(), K.nv()), J = all.bottomLeftCorner(K.nc(), K.nv());
+  Eigen::LLT<Eigen::MatrixXd> llt_M(K.nv()), llt_S(K.nc());
+  Eigen::MatrixXd Z = J.transpose(), S(K.nc(), K.nc());
   for (auto _ : state) {
-    llt_M.compute(d.M);
-    Z = d.J.transpose();
+    llt_M.compute(M);
+    Z = J.transpose();
     llt_M.matrixL().solveInPlace(Z);
     S.setZero();
     S.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose());

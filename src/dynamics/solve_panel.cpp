@@ -72,7 +72,7 @@ void solve_panel(const Scene& scene, IslandWork& d, IslandDerivatives& out, Pane
   reserve(work.B, out.X.size());
   reserve(work.R, out.X.size());
   const bool judged = !d.factor->panel_is_like_solve() ||
-                      d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kRefinePanel;
+                      d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
   const bool refine = d.factor->own_refinements() == 0 && (judged || d.first_error > tolerance::kRefinePanel);
   if (refine) std::copy_n(out.X.data(), out.X.size(), work.B.data());
   solve_blocks(scene, d, out, work.nonzero);

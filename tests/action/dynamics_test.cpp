@@ -14,7 +14,7 @@ constexpr int kLargest = 60;
 // Rows [a; f], columns [q | v | u] of an island, from the action's data.
 Eigen::MatrixXd answer_of(const FwdDynData& d, std::size_t i) {
   const IslandColumns& c = d.multibody->islands[i];
-  const Island& island = d.multibody->solution.islands[i].island;
+  const Island& island = island_of(d.multibody->solution, i);
   Eigen::MatrixXd out(island.size(), c.x.size() + c.u.size());
   out.topRows(island.nv) << d.Fx(c.v, c.x), d.Fu(c.v, c.u);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -42,8 +42,8 @@ void expect_true_derivatives(const Problem& p) {
   EXPECT_TRUE(d.xout == solution.a);
   model->calcDiff(data, p.x, p.u);
   const std::vector<MatX<Quad>> truth = differences(scene, solution, s);
-  for (std::size_t i = 0; i < solution.islands.size(); ++i) {
-    const Island& island = solution.islands[i].island;
+  for (std::size_t i = 0; i < island_count(solution); ++i) {
+    const Island& island = island_of(solution, i);
     const DerivativeErrors e =
         derivative_errors(scene, island, answer_of(d, i), truth[i], column_kinds(island, truth[i]), condition[i]);
     EXPECT_LT(e.excess, 1);

@@ -5,6 +5,7 @@
 
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
+#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/energy.hpp"
 #include "manycontact/algorithm/frames.hpp"
 
@@ -190,7 +191,7 @@ TEST(ResidualValues, AreThoseOfTheScene) {
   for (int i = 0; i < shared.scene.nrobots(); ++i) {
     const Robot& robot = shared.scene.robots[i];
     Eigen::MatrixXd M(robot.model->nv, robot.model->nv);
-    unpack_inertia<double>(*robot.model, shared.solution.robots[i].M.data(), M);
+    unpack_inertia<double>(*robot.model, inertia_of(shared.solution, i).data(), M);
     Ma.segment(robot.idx_v, robot.model->nv) -= M * t.data->xout.segment(robot.idx_v, robot.model->nv);
   }
   EXPECT_LT(Ma.norm(), 1e-9 * (1 + t.of("ContactControlGrav").r.norm()));

@@ -62,13 +62,13 @@ inline constexpr double kRefined = 1e-15;
 inline constexpr int kRefinementSteps = 5;  // the error halves at least; two are usual
 
 /// Backward error up to which an answer is believed: errors of max(1e-12, 100 eps cond(K)) are allowed everywhere.
-/// Used by: all solves after refinement, dense-schur (normwise), least_norm_solution.
+/// Growth of K's entries during elimination counts as such an error, eps times it: a right-hand side of derivatives may
+/// show it that the solve's own did not.
+/// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
 inline constexpr double kConverged = 1e-12;
 
 /// Backward error of an unrefined solve above which panels of derivatives are refined once: derivatives are allowed
 /// 1000 eps cond(K) = 2.2e-13 cond(K), of which an unrefined solve then takes less than a quarter.
-/// Growth of K's entries during elimination counts as such an error, eps times it: a right-hand side may show it that
-/// the solve's own did not.
 /// Used by: solve_panel.
 inline constexpr double kRefinePanel = 5e-14;
 
