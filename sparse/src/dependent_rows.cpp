@@ -20,8 +20,7 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
   w.reserve(s);
   rows.dropped.clear();
   rows.inverse.resize(s.n);
-  double* y = w.Y.data();
-  std::fill_n(y, s.n, 0.0);
+  double* y = w.Y.data();  // may hold anything: entry j is zero from step j on, between rows
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
     double size = 0;  // of J's row
@@ -122,7 +121,6 @@ void make_clusters(int n, DependentRows& rows) {
   }
   constexpr std::size_t kReserved = 64 * 64;  // which rows share may vary with rounding, and memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d;
-  rows.clusters.clear();
   rows.members.clear();
   rows.gram.clear();
   rows.clusters.reserve(d);

@@ -19,9 +19,12 @@ T* c(const std::vector<T>& v) {
 }  // namespace
 
 void LdlWorkspace::reserve(const LdlSymbolic& s) {
+  // each by itself: memory may have run out between them
+  const auto grow = [](auto& array, std::size_t size) {
+    if (array.size() < size) array.resize(size);
+  };
   const std::size_t n = s.n, nnz = s.nonzeros();
-  if (Y.size() < n) Y.resize(n), pattern.resize(n), flag.resize(n), Lnz.resize(n);
-  if (Li.size() < nnz) Li.resize(nnz);
+  grow(Y, n), grow(pattern, n), grow(flag, n), grow(Lnz, n), grow(Li, nnz);
 }
 
 LdlSymbolic ldl_analyze(const UpperCsc& A) {

@@ -172,28 +172,73 @@ TEST(CholmodSymbolic, IsSharedByFactorsAndThreads) {
   }
 }
 
-// What the header says of memory. Two blocks per supernodal factorization are cholmod_super_numeric's own.
-TEST(Cholmod, AllocatesNothingAfterItsConstruction) {
+// What the header says of memory.
+TEST(Cholmod, SimplicialAllocatesNothingAfterItsConstruction) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
   std::mt19937 rng(7);
-  const Symmetric A(random_positive(90, 0.05, rng));
-  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
-    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
+  const Symmetric A(quasi_definite(60, 30, rng));
+  Eigen::MatrixXd x = random_matrix(90, 13, rng);
+  for (bool order_rows : {false, true}) {
+    Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, order_rows);
+    bool done = true;
+    for (int again = 0; again < 3; ++again) {
+      EXPECT_EQ(allocations([&] { done = done && cholmod.factorize(A.x.data()); }), 0u);
+      for (int cols : {1, 3, 4, 5, 13, 1, 0})
+        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
+    }
+    EXPECT_TRUE(done);
+  }
+}
+
+// Of a diagonal matrix, for which no BLAS with memory of its own is called.
+TEST(Cholmod, SupernodalAllocatesItsUpdateMatrixOnly) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
+  if (!sparse::supernodal_available()) GTEST_SKIP() << "built without the GPL part";
+  std::mt19937 rng(8);
+  const auto beside_openmp = [](auto&& work) {
+    const std::size_t before = memalign_count(), all = allocations(work);
+    return all - (memalign_count() - before);
+  };
+  for (double density : {0.0, 0.05}) {
+    const Symmetric A(random_positive(90, density, rng));
     Eigen::MatrixXd x = random_matrix(90, 130, rng);
-    {  // the BLAS takes memory of its own once
-      Cholmod warm(A.pattern, kind, false);
+    {  // the BLAS and OpenMP take memory of their own once
+      Cholmod warm(A.pattern, CholmodKind::kSupernodalLlt, false);
       ASSERT_TRUE(warm.factorize(A.x.data()));
       warm.solve(x.data(), 130);
     }
     for (bool order_rows : {false, true}) {
-      Cholmod cholmod(A.pattern, kind, order_rows);
+      Cholmod cholmod(A.pattern, CholmodKind::kSupernodalLlt, order_rows);
       bool positive = true;
-      const std::size_t of_factor = kind == CholmodKind::kSupernodalLlt ? 2 : 0;
-      for (int again = 0; again < 3; ++again)
-        EXPECT_EQ(allocations([&] { positive = positive && cholmod.factorize(A.x.data()); }), of_factor);
-      ASSERT_TRUE(positive);
-      for (int cols : {1, 3, 4, 5, 64, 65, 130, 1, 7, 0})
-        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
+      for (int again = 0; again < 3; ++again) {
+        const std::size_t of_factor = beside_openmp([&] { positive = positive && cholmod.factorize(A.x.data()); });
+        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), 1); }), 0u);
+        if (density > 0) continue;
+        EXPECT_EQ(of_factor, 2u);
+        for (int cols : {3, 64, 65, 130, 7, 0})
+          EXPECT_EQ(beside_openmp([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
+      }
+      EXPECT_TRUE(positive);
+    }
+  }
+}
+
+// Columns beyond those that are solved at once.
+TEST(Cholmod, SolvesForManyColumns) {
+  std::mt19937 rng(9);
+  const Symmetric A(random_positive(30, 0.2, rng));
+  const Eigen::MatrixXd truth = random_matrix(30, 150, rng), b = A.dense * truth;
+  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
+    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
+    for (bool order_rows : {false, true}) {
+      Cholmod cholmod(A.pattern, kind, order_rows);
+      ASSERT_TRUE(cholmod.factorize(A.x.data()));
+      for (int cols : {1, 2, 4, 5, 63, 64, 65, 128, 150, 3}) {
+        Eigen::MatrixXd x = b;
+        cholmod.solve(x.data(), cols);
+        EXPECT_LE(error_of(x.leftCols(cols), truth.leftCols(cols)), 64 * kEps) << cols;
+        EXPECT_EQ(x.rightCols(150 - cols), b.rightCols(150 - cols)) << cols;
+      }
     }
   }
 }

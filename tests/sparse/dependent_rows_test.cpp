@@ -242,6 +242,37 @@ TEST_P(DependentRowsOf, AllocateNothingAgain) {
   EXPECT_EQ(f.projector(), P);
 }
 
+// Which dropped rows share others may change from one matrix of a pattern to the next.
+TEST(DependentRows, ClustersThatMergeAllocateNothing) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc is not ours to count";
+  std::mt19937 rng(52);
+  SaddlePoint s{"merging", random_positive(9, 0.4, rng), random_matrix(4, 9, rng)};
+  s.J.row(2) = s.J.row(0);
+  s.J.row(3) = s.J.row(1);
+  Factor f(s);
+  ASSERT_EQ(f.rows.clusters.size(), 2u);
+  s.J.row(3) = s.J.row(0);
+  const Factor merged(s);
+  ASSERT_EQ(merged.rows.clusters.size(), 1u);
+  f.K.x = merged.K.x;
+  EXPECT_EQ(allocations([&] { f.factor(); }), 0u);
+  EXPECT_EQ(f.null_space(), merged.null_space());
+}
+
+// Scratch memory is the caller's, and other factorizations may have left anything in it.
+TEST(DependentRows, ScratchMayHoldAnything) {
+  const SaddlePoint s = saddle_points()[4];
+  const Factor fresh(s);
+  Factor used(s);
+  std::fill(used.work.Y.begin(), used.work.Y.end(), NAN);
+  for (std::vector<double>* scratch : {&used.rows.inverse, &used.rows.x, &used.rows.residual, &used.rows.t})
+    std::fill(scratch->begin(), scratch->end(), NAN);
+  used.factor();
+  EXPECT_EQ(used.rows.dropped, fresh.rows.dropped);
+  EXPECT_EQ(used.null_space(), fresh.null_space());
+  EXPECT_EQ(used.L, fresh.L);
+}
+
 TEST(DependentRows, StorageIsReusedForOtherMatrices) {
   Factor f(saddle_points()[4]);
   for (const SaddlePoint& s : saddle_points()) {
@@ -274,6 +305,20 @@ TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
   Factor f(s);
   ASSERT_EQ(f.done, s.n());
   EXPECT_TRUE(f.rows.dropped.empty()) << "1e-8 of its pivot is left";
+}
+
+TEST(DependentRows, AreNotBelievedWhereOneOfSeveralOnlyNearlyDepends) {
+  std::mt19937 rng(53);
+  for (int bad : {3, 4, 5}) {
+    SaddlePoint s{"one of three", random_positive(9, 0.4, rng), random_matrix(6, 9, rng)};
+    const Eigen::RowVectorXd other = s.J.row(bad);
+    for (int k : {3, 4, 5}) s.J.row(k) = s.J.row(k - 3) - s.J.row((k - 2) % 3);
+    s.J.row(bad) += 1e-8 * other;
+    const Factor f(s);
+    ASSERT_EQ(f.rows.dropped, (std::vector<int>{12, 13, 14}));
+    EXPECT_GE(f.rows.largest_residual, 1e-9) << bad;
+    EXPECT_FALSE(f.rows.believable()) << bad;
+  }
 }
 
 // Nearly coincident rows kept make l_k inaccurate: what refinement is for. Where none helps, it says so.

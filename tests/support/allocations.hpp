@@ -1,8 +1,19 @@
 #pragma once
-// Counts heap allocations: Eigen and SuiteSparse call malloc, not operator new. A test executable that uses this has
-// its malloc replaced (allocations.cpp).
+// Heap allocations counted, and made to fail. Eigen and SuiteSparse call malloc, not operator new, so a test executable
+// that uses this has its malloc replaced (allocations.cpp), for the shared libraries it loads too.
+//
+//   EXPECT_EQ(allocations([&] { solve(...); }), 0u);
+//
+//   // The 0th, 1st, 2nd ... allocation of what stands in braces fails, until one run asks for no more.
+//   const FailedRuns runs = fail_each_allocation([&] { load(...); }, [&] { EXPECT_TRUE(still_sound()); });
+//   EXPECT_GT(runs.failed, 0);
+
+#include <gtest/gtest.h>
 
 #include <cstddef>
+#include <exception>
+#include <new>
+#include <string>
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MANYCONTACT_COUNTS_ALLOCATIONS 1
@@ -10,10 +21,22 @@
 #define MANYCONTACT_COUNTS_ALLOCATIONS 0
 #endif
 
+// Under AddressSanitizer allocations fail too; leaks are then for it to find.
+#if defined(__GLIBC__) && !defined(__SANITIZE_THREAD__)
+#define MANYCONTACT_FAILS_ALLOCATIONS 1
+#else
+#define MANYCONTACT_FAILS_ALLOCATIONS 0
+#endif
+
 namespace manycontact::test {
 
 /// Of the whole program, since its start.
 std::size_t allocation_count();
+/// Of these, by memalign or posix_memalign: OpenMP's runtime, which CHOLMOD's supernodal part calls, is alone in that.
+/// They never fail, since it would end the program.
+std::size_t memalign_count();
+/// Allocated and not freed. Counted where allocations are; else 0.
+std::ptrdiff_t blocks_held();
 
 /// Allocations while `work` runs.
 template <class Work>
@@ -21,6 +44,64 @@ std::size_t allocations(Work&& work) {
   const std::size_t before = allocation_count();
   work();
   return allocation_count() - before;
+}
+
+/// While it lives, this thread's k-th allocation (from 0) fails, with `all_after` those behind it too. malloc returns
+/// null, new throws.
+class FailingAllocation {
+ public:
+  FailingAllocation(long k, bool all_after);
+  ~FailingAllocation();
+  FailingAllocation(const FailingAllocation&) = delete;
+  FailingAllocation& operator=(const FailingAllocation&) = delete;
+  /// Whether the k-th was asked for.
+  bool reached() const;
+};
+
+struct FailedRuns {
+  long failed = 0;    // runs in which an allocation failed
+  long survived = 0;  // of these, ended without an exception
+};
+
+/// Runs work() over and over, its k-th allocation failing, k = 0, 1, 2, ..., each k alone and then with all behind it.
+/// Such a run must end by std::bad_alloc, or by itself; after each, check() is called with memory as usual. Where
+/// `keeps_memory` is false, work must give back all it takes.
+template <class Work, class Check>
+FailedRuns fail_each_allocation(Work&& work, Check&& check, bool keeps_memory = false) {
+  FailedRuns runs;
+  for (bool reached = true; reached;) {
+    reached = false;
+    for (const bool all_after : {false, true}) {
+      bool threw = false, another = false;
+      const std::ptrdiff_t before = blocks_held();
+      try {
+        const FailingAllocation failing(runs.failed / 2, all_after);
+        try {
+          work();
+        } catch (...) {
+          reached = failing.reached();
+          throw;
+        }
+        reached = failing.reached();
+      } catch (const std::bad_alloc&) {
+        threw = true;
+      } catch (...) {
+        another = true;
+      }
+      const std::ptrdiff_t kept = blocks_held() - before;
+      const auto which = testing::Message() << "allocation " << runs.failed / 2 << (all_after ? " and all after" : "");
+      EXPECT_FALSE(another) << which << ": not std::bad_alloc";
+      EXPECT_TRUE(reached || !threw) << which << ": none failed, yet std::bad_alloc";
+      EXPECT_TRUE(keeps_memory || kept == 0) << which << ": " << kept << " blocks were leaked";
+      const testing::ScopedTrace trace(__FILE__, __LINE__, which);
+      check();
+      if (!reached) return runs;
+      ++runs.failed;
+      runs.survived += !threw;
+      if (testing::Test::HasFatalFailure()) return runs;
+    }
+  }
+  return runs;
 }
 
 }  // namespace manycontact::test

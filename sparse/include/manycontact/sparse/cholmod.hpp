@@ -2,12 +2,16 @@
 // CHOLMOD in three calls: analyse a pattern once, factorize values often, solve. Source: Chen, Davis, Hager,
 // Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
-// Memory is taken by the constructors. After them solve allocates nothing, nor does factorize of kSimplicialLdl;
-// factorize of kSupernodalLlt makes and frees two blocks each time, the update matrix of cholmod_super_numeric, which
-// offers no way to keep it, and a threaded BLAS may add its own.
+// Memory is taken by the constructors. After them kSimplicialLdl allocates nothing, nor does kSupernodalLlt to solve
+// for one column. What cannot be avoided there:
+//  * factorize: cholmod_super_numeric makes and frees its update matrix, two blocks;
+//  * where CHOLMOD is built with OpenMP, as Debian's is, that routine and solves for several columns enter parallel
+//    regions for each supernode, and GNU's OpenMP takes and frees 1.5 KB for each even if it runs in one thread;
+//  * the BLAS takes memory as it likes: OpenBLAS does with several threads (not with OPENBLAS_NUM_THREADS=1), and for
+//    small products on machines with AVX-512.
 //
-// All throw std::bad_alloc when memory runs out, and may be called again afterwards; std::runtime_error where CHOLMOD
-// refuses for another reason (sizes beyond its integers).
+// Where memory runs out std::bad_alloc is thrown, and the same object may be called again; OpenMP and OpenBLAS end the
+// program instead. std::runtime_error where CHOLMOD refuses for another reason (sizes beyond its integers).
 
 #include <memory>
 
