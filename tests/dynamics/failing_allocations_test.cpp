@@ -1,0 +1,103 @@
+// Memory that runs out, at each allocation in turn: an exception, nothing leaked, and the same data answer correctly
+// afterwards.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "support/allocations.hpp"
+#include "support/methods.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
+
+struct FailingAllocations : testing::Test {
+  void SetUp() override {
+    if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";
+    std::mt19937 rng(3);
+    disturb(file, rng);
+  }
+  void solve_at(SceneData& data) const { (void)solve(file.scene, file.q, file.v, file.u, data); }
+
+  SceneFile file = load_small(kModels + "two_humanoids_carry_beam.xml");
+};
+
+TEST_F(FailingAllocations, Loading) {
+  const std::string path = kModels + "humanoid_standing.xml";
+  const FailedRuns runs = fail_each_allocation([&] { (void)load_scene(path); }, [] {});
+  EXPECT_GT(runs.failed, 100);
+}
+
+TEST_F(FailingAllocations, Constructing) {
+  const FailedRuns runs = fail_each_allocation([&] { SceneData data(file.scene); }, [] {});
+  EXPECT_GT(runs.failed, 100);
+}
+
+// The first solve and the first derivatives of new data.
+TEST_F(FailingAllocations, SolvingAndDifferentiating) {
+  for (const Way& way : ways(true)) {
+    SCOPED_TRACE(way.name);
+    SceneData expected(file.scene, way.options);
+    solve_at(expected);
+    differentiate(file.scene, expected);
+    const Eigen::MatrixXd da_dq = dense_derivatives(file.scene, expected).da_dq;
+    std::optional<SceneData> data(std::in_place, file.scene, way.options);
+    const FailedRuns runs = fail_each_allocation(
+        [&] {
+          solve_at(*data);
+          differentiate(file.scene, *data);
+        },
+        [&] {
+          solve_at(*data);
+          differentiate(file.scene, *data);
+          EXPECT_TRUE(data->a == expected.a);
+          EXPECT_TRUE(data->f == expected.f);
+          EXPECT_TRUE(dense_derivatives(file.scene, *data).da_dq == da_dq);
+          data.emplace(file.scene, way.options);
+        },
+        true);
+    EXPECT_GT(runs.failed, 1);
+  }
+}
+
+// Contacts switched, with memory running out on the way: no answer, or the right one.
+TEST_F(FailingAllocations, Switching) {
+  const Scene& scene = file.scene;
+  std::vector<char> fewer(scene.contacts.size(), 1);
+  for (std::size_t c = 0; c < fewer.size(); c += 2) fewer[c] = 0;
+  const VectorXd x = VectorXd::Ones(scene.nv), u = VectorXd::Ones(scene.nu);
+  for (const Options& options : {Options{}, Options{Method::kDenseSchur, {}}}) {
+    SceneData expected(scene, options);
+    expected.active = fewer;
+    solve_at(expected);
+    std::optional<SceneData> data(std::in_place, scene, options);
+    solve_at(*data);
+    const auto switch_and_solve = [&] {
+      data->active = fewer;
+      solve_at(*data);
+      differentiate(scene, *data);
+      VectorXd da(scene.nv), df(data->f.size());
+      jvp(scene, *data, x, x, u, da, df);
+    };
+    const FailedRuns runs = fail_each_allocation(switch_and_solve, [&] {
+      switch_and_solve();
+      EXPECT_TRUE(data->a == expected.a);
+      EXPECT_TRUE(data->f == expected.f);
+      data.emplace(scene, options);
+      solve_at(*data);
+    }, true);
+    EXPECT_GT(runs.failed, 10);
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
