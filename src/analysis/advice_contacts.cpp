@@ -16,7 +16,7 @@ constexpr std::size_t kMostNames = 40;
 
 // " (63 more islands alike)", empty when there is none.
 std::string and_more(std::size_t more, const std::string& what) {
-  return more == 0 ? "" : " (" + count(static_cast<long>(more), what) + " more alike)";
+  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more " + what) + " alike)";
 }
 
 // The islands of a kind, of which the first speaks for all.

@@ -78,12 +78,13 @@ std::string why(const SolvedScene& s, const Alike& kind) {
 // "left_b[0], left_b[1], ... and 4 more", empty when all rows are independent.
 std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   constexpr std::size_t kShown = 6;
+  if (r.dependent_rows.empty()) return "";
   const std::vector<std::string> names = force_names(s.file.scene, s.data);
   std::string text;
   for (std::size_t k = 0; k < std::min(kShown, r.dependent_rows.size()); ++k)
     text += (k ? ", " : "") + names[r.dependent_rows[k]];
   if (r.dependent_rows.size() > kShown) text += ", and " + std::to_string(r.dependent_rows.size() - kShown) + " more";
-  return text + (text.empty() ? "" : " follow from the other rows");
+  return text + " follow from the other rows";
 }
 
 // "at most 1.2e-13 of the largest acceleration, forces are rounding"; empty where there is no bound.
