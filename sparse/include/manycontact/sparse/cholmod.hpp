@@ -5,8 +5,9 @@
 // Memory is taken by the constructors. After them kSimplicialLdl allocates nothing, nor does kSupernodalLlt to solve
 // for one column. What cannot be avoided there:
 //  * factorize: cholmod_super_numeric makes and frees its update matrix, two blocks;
-//  * where CHOLMOD is built with OpenMP, as Debian's is, that routine and solves for several columns enter parallel
-//    regions for each supernode, and GNU's OpenMP takes and frees 1.5 KB for each even if it runs in one thread;
+//  * where CHOLMOD is built with OpenMP, as Debian's is, that routine enters parallel regions for each supernode, and
+//    GNU's OpenMP takes and frees 1.5 KB for most of them (they run in one thread; others run in four, whatever
+//    OMP_NUM_THREADS says: OMP_THREAD_LIMIT=1 stops that);
 //  * the BLAS takes memory as it likes: OpenBLAS does with several threads (not with OPENBLAS_NUM_THREADS=1), and for
 //    small products on machines with AVX-512.
 //
