@@ -95,7 +95,15 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
 
 }  // namespace
 
+void ConstraintModelManager::check_residuals(const char* where, const ConstraintDataManager& data) const {
+  auto of = data.of.begin();
+  for (const auto& [name, item] : constraints_)
+    if (*of++ != item->constraint->get_residual())
+      require(false, where, "the data of \"" + name + "\" are of another constraint, new data are expected");
+}
+
 void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal) const {
+  check_residuals("ConstraintModelManager::lay_out", data);
   DifferentialActionDataAbstract& out = *data.out;
   const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
   const Eigen::Index ng = terminal ? ng_T_ : ng_, nh = terminal ? nh_T_ : nh_;
@@ -147,10 +155,7 @@ void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& d
   check_size(where, "x", x.size(), state_->get_nx());
   require(data.version == version_ && data.constraints.size() == constraints_.size(), where,
           "constraints were added or removed since the data were created, new data are expected");
-  auto of = data.of.begin();
-  for (const auto& [name, item] : constraints_)
-    if (*of++ != item->constraint->get_residual())
-      require(false, where, "the data of \"" + name + "\" are of another constraint, new data are expected");
+  check_residuals(where, data);
   if (data.terminal != terminal || data.status != status_) lay_out(data, terminal);
 }
 

@@ -9,9 +9,12 @@ namespace manycontact {
 
 namespace {
 
-// The scene that is solved: the state's robots, and the contacts in the order of their names.
-Scene scene_of(const DifferentialActionModelContactFwdDynamics& model) {
+// The scene that is solved: the state's robots with the armature of `models`, and the contacts in the order of their
+// names.
+Scene scene_of(const DifferentialActionModelContactFwdDynamics& model,
+               const std::vector<std::shared_ptr<const Model>>& models) {
   Scene scene = model.get_model().scene();
+  for (std::size_t r = 0; r < models.size(); ++r) scene.robots[r].model = models[r];
   scene.damping = model.get_damping_factor();
   for (const auto& [name, item] : model.get_contacts()->get_contacts()) {
     Contact contact = item->contact->get_contact();
@@ -28,9 +31,10 @@ DifferentialActionDataContactFwdDynamics::DifferentialActionDataContactFwdDynami
     DifferentialActionModelContactFwdDynamics* model)
     : DifferentialActionDataAbstract(model),
       owner(model->identity_),
-      contacts_version(model->get_contacts()->get_version()) {
+      contacts_version(model->get_contacts()->get_version()),
+      models(model->models_) {
   multibody =
-      std::make_unique<DataCollector>(scene_of(*model), model->get_options(), model->get_actuation()->createData());
+      std::make_unique<DataCollector>(scene_of(*model, *models), model->get_options(), model->get_actuation()->createData());
   internal::lay_out_islands(*model->get_actuation(), *this);
   for (const auto& [name, item] : model->get_contacts()->get_contacts())
     multibody->contacts->contacts[name] = std::make_shared<ContactDataAbstract>();

@@ -96,6 +96,11 @@ void factor(DenseKkt<S>& kkt) {
   }
   MatX<S> Q = MatX<S>::Identity(nv, nv);
   if (nc > 0) Q = kkt.cod.matrixQ() * Q;
+  // A change of rank makes these anew: where memory runs out, Eigen's own resize leaves an array freed.
+  if (kkt.N.cols() != nv - kkt.rank) {
+    kkt.N = MatX<S>();
+    kkt.reduced = Eigen::LLT<MatX<S>>(nv - kkt.rank);
+  }
   kkt.N = Q.rightCols(nv - kkt.rank);
   kkt.regular = true;
   if (kkt.N.cols() > 0) {

@@ -8,6 +8,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/io/input_error.hpp"
 #include "support/allocations.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
@@ -31,10 +32,28 @@ struct FailingAllocations : testing::Test {
   SceneFile file = load_small(kModels + "two_humanoids_carry_beam.xml");
 };
 
+// A sample of the thousands, which are mostly of the libraries that read XML: these may say that a file cannot be read.
 TEST_F(FailingAllocations, Loading) {
   const std::string path = kModels + "humanoid_standing.xml";
-  const FailedRuns runs = fail_each_allocation([&] { (void)load_scene(path); }, [] {});
-  EXPECT_GT(runs.failed, 100);
+  int failed = 0;
+  for (long k = 0;; k += 61, ++failed) {
+    bool reached = false;
+    try {
+      const FailingAllocation failing(k, k % 2);
+      try {
+        (void)load_scene(path);
+      } catch (...) {
+        reached = failing.reached();
+        throw;
+      }
+      reached = failing.reached();
+    } catch (const std::bad_alloc&) {
+    } catch (const InputError&) {
+    }
+    if (!reached) break;
+  }
+  EXPECT_GT(failed, 50);
+  EXPECT_EQ(load_scene(path).scene.nrobots(), 1);
 }
 
 TEST_F(FailingAllocations, Constructing) {
@@ -45,6 +64,8 @@ TEST_F(FailingAllocations, Constructing) {
 // The first solve and the first derivatives of new data.
 TEST_F(FailingAllocations, SolvingAndDifferentiating) {
   for (const Way& way : ways(true)) {
+    // what orders allocate is alike; libgomp, which CHOLMOD's supernodal part enters, ends the program without memory
+    if (way.options.order || way.options.method == Method::kSparseSupernodal) continue;
     SCOPED_TRACE(way.name);
     SceneData expected(file.scene, way.options);
     solve_at(expected);

@@ -108,6 +108,8 @@ class ConstraintModelManager {
   bool holds(const ConstraintItem& item, bool terminal) const;
   template <class F>
   void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;
+  /// Throws std::invalid_argument where a constraint was replaced since the data were created.
+  void check_residuals(const char* where, const ConstraintDataManager& data) const;
   void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
   void stack_values(ConstraintDataManager& data, bool terminal) const;
   void stack_jacobians(ConstraintDataManager& data, bool terminal) const;
