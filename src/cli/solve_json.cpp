@@ -25,7 +25,7 @@ Json matrix(const Eigen::MatrixXd& x) {
   return rows;
 }
 
-Json times(const Solution& s) {
+Json times_us(const Solution& s) {
   Json out = {{"symbolic", s.time.symbolic}, {"solve", s.time.solve}};
   if (s.derivatives) out["derivatives"] = s.time.derivatives;
   return out;
@@ -81,7 +81,7 @@ Json report(const Solution& s) {
           {"error_acceleration", r.error_acceleration},
           {"error_forces", r.error_forces},
           {"refinement_steps", r.refinement_steps},
-          {"time_us", times(s)},
+          {"time_us", times_us(s)},
           {"island_list", list}};
 }
 
