@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"sparse", 0},   {"spatial", 1},  {"model", 2},  {"algorithm", 3},  {"contact", 4},     {"io", 5},  {"kkt", 5},
+    {"abi", -1}, {"sparse", 0},   {"spatial", 1},  {"model", 2},  {"algorithm", 3},  {"contact", 4},     {"io", 5},  {"kkt", 5},
     {"dynamics", 6}, {"analysis", 7}, {"action", 7}, {"simulation", 7}, {"manycontact", 8}, {"cli", 9},
 };
 
@@ -131,6 +131,37 @@ TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
             (std::vector<std::string>{
                 "src/kkt/assemble.cpp:3: includes manycontact/dynamics/solve.hpp: from kkt up to dynamics",
                 "src/kkt/assemble.cpp:5: includes cholmod.h: SuiteSparse belongs to the sources of sparse"}));
+}
+
+// Whether header `file`, or one of ours that it includes, includes manycontact/abi.hpp.
+bool reaches_abi(const fs::path& top, const std::string& file) {
+  static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)\".*)");
+  std::ifstream stream(top / file);
+  std::smatch match;
+  for (std::string line; std::getline(stream, line);) {
+    if (!std::regex_match(line, match, include)) continue;
+    const std::string header = match[1];
+    if (header == "manycontact/abi.hpp") return true;
+    for (const char* folder : {"include/", "sparse/include/"})
+      if (fs::exists(top / (folder + header)) && reaches_abi(top, folder + header)) return true;
+  }
+  return false;
+}
+
+// A program whose flags make other matrices of Eigen's than the library's is refused, whichever header it includes.
+TEST(Layering, HeadersWithEigenIncludeTheGuardOfItsFlags) {
+  const fs::path top = MANYCONTACT_SOURCE_DIR;
+  int with_eigen = 0;
+  for (const fs::path& path : code_files(top)) {
+    const std::string file = path.lexically_relative(top).generic_string();
+    if (file.find("include/manycontact/") == std::string::npos) continue;
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    if (text.str().find("#include <Eigen/") == std::string::npos) continue;
+    ++with_eigen;
+    EXPECT_TRUE(reaches_abi(top, file)) << file << " includes Eigen without manycontact/abi.hpp";
+  }
+  EXPECT_GT(with_eigen, 3);
 }
 
 struct Include {

@@ -1,88 +1,9 @@
-// manycontact: the program. Finds the command, runs it, and turns what went wrong into one line and an exit status.
+// manycontact: the program.
 
-#include <exception>
-#include <iostream>
-#include <new>
-
-#include "common/command.hpp"
-#include "common/table.hpp"
-#include "manycontact/io/input_error.hpp"
-
-namespace manycontact::cli {
-namespace {
-
-constexpr char kVersion[] = "0.1.0";  // as CMakeLists.txt has it; a test holds them together
-
-std::vector<const Command*> commands() {
-  return {&solve_command(), &inspect_command(), &chart_command(), &simulate_command(), &stability_command()};
-}
-
-std::string overview() {
-  std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
-  for (const Command* command : commands()) text += usage(*command) + "\n    " + command->summary + "\n";
-  text +=
-      "usage: manycontact --help | --version\n\n"
-      "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
-      "2 bad usage or bad input.\n";
-  return text;
-}
-
-int complain(const std::string& what, const std::string& hint, int status) {
-  std::cerr << "manycontact: " << printable(what) << "\n";
-  if (!hint.empty()) std::cerr << hint << "\n";
-  return status;
-}
-
-int run(const Command& command, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    if (word == "--") break;
-    if (word != "--help" && word != "-h") continue;
-    std::cout << help(command);
-    return kExitOk;
-  }
-  try {
-    return command.run(Arguments(command.options, words));
-  } catch (const UsageError& error) {
-    return complain(command.name + ": " + error.what(), usage(command), kExitUsage);
-  }
-}
-
-int dispatch(const std::vector<std::string>& words) {
-  const std::string hint =
-      "usage: manycontact solve|inspect|chart|simulate|stability SCENE [options], manycontact --help";
-  if (words.empty()) return complain("a command is missing", hint, kExitUsage);
-  if (words[0] == "--help" || words[0] == "-h" || words[0] == "--version") {
-    if (words.size() > 1) return complain("nothing is expected after " + words[0], hint, kExitUsage);
-    std::cout << (words[0] == "--version" ? std::string("manycontact ") + kVersion + "\n" : overview());
-    return kExitOk;
-  }
-  for (const Command* command : commands())
-    if (command->name == words[0]) return run(*command, {words.begin() + 1, words.end()});
-  const char* kind = words[0].starts_with("-") ? "unknown option '" : "unknown command '";
-  return complain(kind + words[0] + "'", hint, kExitUsage);
-}
-
-int guarded(const std::vector<std::string>& words) {
-  try {
-    const int status = dispatch(words);
-    if (std::cout.flush()) return status;
-    return complain("cannot write to standard output", "", kExitUnsound);
-  } catch (const InputError& error) {
-    return complain(error.what(), "", kExitUsage);
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory", "", kExitUnsound);
-  } catch (const std::exception& error) {
-    return complain(error.what(), "", kExitUnsound);
-  } catch (...) {
-    return complain("something unknown went wrong", "", kExitUnsound);
-  }
-}
-
-}  // namespace
-}  // namespace manycontact::cli
+#include "common/program.hpp"
 
 int main(int argc, char** argv) {
-  std::vector<std::string> words;
-  for (int i = 1; i < argc; ++i) words.emplace_back(argv[i]);
-  return manycontact::cli::guarded(words);
+  using namespace manycontact::cli;
+  return run_program({solve_command(), inspect_command(), chart_command(), simulate_command(), stability_command()},
+                     {argv + (argc > 0), argv + argc});
 }

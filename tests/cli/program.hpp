@@ -78,9 +78,9 @@ class Program : public testing::Test {
     return path("scene.xml");
   }
 
-  Outcome run(const std::vector<std::string>& words) const {
+  Outcome run(const std::vector<std::string>& words, const std::string& binary = MANYCONTACT_BINARY) const {
     const std::string out = path("stdout.txt"), err = path("stderr.txt");
-    std::vector<char*> argv{const_cast<char*>(MANYCONTACT_BINARY)};
+    std::vector<char*> argv{const_cast<char*>(binary.c_str())};
     for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
     argv.push_back(nullptr);
     const pid_t child = fork();

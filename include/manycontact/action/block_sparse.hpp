@@ -4,6 +4,8 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "manycontact/abi.hpp"
+
 namespace manycontact {
 
 class BlockSparse {

@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "manycontact/abi.hpp"
+
 #ifdef MANYCONTACT_QUAD
 #include <boost/multiprecision/eigen.hpp>
 #include <boost/multiprecision/float128.hpp>

@@ -32,7 +32,9 @@ void say(const Chart& chart, std::ostream& out) {
   for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
 }
 
-int run(const Arguments& arguments) {
+}  // namespace
+
+int run_chart(const Arguments& arguments) {
   if (arguments.rest().empty()) throw UsageError("SCENE is missing");
   const auto out = arguments.value("--out");
   if (!out) throw UsageError("--out DIR is missing");
@@ -60,28 +62,6 @@ int run(const Arguments& arguments) {
   if (files.size() > 1) write_page(charts, images, *out + "/README.md");
   if (!draws) std::cerr << "manycontact: gnuplot is not installed: chart.csv is written, no picture\n";
   return kExitOk;
-}
-
-}  // namespace
-
-const Command& chart_command() {
-  static const Command command{
-      "chart",
-      "SCENE...",
-      "Accuracy against speed: every method, order and regularisation on each scene.",
-      {{"--out", "DIR", "where chart.csv and the pictures go; it is made when it is missing", true},
-       {"--seconds", "S", "of repeated measurements per scene (16); everything is run at least once"},
-       {"--longest", "S", "a call that would take more seconds, roughly, is skipped (20)"}},
-      "DIR/chart.csv has a line per method, order and damping, the scene's own and guessed ones: 1e-12, 1e-9, 1e-6,\n"
-      "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
-      "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"
-      "status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
-      "front: no other answer is as fast and as accurate in accelerations, and better in one of them.\n"
-      "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
-      "Without gnuplot there are no pictures.\n"
-      "Exit status: 0, whatever the methods answered; 2 bad usage or bad input.\n",
-      run};
-  return command;
 }
 
 }  // namespace manycontact::cli

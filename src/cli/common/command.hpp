@@ -17,15 +17,19 @@ struct Command {
   std::string operands;  // what it takes besides options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
-  std::string help;  // after the options
-  int (*run)(const Arguments&);
+  std::string help;              // after the options
+  int (*run)(const Arguments&);  // null: the program manycontact-chart does
 };
 
 const Command& solve_command();
 const Command& inspect_command();
 const Command& simulate_command();
-const Command& stability_command();
+
+/// Commands of the program manycontact-chart, which needs more packages and time to build; their `run` is null here.
 const Command& chart_command();
+const Command& stability_command();
+int run_chart(const Arguments& arguments);
+int run_stability(const Arguments& arguments);
 
 /// The one operand SCENE. Throws UsageError.
 std::string scene_operand(const Arguments& arguments);

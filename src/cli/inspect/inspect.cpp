@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
 
-int run(const Arguments& arguments) {
+int run_inspect(const Arguments& arguments) {
   const SceneFile file = load_scene(scene_operand(arguments));
   const Inspection inspection = inspect_scene(file);
   if (const auto picture = arguments.value("--picture")) write_picture(inspection, *picture);
@@ -164,7 +164,7 @@ const Command& inspect_command() {
       "What is modelled and what is not, islands, ranks of the contacts, predicted costs, advice.",
       {{"--picture", "FILE.svg", "also draw the patterns of K and of its factor L"}},
       "Exit status: 0; 2 bad usage or bad input.\n",
-      run};
+      run_inspect};
   return command;
 }
 

@@ -128,7 +128,7 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   print_advice(out, file.scene, sim);
 }
 
-int run(const Arguments& arguments) {
+int run_simulate(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   Run run = run_of(arguments);
   const std::optional<Gains> gains = gains_of(arguments, run);
@@ -154,10 +154,6 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void set_gains(Scene& scene, const Gains& gains) {
-  for (Contact& contact : scene.contacts) contact.alpha = gains.alpha, contact.beta = gains.beta;
-}
-
 const Command& simulate_command() {
   static const Command command{
       "simulate",
@@ -179,7 +175,7 @@ const Command& simulate_command() {
        order_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
       "finite, or faster than 1e5 m/s or rad/s): what was reached is written; 2 bad usage or bad input.\n",
-      run};
+      run_simulate};
   return command;
 }
 

@@ -15,6 +15,10 @@ void write_names(const Scene& scene, const std::string& prefix, int (Joint::*siz
 
 }  // namespace
 
+void set_gains(Scene& scene, const Gains& gains) {
+  for (Contact& contact : scene.contacts) contact.alpha = gains.alpha, contact.beta = gains.beta;
+}
+
 void write_trajectory_header(const Scene& scene, CsvFile& csv) {
   csv << "t";
   write_names(scene, "q:", &Joint::nq, csv);

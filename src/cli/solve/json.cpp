@@ -26,7 +26,7 @@ Json matrix(const Eigen::MatrixXd& x) {
   return rows;
 }
 
-Json times(const SolvedScene& s) {
+Json times_us(const SolvedScene& s) {
   Json out = {{"symbolic", s.time.symbolic}, {"setup", s.time.setup}, {"solve", s.time.solve}};
   if (s.derivatives) out["derivatives"] = s.time.derivatives;
   return out;
@@ -84,7 +84,7 @@ Json report(const SolvedScene& s) {
           {"error_forces", r.error_forces},
           {"rounding", find_rounding(r).names()},
           {"refinement_steps", r.refinement_steps},
-          {"time_us", times(s)},
+          {"time_us", times_us(s)},
           {"island_list", list}};
 }
 

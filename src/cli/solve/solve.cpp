@@ -71,7 +71,7 @@ SceneData set_up(const Scene& scene, const Options& options, int repeat, double&
   return std::move(*data);
 }
 
-int run(const Arguments& arguments) {
+int run_solve(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   const Options options = solver_options(arguments);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
@@ -119,7 +119,7 @@ const Command& solve_command() {
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
        {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad input.\n",
-      run};
+      run_solve};
   return command;
 }
 

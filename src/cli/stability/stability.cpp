@@ -185,7 +185,9 @@ void print_summary(std::ostream& out, const Stability& s) {
   table.print(out);
 }
 
-int run(const Arguments& arguments) {
+}  // namespace
+
+int run_stability(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   Plan plan;
   plan.drift_time = arguments.positive("--time", plan.drift_time);
@@ -216,27 +218,6 @@ int run(const Arguments& arguments) {
   draw_energy(s, (fs::path(*folder) / "energy").string());
   std::cout << "charts: drift and energy, .png and .svg, in " << printable(*folder) << "\n";
   return kExitOk;
-}
-
-}  // namespace
-
-const Command& stability_command() {
-  static const Command command{
-      "stability",
-      "SCENE",
-      "Charts of the scene without torques: drift of the contacts against step size, for gains from none to too stiff; "
-      "energy error over many steps; both integrators. CSV, and SVG and PNG by gnuplot.",
-      {{"--out", "DIR", "for drift.* and energy.*", true},
-       {"--time", "T", "s, of each run of the drift chart; default 0.5"},
-       {"--step", "H", "s, of the energy chart; default 0.0001"},
-       {"--steps", "N", "of the energy chart; default 100000"},
-       {"--progress", "", "shows progress even where standard error is not a terminal"},
-       method_option(),
-       order_option()},
-      "Exit status: 0 charts drawn; 1 gnuplot is missing or failed, the CSV files are there; 2 bad usage or bad "
-      "input.\n",
-      run};
-  return command;
 }
 
 }  // namespace manycontact::cli

@@ -3,6 +3,8 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "manycontact/abi.hpp"
+
 namespace manycontact::sparse {
 
 /// Of all x that minimise |A x - b| (Euclidean norms), the one of least |x|. A: rows x cols, entries that meet add up.

@@ -1,0 +1,46 @@
+// What the commands of manycontact-chart take. The main program says it too, and executes that program.
+
+#include "command.hpp"
+
+namespace manycontact::cli {
+
+const Command& chart_command() {
+  static const Command command{
+      "chart",
+      "SCENE...",
+      "Accuracy against speed: every method, order and regularisation on each scene.",
+      {{"--out", "DIR", "where chart.csv and the pictures go; it is made when it is missing", true},
+       {"--seconds", "S", "of repeated measurements per scene (16); everything is run at least once"},
+       {"--longest", "S", "a call that would take more seconds, roughly, is skipped (20)"}},
+      "DIR/chart.csv has a line per method, order and damping, the scene's own and guessed ones: 1e-12, 1e-9, 1e-6,\n"
+      "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
+      "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"
+      "status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
+      "front: no other answer is as fast and as accurate in accelerations, and better in one of them.\n"
+      "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
+      "Without gnuplot there are no pictures.\n"
+      "Exit status: 0, whatever the methods answered; 2 bad usage or bad input.\n",
+      nullptr};
+  return command;
+}
+
+const Command& stability_command() {
+  static const Command command{
+      "stability",
+      "SCENE",
+      "Charts of the scene without torques: drift of the contacts against step size, for gains from none to too stiff; "
+      "energy error over many steps; both integrators. CSV, and SVG and PNG by gnuplot.",
+      {{"--out", "DIR", "for drift.* and energy.*", true},
+       {"--time", "T", "s, of each run of the drift chart; default 0.5"},
+       {"--step", "H", "s, of the energy chart; default 0.0001"},
+       {"--steps", "N", "of the energy chart; default 100000"},
+       {"--progress", "", "shows progress even where standard error is not a terminal"},
+       method_option(),
+       order_option()},
+      "Exit status: 0 charts drawn; 1 gnuplot is missing or failed, the CSV files are there; 2 bad usage or bad "
+      "input.\n",
+      nullptr};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,81 @@
+#include "program.hpp"
+
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "beside.hpp"
+#include "manycontact/io/input_error.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+constexpr char kVersion[] = "0.1.0";  // as CMakeLists.txt has it; a test holds them together
+
+std::string overview(const std::vector<Command>& commands) {
+  std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
+  for (const Command& command : commands) text += usage(command) + "\n    " + command.summary + "\n";
+  text +=
+      "usage: manycontact --help | --version\n\n"
+      "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
+      "2 bad usage or bad input.\n";
+  return text;
+}
+
+int complain(const std::string& what, const std::string& hint, int status) {
+  std::cerr << "manycontact: " << printable(what) << "\n";
+  if (!hint.empty()) std::cerr << hint << "\n";
+  return status;
+}
+
+int run(const Command& command, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    if (word != "--help" && word != "-h") continue;
+    std::cout << help(command);
+    return kExitOk;
+  }
+  if (!command.run) return run_beside("manycontact-chart", command.name, words);
+  try {
+    return command.run(Arguments(command.options, words));
+  } catch (const UsageError& error) {
+    return complain(command.name + ": " + error.what(), usage(command), kExitUsage);
+  }
+}
+
+int dispatch(const std::vector<Command>& commands, const std::vector<std::string>& words) {
+  std::string names;
+  for (const Command& command : commands) names += (names.empty() ? "" : "|") + command.name;
+  const std::string hint = "usage: manycontact " + names + " SCENE [options], manycontact --help";
+  if (words.empty()) return complain("a command is missing", hint, kExitUsage);
+  if (words[0] == "--help" || words[0] == "-h" || words[0] == "--version") {
+    if (words.size() > 1) return complain("nothing is expected after " + words[0], hint, kExitUsage);
+    std::cout << (words[0] == "--version" ? std::string("manycontact ") + kVersion + "\n" : overview(commands));
+    return kExitOk;
+  }
+  for (const Command& command : commands)
+    if (command.name == words[0]) return run(command, {words.begin() + 1, words.end()});
+  const char* kind = words[0].starts_with("-") ? "unknown option '" : "unknown command '";
+  return complain(kind + words[0] + "'", hint, kExitUsage);
+}
+
+}  // namespace
+
+int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
+  try {
+    const int status = dispatch(commands, words);
+    if (std::cout.flush()) return status;
+    return complain("cannot write to standard output", "", kExitUnsound);
+  } catch (const InputError& error) {
+    return complain(error.what(), "", kExitUsage);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", "", kExitUnsound);
+  } catch (const std::exception& error) {
+    return complain(error.what(), "", kExitUnsound);
+  } catch (...) {
+    return complain("something unknown went wrong", "", kExitUnsound);
+  }
+}
+
+}  // namespace manycontact::cli
