@@ -12,7 +12,7 @@ using text::join;
 
 namespace {
 
-constexpr std::size_t kMostNames = 40;
+constexpr std::size_t kMostItems = 40;
 
 // " (63 more islands alike)", empty when there is none.
 std::string and_more(std::size_t more, const std::string& what) {
@@ -39,11 +39,11 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
     return;
   }
   text += "; " + count(n, "row") + (n == 1 ? " is" : " are") +
-          " redundant, since the rows before hold the same: " + join(s.redundant, kMostNames) +
+          " redundant, since the rows before hold the same: " + join(s.redundant, kMostItems) +
           and_more(x.kind.islands.size() - 1, "island");
   advice.push_back(text);
-  text = "the rows that are left hold the same: " + join(s.kept, kMostNames);
-  if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostNames);
+  text = "the rows that are left hold the same: " + join(s.kept, kMostItems);
+  if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
   if (x.scene.damping > 0) text += " (the damping acts on every row: without some, the answer moves by as much)";
   advice.push_back(text);
 }

@@ -67,10 +67,10 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
 
 // Where the rows [a; f] and columns [q | v | u] of an island stand in those of the answer's island, which is that one,
 // or with dense-schur the whole scene.
-struct Places {
+struct PanelPlaces {
   std::vector<int> rows, columns;
 };
-Places places_in(const Scene& scene, const Island& whole, const IslandDerivatives& d, const Island& island) {
+PanelPlaces places_in(const Scene& scene, const Island& whole, const IslandDerivatives& d, const Island& island) {
   std::vector<int> v, u, f;
   const auto add = [](std::vector<int>& to, int first, int count) {
     for (int i = 0; i < count; ++i) to.push_back(first + i);
@@ -84,7 +84,7 @@ Places places_in(const Scene& scene, const Island& whole, const IslandDerivative
     const auto k = std::lower_bound(whole.contacts.begin(), whole.contacts.end(), c) - whole.contacts.begin();
     add(f, whole.nv + whole.row_offset[k], scene.contacts[c].rows());
   }
-  Places out{v, {}};
+  PanelPlaces out{v, {}};
   out.rows.insert(out.rows.end(), f.begin(), f.end());
   for (int i : v) out.columns.push_back(d.q_first + i);
   for (int i : v) out.columns.push_back(d.v_first + i);
@@ -112,7 +112,7 @@ double derivative_error(const Scene& scene, const SceneData& data, const ChartTr
     if (!of_truth.derivatives_known) return NAN;
     const auto i = static_cast<std::size_t>(island_with_robot(data, of_truth.island.robots.front()));
     const IslandDerivatives& d = derivatives(data).islands[i];
-    const Places places = places_in(scene, island_of(data, i), d, of_truth.island);
+    const PanelPlaces places = places_in(scene, island_of(data, i), d, of_truth.island);
     Eigen::MatrixXd answer = d.X(places.rows, places.columns);
     if (of_truth.along.rows() != of_truth.along.cols()) answer = Eigen::MatrixXd(answer * of_truth.along);
     error = worse(error, island_error(scene, of_truth, scales, answer));

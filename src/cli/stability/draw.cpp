@@ -14,7 +14,7 @@ namespace {
 
 // Of the drift axis; above it stands a row of marks per gains, of the runs that lost the contacts.
 constexpr double kTop = 1, kBottom = 1e-16;
-constexpr const char* kColours[] = {"#555555", "#1f77b4", "#2ca02c", "#d62728", "#000000", "#9467bd"};
+constexpr const char* kCurveColours[] = {"#555555", "#1f77b4", "#2ca02c", "#d62728", "#000000", "#9467bd"};
 
 const char* title(Integrator integrator) { return integrator == Integrator::kRk4 ? "RK4" : "semi-implicit Euler"; }
 
@@ -55,7 +55,7 @@ void limit_lines(const Stability& s, Integrator integrator, double lowest, doubl
     const double h = largest_stable_step(integrator, s.choices[c].gains);
     if (h > 0.1 || h < 5e-4) continue;
     out << "set arrow from " << h << "," << lowest << " to " << h << "," << top << " nohead dt 3 lc rgb '"
-        << kColours[c] << "'\n";
+        << kCurveColours[c] << "'\n";
   }
 }
 
@@ -88,8 +88,8 @@ void draw_drift(const Stability& s, const std::string& base) {
     for (std::size_t c = 0; c < choices; ++c) {
       const std::size_t b = i * choices + c;
       out << "$drift" << b << " with linespoints lw " << (s.choices[c].recommended ? 3 : 2) << " pt 7 ps 0.5 lc rgb '"
-          << kColours[c] << "' title " << quoted(legend(s.choices[c])) << ", $lost" << b
-          << " with points pt 2 ps 1 lw 2 lc rgb '" << kColours[c] << "' notitle, ";
+          << kCurveColours[c] << "' title " << quoted(legend(s.choices[c])) << ", $lost" << b
+          << " with points pt 2 ps 1 lw 2 lc rgb '" << kCurveColours[c] << "' notitle, ";
     }
     out << "NaN with lines dt 3 lc rgb '#555555' title 'predicted limit of gains'\n";
   }
