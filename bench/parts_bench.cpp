@@ -55,9 +55,7 @@ struct Fixture {
     D.resize(K.size());
     benchmark::DoNotOptimize(factor());
   }
-  int factor() {
-    return sparse::ldl_factor(K.pattern->K, K.pattern->ldl, K.values.data(), work, Lx.data(), D.data());
-  }
+  int factor() { return sparse::ldl_factor(K.pattern->K, K.pattern->ldl, K.values.data(), work, Lx.data(), D.data()); }
 };
 
 void ldl_numeric(benchmark::State& state, Fixture& f) {
@@ -69,8 +67,7 @@ void kinematics(benchmark::State& state, Fixture& f) {
 }
 
 void rnea_whole(benchmark::State& state, Fixture& f) {
-  for (auto _ : state)
-    rnea<double>(f.model, {}, f.s.q, f.s.v, f.qdd, f.s.scene.gravity, {}, f.kin, f.f, f.tau);
+  for (auto _ : state) rnea<double>(f.model, {}, f.s.q, f.s.v, f.qdd, f.s.scene.gravity, {}, f.kin, f.f, f.tau);
 }
 
 void aba_whole(benchmark::State& state, Fixture& f) {

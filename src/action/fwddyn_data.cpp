@@ -33,8 +33,8 @@ DifferentialActionDataContactFwdDynamics::DifferentialActionDataContactFwdDynami
       owner(model->identity_),
       contacts_version(model->get_contacts()->get_version()),
       models(model->models_) {
-  multibody =
-      std::make_unique<DataCollector>(scene_of(*model, *models), model->get_options(), model->get_actuation()->createData());
+  multibody = std::make_unique<DataCollector>(scene_of(*model, *models), model->get_options(),
+                                              model->get_actuation()->createData());
   internal::lay_out_islands(*model->get_actuation(), *this);
   for (const auto& [name, item] : model->get_contacts()->get_contacts())
     multibody->contacts->contacts[name] = std::make_shared<ContactDataAbstract>();

@@ -68,7 +68,8 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
     const int first = d.island.nv + d.island.row_offset[k];
     double f = 0, of_row = 0;
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
-    contact_rounding(contact, work.contacts[d.island.contacts[k]], a.data(), d.shape->support().columns[k], f, of_row, w);
+    contact_rounding(contact, work.contacts[d.island.contacts[k]], a.data(), d.shape->support().columns[k], f, of_row,
+                     w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
   const double eps = std::numeric_limits<double>::epsilon();

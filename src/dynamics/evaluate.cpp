@@ -48,8 +48,7 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
   if (d.K.pattern != pattern) d.K.reset(pattern);
   assemble(d.M, d.J, damping, d.K);
   d.K.row_size = 0;
-  for (int c : d.island.contacts)
-    d.K.row_size = std::max(d.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
+  for (int c : d.island.contacts) d.K.row_size = std::max(d.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
 
   const int* iperm = pattern->iperm.data();  // b = [tau - h; -a0]
   double* b = d.v.b.data();

@@ -101,8 +101,8 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
     const auto u = [&](const Attachment& at) {
       return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
     };
-    contact_adjoint(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B), data.f.segment(data.f_offset[c], contact.rows()),
-                    l, of(contact.A), of(contact.B));
+    contact_adjoint(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
+                    data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
   }
   for (int r : d.island.robots) {
     const Robot& robot = scene.robots[r];

@@ -74,8 +74,8 @@ void name_dependent_rows(const SceneData& data, IslandWork& d, IslandReport& rep
   d.factor->dependent_rows(d.dependent);
   report.dependent_rows.clear();
   for (int row : d.dependent) {
-    const auto c = std::upper_bound(d.island.row_offset.begin(), d.island.row_offset.end(), row) -
-                   d.island.row_offset.begin() - 1;
+    const auto c =
+        std::upper_bound(d.island.row_offset.begin(), d.island.row_offset.end(), row) - d.island.row_offset.begin() - 1;
     report.dependent_rows.push_back(data.f_offset[d.island.contacts[c]] + row - d.island.row_offset[c]);
   }
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
@@ -99,7 +99,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   const sparse::Refinement refinement = solve_refined(factor, d.K, d.v, own > 0 ? 0 : tolerance::kRefinementSteps);
   report.factor_nonzeros = factor.nonzeros();
   report.refinement_steps = own + refinement.steps;
-  if (!all_finite(d.v.x)) return all_finite(d.K.values) && all_finite(d.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
+  if (!all_finite(d.v.x))
+    return all_finite(d.K.values) && all_finite(d.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
   // the oracle's answer is the best there is
   if (rung.way != Way::kDense && !(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
 

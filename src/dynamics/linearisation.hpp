@@ -29,8 +29,8 @@ struct Linearisation {
   Place& of(int robot) { return pool[place[robot]]; }
   const Place& of(int robot) const { return pool[place[robot]]; }
 
-  std::vector<ContactData<double>> contacts;     // per contact, at the solution; by AtSolution
-  std::vector<ContactDerivatives> derivatives;   // per contact; by derivative_terms
+  std::vector<ContactData<double>> contacts;    // per contact, at the solution; by AtSolution
+  std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms
 
   /// Gives the robots of each island places of their own, when islands changed.
   void assign(const Scene& scene, const Workspace& work);

@@ -68,8 +68,7 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
   for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (data.active[c] && contact.B.robot >= 0 && s.loose[contact.A.robot])
-      sets.join(contact.A.robot, contact.B.robot);
+    if (data.active[c] && contact.B.robot >= 0 && s.loose[contact.A.robot]) sets.join(contact.A.robot, contact.B.robot);
   }
   std::size_t count = 0;
   for (int r = 0; r < scene.nrobots(); ++r) {
@@ -123,8 +122,7 @@ void keep_derivatives(Workspace& w) {
 void restore_derivatives(Workspace& w) {
   if (w.derivatives.islands.empty()) return;
   w.derivatives.islands.resize(w.islands.size());
-  for (std::size_t i = 0; i < w.islands.size(); ++i)
-    w.derivatives.islands[i] = std::move(w.islands[i]->derivatives);
+  for (std::size_t i = 0; i < w.islands.size(); ++i) w.derivatives.islands[i] = std::move(w.islands[i]->derivatives);
 }
 
 void lay_out_forces(const Scene& scene, SceneData& data) {

@@ -35,8 +35,8 @@ struct DependentDerivatives {
   IslandDerivatives with_rho;           // nv columns
 };
 
-/// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf, and
-/// the next island of that shape takes it from there, with all its memory.
+/// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
+/// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
   explicit IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
 
@@ -58,9 +58,9 @@ struct IslandWork {
   std::vector<int> dependent;                   // scratch: rows of J
 
   // by differentiate, jvp, vjp
-  IslandDerivatives derivatives;                 // while on the shelf; else in Workspace::derivatives
-  std::unique_ptr<DependentDerivatives> rows;    // where contact rows are dependent
-  std::unique_ptr<IslandDerivatives> all;        // jvp, vjp with dependent rows: everything
+  IslandDerivatives derivatives;               // while on the shelf; else in Workspace::derivatives
+  std::unique_ptr<DependentDerivatives> rows;  // where contact rows are dependent
+  std::unique_ptr<IslandDerivatives> all;      // jvp, vjp with dependent rows: everything
 };
 
 /// Scratch of jvp and vjp.
@@ -73,7 +73,7 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  KktVectors v;                // of an island's system
+  KktVectors v;  // of an island's system
   struct {
     Eigen::VectorXd columns, rows;
   } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
@@ -90,9 +90,9 @@ struct Switching {
 struct Workspace {
   explicit Workspace(const Scene& scene);
 
-  SceneIdentity scene;         // the scene these data belong to
-  std::uint64_t solves = 0;    // begun so far
-  std::uint64_t current = 0;   // serial of the solution at hand, 0: none. What stamps point to
+  SceneIdentity scene;        // the scene these data belong to
+  std::uint64_t solves = 0;   // begun so far
+  std::uint64_t current = 0;  // serial of the solution at hand, 0: none. What stamps point to
 
   // by prepare, for `active` and `options`
   bool prepared = false;  // all of this fits; false while it is being changed
@@ -103,7 +103,7 @@ struct Workspace {
   std::uint64_t layout = 0;                          // changes of islands so far
   ShapeCache shapes;
   std::unordered_map<const IslandShape*, std::vector<std::unique_ptr<IslandWork>>> shelves;
-  std::map<Eigen::Index, Eigen::VectorXd> spare_f;   // forces of other sizes
+  std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
   // by evaluate, update_kinematics

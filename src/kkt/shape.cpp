@@ -37,8 +37,8 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
   auto& p = patterns_[static_cast<std::size_t>(order)];
   if (!p) {
-    std::vector<int> perm = order == Order::kContactsEarly ? contacts_early_
-                                                           : elimination_order(scene_, island_, support_, order);
+    std::vector<int> perm =
+        order == Order::kContactsEarly ? contacts_early_ : elimination_order(scene_, island_, support_, order);
     p = std::make_shared<const KktPattern>(analyze(scene_, island_, support_, order, std::move(perm)));
   }
   return p;
@@ -52,8 +52,8 @@ const std::shared_ptr<const SchurPattern>& IslandShape::schur() {
 const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order order) {
   auto& symbolic = cholmod_[static_cast<std::size_t>(order)];
   if (!symbolic)
-    symbolic = std::make_shared<const sparse::CholmodSymbolic>(pattern(order)->K, sparse::CholmodKind::kSimplicialLdl,
-                                                               false);
+    symbolic =
+        std::make_shared<const sparse::CholmodSymbolic>(pattern(order)->K, sparse::CholmodKind::kSimplicialLdl, false);
   return symbolic;
 }
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "support/islands.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "support/islands.hpp"
 #include "support/measure.hpp"
 
 namespace manycontact::test {

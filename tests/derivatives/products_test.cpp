@@ -1,8 +1,7 @@
 // Products with the derivatives against the matrices, and against each other.
 
-#include "manycontact/dynamics/jvp.hpp"
-
 #include "derivatives/judge.hpp"
+#include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"

@@ -109,13 +109,16 @@ TEST_F(FailingAllocations, Switching) {
       VectorXd da(scene.nv), df(data->f.size());
       jvp(scene, *data, x, x, u, da, df);
     };
-    const FailedRuns runs = fail_each_allocation(switch_and_solve, [&] {
-      switch_and_solve();
-      EXPECT_TRUE(data->a == expected.a);
-      EXPECT_TRUE(data->f == expected.f);
-      data.emplace(scene, options);
-      solve_at(*data);
-    }, true);
+    const FailedRuns runs = fail_each_allocation(
+        switch_and_solve,
+        [&] {
+          switch_and_solve();
+          EXPECT_TRUE(data->a == expected.a);
+          EXPECT_TRUE(data->f == expected.f);
+          data.emplace(scene, options);
+          solve_at(*data);
+        },
+        true);
     EXPECT_GT(runs.failed, 10);
   }
 }

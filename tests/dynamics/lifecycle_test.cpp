@@ -179,9 +179,8 @@ TEST_F(Lifecycle, WhatMayNotChangeUnderDataIsNoticed) {
   expect_noticed("another placement on A", [](Scene& s) { s.contacts[0].A.placement.p.x() += 0.1; });
   expect_noticed("another axis", [](Scene& s) { s.contacts[0].axis = Vec3<double>::UnitX(); });
   expect_noticed("contacts", [](Scene& s) { s.contacts.push_back(s.contacts[0]); });
-  expect_noticed("another model", [](Scene& s) {
-    s.robots[0].model = std::make_shared<const Model>(*s.robots[0].model);
-  });
+  expect_noticed("another model",
+                 [](Scene& s) { s.robots[0].model = std::make_shared<const Model>(*s.robots[0].model); });
 }
 
 // Answers and derivatives as with new data.

@@ -138,7 +138,8 @@ TEST(Switching, AllocatesNothingForSetsMetBefore) {
 // Contacts that differ in the places of their points, on the same bodies: orders as each would have alone.
 TEST(Shapes, OrdersDoNotDependOnWhatWasSeenBefore) {
   std::mt19937 rng(9);
-  const auto model = std::make_shared<Model>(random_model(rng, {.njoints = 9, .floating_base = true, .types = {JointType::kRevolute}, .branching = 0}));
+  const auto model = std::make_shared<Model>(
+      random_model(rng, {.njoints = 9, .floating_base = true, .types = {JointType::kRevolute}, .branching = 0}));
   const auto scene_with = [&](const std::vector<Vec3<double>>& points) {
     Scene scene;
     for (std::size_t r = 0; r < points.size(); ++r) {

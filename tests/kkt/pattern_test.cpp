@@ -121,9 +121,8 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
         std::vector<double> L(p.ldl.nonzeros()), D(p.size()), scale(p.size());
         const int done = sparse::ldl_factor(p.K, p.ldl, Kx, work, L.data(), D.data());
         const bool may_fail = order == Order::kContactsEarly && delta == 0;
-        const double ratio = done < p.size() ? 0
-                                             : sparse::smallest_pivot_ratio(p.K, p.ldl, Kx, L.data(), D.data(),
-                                                                            scale.data());
+        const double ratio =
+            done < p.size() ? 0 : sparse::smallest_pivot_ratio(p.K, p.ldl, Kx, L.data(), D.data(), scale.data());
         FactorScratch scratch;
         const std::unique_ptr<Factor> factor = make_ldl_factor();
         const Reason reason = factor->factorize(system.K, scratch);

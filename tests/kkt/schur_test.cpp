@@ -114,8 +114,8 @@ TEST_P(Schur, ComplementSaysWhenAnInertiaIsNotPositive) {
   IslandNumbers& n = islands[0];
   n.packed[0][0] = -1;
   SchurData data;
-  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support),
-                          n.all_packed(), n.all_rows(), 0, data));
+  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support), n.all_packed(),
+                          n.all_rows(), 0, data));
 }
 
 }  // namespace

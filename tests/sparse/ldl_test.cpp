@@ -7,9 +7,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "support/allocations.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
-// The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread; the Scene
-// stays constant and may be shared.
+// The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread; the
+// Scene stays constant and may be shared.
 //
 // Data belong to the scene they were made for. Under data in use may change: gravity, damping, fixed bases' placements,
 // and of a contact B's placement, reference frame and gains. Robots and their models, the number of contacts, and of a

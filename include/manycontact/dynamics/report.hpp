@@ -41,7 +41,7 @@ struct IslandReport {
 
 struct Report {
   Status status = Status::kOk;
-  Method method = Method::kAuto;  // the one asked for
+  Method method = Method::kAuto;      // the one asked for
   std::vector<IslandReport> islands;  // with method dense-schur, which takes the scene as one system, a single one
 
   // sums and maxima over islands

@@ -13,14 +13,14 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 ///
 /// per island, with data.options.method. Returns data.report, whose status says what the answer is worth; a failed
 /// island's a and f are NaN. Allocates nothing when every island's trees and contacts were met before (README: which
-/// methods keep to that). Throws std::invalid_argument when a size does not fit the scene or data are not of this scene,
-/// std::bad_alloc; no answer is at hand then (data.serial is 0), and the next call starts anew.
+/// methods keep to that). Throws std::invalid_argument when a size does not fit the scene or data are not of this
+/// scene, std::bad_alloc; no answer is at hand then (data.serial is 0), and the next call starts anew.
 [[nodiscard]] const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
-                    SceneData& data);
+                                  SceneData& data);
 
 /// The same with torques tau (nv) on every velocity coordinate, floating bases included.
-[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                        SceneData& data);
+[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
+                                      const ConstVector& tau, SceneData& data);
 
 /// After solve: the 1-norm condition number of each island's K, estimated by a few solves with the factor at hand
 /// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse

@@ -8,8 +8,8 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Relative: the unit is a multiply-add of sparse LDL, coefficients
-/// by `./run bench`; only ratios of them mean something, and those to a factor of about two.
+/// Predicted costs of one factorization and two solves. Relative: the unit is a multiply-add of sparse LDL,
+/// coefficients by `./run bench`; only ratios of them mean something, and those to a factor of about two.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
@@ -29,8 +29,8 @@ struct Choice {
 };
 
 /// What the options leave open is chosen: another order than leaf-to-root where it is clearly cheaper
-/// (tolerance::kCheaper), sparse-supernodal where it is cheaper than sparse-ldl. kAuto never takes a dense method: these
-/// allocate, and are cheaper on islands of a few coordinates at most.
+/// (tolerance::kCheaper), sparse-supernodal where it is cheaper than sparse-ldl. kAuto never takes a dense method:
+/// these allocate, and are cheaper on islands of a few coordinates at most.
 Choice choose(IslandShape& shape, const Options& options);
 
 /// "sparse-ldl in leaf-to-root order, at 0.4 of sparse-supernodal's predicted cost": what the choice rests on.

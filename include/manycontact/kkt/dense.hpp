@@ -41,8 +41,8 @@ template <class S>
 void factor(DenseKkt<S>& kkt);
 
 /// Solves M a - J^T f = b1, J a + delta f = b2, as defined above; one column of b1 (nv x k), b2 (nc x k) per system.
-/// Refines once on the true residual. Where `regular` is false, a and f are NaN. A row of J counts as dependent when its
-/// part orthogonal to the others is below tolerance::kRank of the largest.
+/// Refines once on the true residual. Where `regular` is false, a and f are NaN. A row of J counts as dependent when
+/// its part orthogonal to the others is below tolerance::kRank of the largest.
 template <class S>
 void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>& a, MatX<S>& f);
 

@@ -37,7 +37,7 @@ void gather_rows(const KktMatrix& K, std::vector<double>& J);
 /// Vectors of a system, all in K's order of elimination.
 struct KktVectors {
   std::vector<double> b, x;
-  std::vector<double> r, scale;  // residual b - K x, and |b| + |K| |x|
+  std::vector<double> r, scale;   // residual b - K x, and |b| + |K| |x|
   std::vector<double> null_part;  // of b: what dependent rows cannot agree on
 
   void resize(int n);

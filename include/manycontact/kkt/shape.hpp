@@ -17,7 +17,7 @@ class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);
 
-  const Scene& scene() const { return scene_; }    // the island's robots and contacts alone, numbered as in the island
+  const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
   const Island& island() const { return island_; }  // of scene(): all of it
   const IslandSupport& support() const { return support_; }
 

@@ -4,9 +4,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kFlop = 9e-5;      // us: a multiply-add of Eigen's products and LLT
+constexpr double kFlop = 9e-5;        // us: a multiply-add of Eigen's products and LLT
 constexpr double kSlowFlop = 2.2e-4;  // us: of a rank-revealing decomposition, which goes column by column
-constexpr double kCall = 5;         // us: an island's own
+constexpr double kCall = 5;           // us: an island's own
 
 double cube(double x) { return x * x * x; }
 

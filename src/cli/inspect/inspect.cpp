@@ -8,8 +8,8 @@
 #include "../common/choice.hpp"
 #include "../common/command.hpp"
 #include "../common/table.hpp"
-#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/advice.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/solve.hpp"
 
 namespace manycontact::cli {

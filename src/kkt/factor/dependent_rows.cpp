@@ -21,9 +21,9 @@ class DependentRowsFactor final : public Factor {
     L_.resize(p.ldl.nonzeros());
     D_.resize(p.size());
     const double* Kx = K.values.data();
-    const int done = sparse::ldl_factor_dependent(p.K, p.ldl, Kx, p.nv, tolerance::kPivotLeft,
-                                                  tolerance::kRank * K.row_size, scratch.ldl, L_.data(), D_.data(),
-                                                  dependence_);
+    const int done =
+        sparse::ldl_factor_dependent(p.K, p.ldl, Kx, p.nv, tolerance::kPivotLeft, tolerance::kRank * K.row_size,
+                                     scratch.ldl, L_.data(), D_.data(), dependence_);
     if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
     growth_ = growth(K, scratch.scale);
     sparse::find_null_space(p.K, p.ldl, Kx, p.nv, K.row_size, L_.data(), D_.data(), dependence_);

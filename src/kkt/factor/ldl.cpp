@@ -18,8 +18,8 @@ class LdlFactor final : public Factor {
     const double* Kx = K.values.data();
     if (sparse::ldl_factor(pattern_->K, symbolic, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
       return Reason::kZeroPivot;
-    const double ratio = sparse::smallest_pivot_ratio(pattern_->K, symbolic, Kx, L_.data(), D_.data(),
-                                                      scratch.scale.data());
+    const double ratio =
+        sparse::smallest_pivot_ratio(pattern_->K, symbolic, Kx, L_.data(), D_.data(), scratch.scale.data());
     growth_ = internal::growth_of(K, scratch.scale.data());
     return internal::judge_pivots(*pattern_, D_.data(), ratio);
   }

@@ -66,8 +66,7 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 
 }  // namespace
 
-double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool judged,
-                    PanelWork& work) {
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool judged, PanelWork& work) {
   const KktPattern& p = *K.pattern;
   const std::size_t size = static_cast<std::size_t>(K.size()) * ld;
   double* B = work.B.data();

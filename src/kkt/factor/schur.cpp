@@ -45,9 +45,7 @@ class SchurFactor final : public Factor {
 
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
-  int nonzeros() const override {
-    return static_cast<int>(M_.size()) + (cholmod_ ? cholmod_->factor_nonzeros() : 0);
-  }
+  int nonzeros() const override { return static_cast<int>(M_.size()) + (cholmod_ ? cholmod_->factor_nonzeros() : 0); }
 
  private:
   // use(row of S, row of the robot) for each row of J on robot r.

@@ -12,8 +12,8 @@ sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors&
 
 /// Memory for refining panels, row-major of K.size() rows.
 struct PanelWork {
-  std::vector<double> B;      // right-hand sides; used up
-  std::vector<double> R;      // residuals, where they are judged
+  std::vector<double> B;  // right-hand sides; used up
+  std::vector<double> R;  // residuals, where they are judged
   std::vector<double> sums;
   std::vector<char> nonzero;  // a flag per row of K, at least
 };
