@@ -9,10 +9,10 @@ RneaDerivatives::RneaDerivatives(const Model& model)
       l(model.njoints()),
       C(model.njoints()),
       f(model.njoints()),
-      dq_lower(model.M_begin[model.nv]),
-      dv_lower(model.M_begin[model.nv]),
-      dq_upper(model.M_begin[model.nv]),
-      dv_upper(model.M_begin[model.nv]) {}
+      dq_lower(packed_size(model)),
+      dv_lower(packed_size(model)),
+      dq_upper(packed_size(model)),
+      dv_upper(packed_size(model)) {}
 
 namespace {
 

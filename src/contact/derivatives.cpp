@@ -10,7 +10,7 @@ using V6 = Vec6<double>;
 }  // namespace
 
 ContactDerivatives::ContactDerivatives(const Scene& scene, const Contact& contact, const ContactSupport& support)
-    : dx_dq(6, support.cols()), dx_dv(6, support.cols()), F(V6::Zero()), x(V6::Zero()) {
+    : dx_dq(6, support.cols()), dx_dv(6, support.cols()) {
   chain_a = dof_chain(*scene.robots[contact.A.robot].model, contact.A.joint);
   if (contact.B.robot >= 0) chain_b = dof_chain(*scene.robots[contact.B.robot].model, contact.B.joint);
   turn.resize(3, static_cast<Eigen::Index>(chain_a.size()));

@@ -77,9 +77,7 @@ void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
 }  // namespace
 
 template <class S>
-void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
-                  const Kinematics<S>* kinB, ContactData<S>& d) {
-  place_and_move<S>(scene, c, kinA, kinB, d);
+void contact_motion(const Contact& c, ContactData<S>& d) {
   const S alpha(c.alpha), beta(c.beta);
   d.nu = d.vA - d.vB;
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
@@ -91,21 +89,31 @@ void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& su
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
     if (c.alpha != 0) d.x.template head<3>() += alpha * (d.G.R.transpose() * d.G.p);
   }
-  int k = 0;
-  for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
-  for (int i : support.b) d.Jl.col(k++) = -d.bMA.act_inverse(kinB->J.col(i));
   if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
     d.W.setIdentity();
-    d.J = d.Jl;
     d.a0 = d.x;
     return;
   }
   select_rows<S>(c, d.aMA.R, d);
-  d.J.noalias() = d.W * d.Jl;
   d.a0.noalias() = d.W * d.x;
 }
 
+template <class S>
+void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
+                  const Kinematics<S>* kinB, ContactData<S>& d) {
+  place_and_move<S>(scene, c, kinA, kinB, d);
+  contact_motion<S>(c, d);
+  int k = 0;
+  for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
+  for (int i : support.b) d.Jl.col(k++) = -d.bMA.act_inverse(kinB->J.col(i));
+  if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal)
+    d.J = d.Jl;
+  else
+    d.J.noalias() = d.W * d.Jl;
+}
+
 template struct ContactData<InstantiatedScalar>;
+template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<InstantiatedScalar>&);
 template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
                                                const Kinematics<InstantiatedScalar>&,
                                                const Kinematics<InstantiatedScalar>*, ContactData<InstantiatedScalar>&);

@@ -7,17 +7,15 @@
 namespace manycontact {
 
 RobotData::RobotData(const Model& model)
-    : kin(model), Yc(model.njoints()), f(model.njoints()), M(model.M_begin[model.nv]), h(model.nv) {}
+    : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
 
 Workspace::Workspace(const Scene& s) : scene(s) {
   robots.reserve(s.robots.size());
   for (const Robot& robot : s.robots) robots.emplace_back(*robot.model);
   contacts.reserve(s.contacts.size());
-  supports.reserve(s.contacts.size());
-  for (const Contact& contact : s.contacts) {
-    supports.push_back(contact_support(s, contact));
-    contacts.emplace_back(contact, supports.back());
-  }
+  supports.resize(s.contacts.size());
+  joint_space.assign(s.contacts.size(), 0);
+  for (const Contact& contact : s.contacts) contacts.emplace_back(contact, ContactSupport{});
 }
 
 SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -65,6 +66,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     IslandDerivatives& out = w.derivatives.islands[i];
     const Island& island = w.islands[i]->island;
     out.stamp = {};
+    internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
     internal::differentiate_island(scene, data, i, out);

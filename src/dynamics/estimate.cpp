@@ -5,6 +5,7 @@
 
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -106,6 +107,10 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     IslandReport& report = data.report.islands[i];
     report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
     if (!d.factor) continue;
+    if (internal::by_bodies(d)) {
+      internal::bound_by_bodies(d, report);
+      continue;
+    }
     const std::vector<double> w = uncertainty(scene, *data.workspace, d);
     const int* iperm = d.K.pattern->iperm.data();
     std::vector<char> kept(w.size());
@@ -131,6 +136,13 @@ void estimate_condition(const Scene& scene, SceneData& data) {
     IslandWork& d = *data.workspace->islands[i];
     if (!d.factor) {
       data.report.islands[i].condition = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    if (internal::by_bodies(d)) {
+      const BodySystem& system = d.bodies->factor.system;
+      data.report.islands[i].condition =
+          sparse::inverse_norm_1(d.island.size(), [&](double* x) { internal::multiply_bodies(system, x); }) *
+          sparse::inverse_norm_1(d.island.size(), inverse(d));
       continue;
     }
     std::vector<double> sums(d.island.size());

@@ -34,6 +34,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
     inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
     crba<double>(model, r.kin, r.Yc, r.M.data());
     drop_rounding(model, r);
+    r.known = true;
   }
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
@@ -46,6 +47,7 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
   const Workspace& w = *data.workspace;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(order);
   if (d.K.pattern != pattern) d.K.reset(pattern);
+  if (d.v.b.size() != static_cast<std::size_t>(d.K.size())) d.v.resize(d.K.size());
   assemble(d.M, d.J, damping, d.K);
   d.K.row_size = 0;
   for (int c : d.island.contacts) d.K.row_size = std::max(d.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "manycontact/contact/products.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -184,6 +185,10 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     if (!d.factor) continue;
+    if (internal::by_bodies(d)) {
+      internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
+      continue;
+    }
     if (internal::rank_deficient(d)) {
       formed_jvp(scene, data, i, dq, dv, du, da, df);
       continue;
@@ -210,6 +215,10 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     if (!d.factor) continue;
+    if (internal::by_bodies(d)) {
+      internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
+      continue;
+    }
     if (internal::rank_deficient(d)) {
       formed_vjp(scene, data, i, wa, wf, wq, wv, wu);
       continue;

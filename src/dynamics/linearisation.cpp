@@ -17,32 +17,40 @@ Linearisation::Linearisation(const Scene& scene, const Workspace& w) {
   of_model.resize(numbers.size());
   used.resize(numbers.size());
   place.assign(scene.robots.size(), -1);
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    contacts.emplace_back(scene.contacts[c], w.supports[c]);
-    derivatives.emplace_back(scene, scene.contacts[c], w.supports[c]);
-  }
+  for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport{});
+  derivatives.resize(scene.contacts.size());
+  ready.assign(scene.contacts.size(), 0);
+  (void)w;
 }
 
-void Linearisation::assign(const Scene& scene, const Workspace& w) {
-  if (layout == w.layout) return;
-  for (const auto& island : w.islands) {
-    std::fill(used.begin(), used.end(), 0);
-    for (int r : island->island.robots) {
-      std::vector<int>& places = of_model[model[r]];
-      const std::size_t k = used[model[r]]++;
-      if (k == places.size()) {
-        pool.emplace_back(*scene.robots[r].model);
-        places.push_back(static_cast<int>(pool.size()) - 1);
-      }
-      place[r] = places[k];
-    }
+void Linearisation::assign(const Scene& scene, const Workspace& w, const Island& island) {
+  if (layout != w.layout) {
+    std::fill(place.begin(), place.end(), -1);
+    layout = w.layout;
   }
-  layout = w.layout;
+  if (place[island.robots.back()] >= 0) return;
+  for (int c : island.contacts) {
+    if (ready[c]) continue;
+    contacts[c] = ContactData<double>(scene.contacts[c], w.supports[c]);
+    derivatives[c] = ContactDerivatives(scene, scene.contacts[c], w.supports[c]);
+    ready[c] = 1;
+  }
+  std::fill(used.begin(), used.end(), 0);
+  for (int r : island.robots) {
+    std::vector<int>& places = of_model[model[r]];
+    const std::size_t k = used[model[r]]++;
+    if (k == places.size()) {
+      pool.emplace_back(*scene.robots[r].model);
+      places.push_back(static_cast<int>(pool.size()) - 1);
+    }
+    place[r] = places[k];
+  }
 }
 
 AtSolution::AtSolution(const Scene& scene, SceneData& data, const Island& island)
     : work_(*data.workspace), island_(island) {
   Linearisation& lin = *work_.linearisation;
+  lin.assign(scene, work_, island);
   exchange();
   for (int r : island.robots) {
     const Robot& robot = scene.robots[r];
@@ -67,7 +75,6 @@ namespace internal {
 Linearisation& linearisation_of(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (!w.linearisation) w.linearisation = std::make_unique<Linearisation>(scene, w);
-  w.linearisation->assign(scene, w);
   return *w.linearisation;
 }
 

@@ -32,13 +32,14 @@ struct Linearisation {
   std::vector<ContactData<double>> contacts;    // per contact, at the solution; by AtSolution
   std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms
 
-  /// Gives the robots of each island places of their own, when islands changed.
-  void assign(const Scene& scene, const Workspace& work);
+  /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
+  void assign(const Scene& scene, const Workspace& work, const Island& island);
 
  private:
   std::vector<int> model;                  // per robot: number of its model
   std::vector<std::vector<int>> of_model;  // per model: its places in the pool
   std::vector<int> used;                   // per model: places taken by the island at hand
+  std::vector<char> ready;                 // per contact: it has memory
   std::uint64_t layout = 0;                // of the workspace, at the last assign
 };
 

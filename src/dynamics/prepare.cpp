@@ -6,15 +6,22 @@
 #include <stdexcept>
 
 #include "manycontact/sparse/union_find.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
 
 IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
     : shape(std::move(s)), choice(choose(*shape, options)) {
+  if (choice.method == Method::kSparseBodies) {
+    bodies = std::make_unique<BodyForm>(shape);
+    return;
+  }
   K.reset(shape->pattern(choice.order));
   v.resize(K.size());
 }
+
+IslandWork::~IslandWork() = default;
 
 namespace {
 
@@ -34,15 +41,9 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island&
 }
 
 // The island's robots and contacts, of which it has as many as any of its shape.
-void settle(Workspace& w, Island& island, IslandWork& d) {
+void settle(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
   std::swap(d.island, island);
-  d.M.clear();
-  d.J.clear();
-  for (int r : d.island.robots) d.M.emplace_back(w.robots[r].M);
-  for (int c : d.island.contacts) {
-    const Eigen::MatrixXd& J = w.contacts[c].J;
-    d.J.emplace_back(J.data(), static_cast<std::size_t>(J.size()));
-  }
+  if (!internal::has_bodies(d)) internal::make_joint_space(scene, w, d);
 }
 
 // Robots of islands with a contact that was switched, at either end.
@@ -104,7 +105,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
   for (std::size_t k = 0; k < count; ++k) {
     s.next.push_back(take(scene, w, s.groups[k]));
-    settle(w, s.groups[k], *s.next.back());
+    settle(scene, w, s.groups[k], *s.next.back());
   }
   w.islands.swap(s.next);
   std::sort(w.islands.begin(), w.islands.end(),

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "manycontact/sparse/least_norm.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -26,6 +27,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   w.kinematics_known = true;
   for (const auto& d : w.islands) {
     const Island& island = d->island;
+    internal::make_joint_space(scene, w, *d);
     internal::evaluate(scene, q, rest, w, island);
     const bool usable = internal::check_input(scene, q, rest, rest, island) == Reason::kNone;
     for (int r : island.robots) {

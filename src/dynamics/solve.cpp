@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "manycontact/sparse/tolerances.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -64,10 +65,9 @@ void reset(IslandReport& report, const Island& island) {
   report.nc = report.rank = island.nc;
 }
 
-void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                  IslandReport& report) {
-  reset(report, d.island);
-  d.factor = nullptr;
+void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
+                          IslandWork& d, IslandReport& report) {
+  if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
   evaluate(scene, q, v, *data.workspace, d.island);
   report.reason = check_input(scene, q, v, data.tau, d.island);
   if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
@@ -79,6 +79,24 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
   scatter(scene, data.f_offset, p, d.island, d.v.x.data(), data.a, data.f);  // x = [a; -f]
   each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
   report_residuals(scene, p, d.v, report);
+}
+
+// By sparse-bodies, or in joint space; there also what sparse-bodies refused, unless it is too large.
+void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
+                  IslandReport& report) {
+  reset(report, d.island);
+  d.factor = nullptr;
+  if (has_bodies(d) && !d.was_dependent) {
+    report.reason = check_input(scene, q, v, data.tau, d.island);
+    if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
+    if (solve_by_bodies(scene, q, v, data, d, report)) return;
+    if (joint_space_size(*d.shape) > kMostJointSpace) return fail(scene, data, d.island, report);
+    const Reason refused = report.reason;
+    solve_in_joint_space(scene, q, v, data, d, report);
+    if (report.reason == Reason::kNone) report.reason = refused;
+    return;
+  }
+  solve_in_joint_space(scene, q, v, data, d, report);
 }
 
 }  // namespace

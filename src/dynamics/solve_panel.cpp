@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "manycontact/sparse/tolerances.hpp"
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {
@@ -37,7 +38,7 @@ struct Reach {
 // Robot by robot, so that a block of columns meets only the rows its robot reaches.
 void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, std::vector<char>& nonzero) {
   const int ld = static_cast<int>(out.X.cols());
-  if (d.island.robots.size() == 1) {
+  if (d.island.robots.size() == 1 || by_bodies(d)) {
     std::fill_n(nonzero.begin(), d.island.size(), 1);
     d.factor->solve_panel(out.X.data(), ld, 0, ld, nonzero.data());
     return;

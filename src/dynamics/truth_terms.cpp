@@ -16,7 +16,7 @@ TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, c
     forward_kinematics<S>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
     forward_accelerations<S>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
     inverse_dynamics<S>(model, kin, nullptr, {}, f, t.h.emplace_back(model.nv));
-    crba<S>(model, kin, Yc, t.M.emplace_back(model.M_begin[model.nv]).data());
+    crba<S>(model, kin, Yc, t.M.emplace_back(packed_size(model)).data());
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];

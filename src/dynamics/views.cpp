@@ -19,6 +19,14 @@ const Workspace& solved(const SceneData& data) {
   return w;
 }
 
+// Not known where sparse-bodies answered, which has them in other frames.
+const RobotData& in_joint_space(const SceneData& data, int robot) {
+  const RobotData& r = solved(data).robots.at(robot);
+  if (!r.known)
+    throw std::logic_error("views of a scene's data: sparse-bodies solved without them, ask for sparse-ldl");
+  return r;
+}
+
 const Linearisation& linearised(const SceneData& data) {
   const Workspace& w = solved(data);
   if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial)
@@ -40,16 +48,25 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
   return prepared(data).islands.at(i)->shape;
 }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
-const KktMatrix& matrix_of(const SceneData& data, std::size_t i) { return solved(data).islands.at(i)->K; }
-
-const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).kin; }
-std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
-  return solved(data).robots.at(robot).Yc;
+const KktMatrix& matrix_of(const SceneData& data, std::size_t i) { 
+  const KktMatrix& K = solved(data).islands.at(i)->K;
+  if (!K.pattern) throw std::logic_error("views of a scene's data: sparse-bodies solved without K, ask for sparse-ldl");
+  return K;
 }
-std::span<const double> inertia_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).M; }
-const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return solved(data).robots.at(robot).h; }
+
+const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return in_joint_space(data, robot).kin; }
+std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
+  return in_joint_space(data, robot).Yc;
+}
+std::span<const double> inertia_of(const SceneData& data, int robot) { return in_joint_space(data, robot).M; }
+const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return in_joint_space(data, robot).h; }
 const ContactData<double>& contact_of(const SceneData& data, int contact) { return solved(data).contacts.at(contact); }
-const ContactSupport& support_of(const SceneData& data, int contact) { return prepared(data).supports.at(contact); }
+const ContactSupport& support_of(const SceneData& data, int contact) {
+  const Workspace& w = prepared(data);
+  if (!w.joint_space.at(contact))
+    throw std::logic_error("views of a scene's data: no island has needed this contact's columns yet");
+  return w.supports[contact];
+}
 
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact) {
   return linearised(data).contacts.at(contact);
@@ -71,7 +88,10 @@ void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
     RobotData& r = w.robots[i];
     forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
-    crba<double>(model, r.kin, r.Yc, r.M.data());
+    r.Yc = r.kin.Y;
+    for (int k = model.njoints() - 1; k > 0; --k)
+      if (const int parent = model.joints[k].parent; parent >= 0) r.Yc[parent] += r.Yc[k];
+    r.known = true;
   }
   w.kinematics_known = true;
 }

@@ -19,10 +19,11 @@ namespace manycontact {
 /// One robot's kinematics and dynamics terms, in its tree frame. By evaluate, at q, v.
 struct RobotData {
   explicit RobotData(const Model& model);
+  bool known = false;               // of the last q, v: not where sparse-bodies answered
   Kinematics<double> kin;           // kin.a: bias accelerations, but while an AtSolution lives
   std::vector<Inertia<double>> Yc;  // composite inertias
   std::vector<Vec6<double>> f;      // scratch of inverse_dynamics
-  std::vector<double> M;            // packed inertia (algorithm/crba.hpp)
+  std::vector<double> M;            // packed inertia (algorithm/crba.hpp); empty until make_joint_space
   Eigen::VectorXd h;                // nv, Coriolis, centrifugal, gravity
 };
 
@@ -35,10 +36,13 @@ struct DependentDerivatives {
   IslandDerivatives with_rho;           // nv columns
 };
 
+struct BodyForm;
+
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
 /// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
-  explicit IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
+  IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
+  ~IslandWork();
 
   std::shared_ptr<IslandShape> shape;
   Choice choice;
@@ -47,7 +51,8 @@ struct IslandWork {
   Island island;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
 
-  // by solve
+  // by solve; with sparse-bodies `bodies`, and the rest only where that refuses
+  std::unique_ptr<BodyForm> bodies;
   KktMatrix K;
   KktVectors v;
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
@@ -109,11 +114,13 @@ struct Workspace {
   // by evaluate, update_kinematics
   bool kinematics_known = false;  // of all robots, at one q and v
   std::vector<RobotData> robots;
-  std::vector<ContactSupport> supports;       // per contact; constant
+  std::vector<char> joint_space;              // per contact: it has memory for the joint-space K
+  std::vector<ContactSupport> supports;       // per contact; constant once there
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
 
   // by solve
   FactorScratch scratch;
+  Eigen::VectorXd q;  // of islands that sparse-bodies solved, for what needs their joint-space terms afterwards
 
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;

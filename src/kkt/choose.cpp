@@ -1,5 +1,6 @@
 #include "manycontact/kkt/choose.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 
@@ -26,6 +27,46 @@ double predicted_cost_supernodal(IslandShape& shape) {
   return 33000 + 2.2 * flops + 0.4 * nc * nc + 42.0 * p.S.nonzeros();
 }
 
+double predicted_cost_bodies(IslandShape& shape) {
+  const BodyPattern& p = *shape.bodies();
+  return 600.0 * p.nodes + 200.0 * p.nc + 1.5 * p.flops;
+}
+
+namespace {
+
+// Coordinates that move a body.
+double chain_length(const Scene& scene, const Attachment& at) {
+  if (at.robot < 0 || at.joint < 0) return 0;
+  const Model& model = *scene.robots[at.robot].model;
+  const Joint& joint = model.joints[at.joint];
+  return model.dof_depth[joint.idx_v] + joint.nv();
+}
+
+}  // namespace
+
+double joint_space_size(const IslandShape& shape) {
+  double size = 0;
+  for (const Robot& robot : shape.scene().robots)
+    for (int depth : robot.model->dof_depth) size += depth + 1.0;
+  for (const Contact& contact : shape.scene().contacts)  // common ancestors counted: an upper bound
+    size += contact.rows() * (chain_length(shape.scene(), contact.A) + chain_length(shape.scene(), contact.B));
+  return size;
+}
+
+double least_cost_ldl(const IslandShape& shape) {
+  double nonzeros = 0, flops = 0;
+  for (const Robot& robot : shape.scene().robots)
+    for (const double depth : robot.model->dof_depth) {  // M's column has its ancestors' rows, no less in any order
+      nonzeros += depth;
+      flops += depth * (depth + 2);
+    }
+  return 17.0 * shape.island().size() + 7 * nonzeros + flops;
+}
+
+bool is_deep(IslandShape& shape) {
+  return predicted_cost_bodies(shape) < tolerance::kCheaper * least_cost_ldl(shape);
+}
+
 double predicted_cost_dense(int nv, int nc) {
   const double n = nv, m = nc;
   return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
@@ -33,19 +74,27 @@ double predicted_cost_dense(int nv, int nc) {
 
 PredictedCosts predict_costs(IslandShape& shape) {
   PredictedCosts costs;
+  costs.bodies = predicted_cost_bodies(shape);
+  costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
+  costs.supernodal = std::numeric_limits<double>::infinity();
+  if (is_deep(shape)) {
+    costs.ldl.fill(least_cost_ldl(shape));
+    costs.cholmod.fill(costs.supernodal);
+    return costs;
+  }
   for (Order order : kOrders) {
     const KktPattern& pattern = *shape.pattern(order);
     costs.ldl[static_cast<std::size_t>(order)] = predicted_cost_ldl(pattern);
     costs.cholmod[static_cast<std::size_t>(order)] = predicted_cost_cholmod(pattern);
   }
-  costs.supernodal = sparse::supernodal_available() && shape.island().nc > 0 ? predicted_cost_supernodal(shape)
-                                                                             : std::numeric_limits<double>::infinity();
-  costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
+  if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = predicted_cost_supernodal(shape);
   return costs;
 }
 
 Choice choose(IslandShape& shape, const Options& options) {
   Choice choice{options.method, Order::kLeafToRoot};
+  if (options.method == Method::kSparseBodies) return choice;
+  if (options.method == Method::kAuto && !options.order && is_deep(shape)) return {Method::kSparseBodies};
   const bool ordered = has_order(options.method) || options.method == Method::kAuto;
   if (options.order) {
     choice.order = *options.order;
@@ -61,6 +110,9 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (sparse::supernodal_available() && shape.island().nc > 0 &&
       predicted_cost_supernodal(shape) < predicted_cost_ldl(*shape.pattern(choice.order)))
     choice.method = Method::kSparseSupernodal;
+  const double least = choice.method == Method::kSparseLdl ? predicted_cost_ldl(*shape.pattern(choice.order))
+                                                           : predicted_cost_supernodal(shape);
+  if (!options.order && predicted_cost_bodies(shape) < tolerance::kCheaper * least) return {Method::kSparseBodies};
   return choice;
 }
 
@@ -77,6 +129,9 @@ std::string number(double x) {
 std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const Options& options) {
   const std::size_t order = static_cast<std::size_t>(choice.order);
   const double ldl = costs.ldl[order];
+  if (choice.method == Method::kSparseBodies)
+    return to_string(choice.method) + ", at " + number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
+           " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);
   if (has_order(choice.method)) text += in_order + (options.order ? " as asked" : "");

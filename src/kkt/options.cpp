@@ -14,6 +14,8 @@ std::string to_string(Method method) {
       return "sparse-cholmod";
     case Method::kSparseSupernodal:
       return "sparse-supernodal";
+    case Method::kSparseBodies:
+      return "sparse-bodies";
     case Method::kAuto:
       return "auto";
   }

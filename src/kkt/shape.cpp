@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "manycontact/kkt/choose.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -30,22 +32,35 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
     scene_.contacts.push_back(to);
   }
   island_ = whole_scene(scene_, std::vector<char>(scene_.contacts.size(), 1));
-  support_ = island_support(scene_, island_);
-  contacts_early_ = elimination_order(scene_, island_, support_, Order::kContactsEarly);
+}
+
+const IslandSupport& IslandShape::support() const {
+  if (!support_) support_ = island_support(scene_, island_);
+  return *support_;
+}
+
+const std::vector<int>& IslandShape::contacts_early() {
+  if (!contacts_early_) contacts_early_ = elimination_order(scene_, island_, support(), Order::kContactsEarly);
+  return *contacts_early_;
+}
+
+const std::shared_ptr<const BodyPattern>& IslandShape::bodies() {
+  if (!bodies_) bodies_ = std::make_shared<const BodyPattern>(analyze_bodies(scene_, island_));
+  return bodies_;
 }
 
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
   auto& p = patterns_[static_cast<std::size_t>(order)];
   if (!p) {
     std::vector<int> perm =
-        order == Order::kContactsEarly ? contacts_early_ : elimination_order(scene_, island_, support_, order);
-    p = std::make_shared<const KktPattern>(analyze(scene_, island_, support_, order, std::move(perm)));
+        order == Order::kContactsEarly ? contacts_early() : elimination_order(scene_, island_, support(), order);
+    p = std::make_shared<const KktPattern>(analyze(scene_, island_, support(), order, std::move(perm)));
   }
   return p;
 }
 
 const std::shared_ptr<const SchurPattern>& IslandShape::schur() {
-  if (!schur_) schur_ = std::make_shared<const SchurPattern>(analyze_schur(scene_, island_, support_));
+  if (!schur_) schur_ = std::make_shared<const SchurPattern>(analyze_schur(scene_, island_, support()));
   return schur_;
 }
 
@@ -115,6 +130,7 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
   auto fresh = std::make_shared<IslandShape>(scene, island);
+  if (is_deep(*fresh)) return by_places_.try_emplace(key_, std::move(fresh)).first->second;
   Key structure;
   add_structure(scene, island, structure);
   structure.insert(structure.end(), fresh->contacts_early().begin(), fresh->contacts_early().end());

@@ -78,12 +78,20 @@ void finalize(Model& model) {
   }
   model.M_begin.assign(1, 0);
   for (int i = 0; i < model.nv; ++i) {
-    if (model.M_begin[i] > std::numeric_limits<int>::max() - model.dof_depth[i] - 1)
-      throw std::invalid_argument("finalize: the tree is so deep that M has 2^31 entries or more");
+    if (model.M_begin[i] > std::numeric_limits<int>::max() - model.dof_depth[i] - 1) {
+      model.M_begin.clear();
+      break;
+    }
     model.M_begin.push_back(model.M_begin[i] + model.dof_depth[i] + 1);
   }
   if (model.armature.size() == 0) model.armature = Eigen::VectorXd::Zero(model.nv);
   if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
+}
+
+std::size_t packed_size(const Model& model) {
+  if (model.M_begin.empty())
+    throw std::length_error("'" + model.name + "' is so deep that its joint-space inertia has 2^31 entries or more");
+  return model.M_begin.back();
 }
 
 bool is_finalized(const Model& model) {
@@ -96,7 +104,7 @@ bool is_finalized(const Model& model) {
   const auto n = static_cast<std::size_t>(nv);
   return model.nq == nq && model.nv == nv && model.dof_parent.size() == n && model.dof_joint.size() == n &&
          model.dof_depth.size() == n && model.subtree_end.size() == model.joints.size() &&
-         model.M_begin.size() == n + 1 && model.armature.size() == nv;
+         (model.M_begin.size() == n + 1 || model.M_begin.empty()) && model.armature.size() == nv;
 }
 
 Eigen::VectorXd neutral(const Model& model) {

@@ -45,6 +45,10 @@ struct ContactData {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
 };
 
+/// nu, nudot, x, W and a0, from aMA, bMA, G, vA, vB, aA and aB.
+template <class S>
+void contact_motion(const Contact& contact, ContactData<S>& data);
+
 /// Fills `data`. kinA, kinB: of the robots of A and B after forward_accelerations; kinB is nullptr when B is the world.
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,

@@ -13,14 +13,27 @@ namespace manycontact {
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
+  double bodies;
   double dense;
 };
+/// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
 double predicted_cost_ldl(const KktPattern& pattern);
 double predicted_cost_cholmod(const KktPattern& pattern);
 double predicted_cost_supernodal(IslandShape& shape);
+double predicted_cost_bodies(IslandShape& shape);
 double predicted_cost_dense(int nv, int nc);
+
+/// What sparse-ldl costs at least in any order, from the trees' depths alone.
+double least_cost_ldl(const IslandShape& shape);
+/// Whether sparse-bodies is cheaper than that: then the patterns of the joint-space K are not made to choose.
+bool is_deep(IslandShape& shape);
+
+/// Numbers in the joint-space K of an island's contacts and trees. Beyond kMostJointSpace it is not made for an island
+/// that sparse-bodies refused, nor are derivatives' terms.
+double joint_space_size(const IslandShape& shape);
+inline constexpr double kMostJointSpace = 1 << 22;
 
 /// method: not kAuto. order: of the pattern that K is assembled in, eliminated in that order where the method has one.
 struct Choice {

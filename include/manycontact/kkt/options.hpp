@@ -12,10 +12,12 @@ enum class Method {
   kSparseLdl,         // SuiteSparse LDL on K, per island
   kSparseCholmod,     // CHOLMOD's simplicial LDL' on K, per island
   kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL' on the Schur complement, per island
+  kSparseBodies,      // bodies' accelerations and joints' forces kept as unknowns, per island: linear in deep trees
   kAuto,              // per island, the sparse method and order of least predicted cost
 };
 inline constexpr Method kMethods[] = {Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,
-                                      Method::kSparseCholmod, Method::kSparseSupernodal, Method::kAuto};
+                                      Method::kSparseCholmod, Method::kSparseSupernodal, Method::kSparseBodies,
+                                      Method::kAuto};
 std::string to_string(Method method);
 /// The method called `name`, as to_string writes it.
 std::optional<Method> method_from_string(const std::string& name);

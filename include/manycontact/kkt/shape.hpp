@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 
+#include "manycontact/kkt/bodies/pattern.hpp"
 #include "manycontact/kkt/schur.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
@@ -19,7 +21,8 @@ class IslandShape {
 
   const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
   const Island& island() const { return island_; }  // of scene(): all of it
-  const IslandSupport& support() const { return support_; }
+  /// Of the joint-space K, as everything below but bodies(). In deep trees these grow with the square of the depth.
+  const IslandSupport& support() const;
 
   const std::shared_ptr<const KktPattern>& pattern(Order order);
   const std::shared_ptr<const SchurPattern>& schur();
@@ -28,13 +31,16 @@ class IslandShape {
   /// CHOLMOD's analysis of the Schur complement, for its supernodal part.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod_schur();
   /// The permutation of Order::kContactsEarly, the only one that depends on where contacts are on their bodies.
-  const std::vector<int>& contacts_early() const { return contacts_early_; }
+  const std::vector<int>& contacts_early();
+  /// The bodies and rows of the body-space system.
+  const std::shared_ptr<const BodyPattern>& bodies();
 
  private:
   Scene scene_;
   Island island_;
-  IslandSupport support_;
-  std::vector<int> contacts_early_;
+  mutable std::optional<IslandSupport> support_;
+  std::optional<std::vector<int>> contacts_early_;
+  std::shared_ptr<const BodyPattern> bodies_;
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
   std::shared_ptr<const SchurPattern> schur_;
@@ -43,7 +49,8 @@ class IslandShape {
 
 /// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared
 /// number by number. Two levels, since places of points on bodies reach the patterns through one permutation only:
-/// islands that differ in such places alone have one shape if their permutations agree.
+/// islands that differ in such places alone have one shape if their permutations agree. (Of trees so deep that the
+/// permutation is not made, these have shapes of their own.)
 class ShapeCache {
  public:
   /// Allocates nothing when an island with the same trees and contacts was asked for before.

@@ -42,7 +42,8 @@ struct Model {
   std::vector<int> dof_joint;    // nv
   std::vector<int> dof_depth;    // nv: number of ancestors
   std::vector<int> subtree_end;  // per joint: one past the last joint of its subtree when numbered depth first
-  std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp)
+  std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
+                                 // so deep that this has 2^31 entries or more
 
   int njoints() const { return static_cast<int>(joints.size()); }
   int nu() const { return floating_base ? nv - 6 : nv; }        // actuated coordinates: all but a floating base
@@ -58,6 +59,9 @@ struct Model {
 /// Fills idx_q, idx_v and all derived fields from joints, frames and armature (an empty armature becomes zero).
 /// Throws std::invalid_argument when joints are not numbered depth first, parents before children.
 void finalize(Model& model);
+
+/// Entries of M's packed storage. Throws std::length_error where M_begin is empty.
+std::size_t packed_size(const Model& model);
 
 /// Whether finalize has run since joints were added or taken away: the derived fields fit the joints.
 bool is_finalized(const Model& model);

@@ -31,6 +31,12 @@ inline constexpr int kRounding = 16;
 /// Used by: LU of the dense oracle.
 inline constexpr int kDampingRounding = 100 * kRounding;
 
+/// Of a contact row's pivot, beside what the row would have if its body were free: E_kk / sum_j (G_kj^2 / P_jj). A row
+/// is eliminated once joints below have given it that much; the body's inertia then grows by at most the inverse. As
+/// coarse as kDistinct, and for the same reason.
+/// Used by: the factor of sparse-bodies.
+inline constexpr double kRowMoves = 1e-3;
+
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below

@@ -1,0 +1,55 @@
+#pragma once
+// Forward kinematics of one robot for deep trees, each body in its **body frame**: world axes, origin at the body's own
+// child frame, as it stands at the instant. What is far from the base loses no digits, as it does in the tree frame
+// (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next there is a
+// translation r:
+//
+//   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
+
+#include <vector>
+
+#include "manycontact/model/model.hpp"
+
+namespace manycontact {
+
+/// A motion about a point r further on.
+template <class A, class S>
+Vec6<S> motion_at(const Eigen::MatrixBase<A>& m, const Vec3<S>& r) {
+  Vec6<S> out = m;
+  out[0] += m[4] * r[2] - m[5] * r[1];
+  out[1] += m[5] * r[0] - m[3] * r[2];
+  out[2] += m[3] * r[1] - m[4] * r[0];
+  return out;
+}
+/// A force that acts at r, about the origin.
+template <class A, class S>
+Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
+  Vec6<S> out = f;
+  out[3] += r[1] * f[2] - r[2] * f[1];
+  out[4] += r[2] * f[0] - r[0] * f[2];
+  out[5] += r[0] * f[1] - r[1] * f[0];
+  return out;
+}
+
+/// Where a robot's bodies are and how they move, each in its body frame. Allocated once per robot.
+template <class S>
+struct BodyKinematics {
+  explicit BodyKinematics(const Model& model);
+
+  // by body_kinematics, from q, v
+  Vec3<S> origin;             // the base's origin in the world [m]
+  std::vector<Mat3<S>> R;     // njoints: the child frame's axes in the world
+  std::vector<Vec3<S>> p;     // njoints: its origin, seen from the base's, world axes
+  std::vector<Vec3<S>> r;     // njoints: the same seen from the parent's; from the base where there is no parent
+  Mat6X<S> J;                 // 6 x nv: motion subspace S_i of each velocity coordinate
+  std::vector<Inertia<S>> Y;  // njoints: inertia of each body
+  std::vector<Vec6<S>> v;     // njoints: spatial velocity
+  std::vector<Vec6<S>> c;     // njoints: bias acceleration of the joint, v x S v
+};
+
+/// Fills `kin`. q: nq, v: nv. base: as forward_kinematics.
+template <class S>
+void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
+                     BodyKinematics<S>& kin);
+
+}  // namespace manycontact

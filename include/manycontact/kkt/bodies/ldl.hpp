@@ -1,0 +1,57 @@
+#pragma once
+// Block L D L^T of a body-space system, from the leaves to the root, without forming it: the articulated-body
+// algorithm with contact rows. What a node's subtree leaves for its body is
+//
+//   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      y: the rows still open
+//
+// (stationary in a and y). Eliminating the joint, with U = P S, D = S^T U + armature, W = G S:
+//
+//   P -= U D^-1 U^T,   G -= W D^-1 U^T,   E += W D^-1 W^T
+//
+// and a row k, once all bodies it acts on are below and joints there have given it a pivot E_kk (tolerance::kRowMoves):
+//
+//   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
+//
+// What is left goes to the parent by X. Rows that do not depend on each other leave at most kMostOpen of their own open,
+// so the cost is linear in the bodies; rows that join far bodies are open all the way between them. Rows open at the
+// bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion Popov, Vereshchagin,
+// Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows of two ends, are ours.
+
+#include "manycontact/kkt/bodies/system.hpp"
+#include "manycontact/kkt/reason.hpp"
+
+namespace manycontact {
+
+struct BodyLdl {
+  // by factorize_bodies
+  std::vector<Mat6<double>> P;    // per node, before its joint is eliminated
+  Mat6X<double> U;                // 6 x nv
+  std::vector<double> Dinv;       // per node ndof x ndof
+  std::vector<int> count, gone;   // per node: rows open before it, of which so many are eliminated there, these first
+  std::vector<int> row;           // of each open row: its number
+  std::vector<Vec6<double>> G, H; // the same: G before the joint; when it is eliminated, or when it leaves the node
+  std::vector<double> W, E;       // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
+  std::vector<int> base_row;      // rows left at the bases, in the order in which they are eliminated
+  std::vector<double> base_E;     // as E
+  std::vector<double> reach;      // per row: sum of what joints gave E_kk
+  double growth = 1;              // of P
+
+  // by solve_bodies
+  std::vector<Vec6<double>> p;  // per node
+  Eigen::VectorXd u, g;         // D^-1 u; rows' right-hand sides
+
+  // scratch
+  std::vector<int> place;  // per row: where it stands at the node at hand
+  std::vector<double> swap;
+
+  void resize(const BodyPattern& pattern);
+};
+
+/// kNone: sound. kSingularInertia: a joint has nothing to move, or no more than rounding. kSmallPivot: rows depend on
+/// each other, or nearly. kNotFinite.
+[[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl);
+
+/// x of the right-hand sides b.
+void solve_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x);
+
+}  // namespace manycontact

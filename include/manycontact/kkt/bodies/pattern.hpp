@@ -1,0 +1,39 @@
+#pragma once
+// Which bodies and contact rows an island's body-space system (system.hpp) joins, and the room its factor needs.
+
+#include <vector>
+
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+/// Nodes are the joints' bodies, robot after robot, parents before children. Constant; shared by alike islands.
+struct BodyPattern {
+  int nodes = 0, nv = 0, nc = 0;
+  std::vector<int> node_offset;      // per robot of the island
+  std::vector<int> parent, end;      // per node: -1 at the base; one past its subtree
+  std::vector<int> first_dof, ndof;  // per node: its joint's coordinates in the island
+  std::vector<int> A, B;             // per contact row: the nodes it acts on, -1 for what stands still
+  std::vector<int> at_first, at;     // rows that act on a node: at[at_first[i]] ... at[at_first[i + 1] - 1]
+
+  // rows that may be open at a node before its joint is eliminated, and where its numbers begin: of rows, of rows
+  // times coordinates, of rows times rows; the joint's D
+  std::vector<int> most;
+  std::vector<std::size_t> row_first, joint_first, square_first, D_first;
+  int most_at_base = 0;  // rows left when all joints are eliminated
+  double flops = 0;      // of factorization, beyond a constant for each body
+
+  /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.
+  bool complete(int row, int i) const {
+    const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
+    return inside(A[row]) && inside(B[row]);
+  }
+};
+
+/// Complete rows that stay open above a node: its body has six directions, so more would depend on each other.
+inline constexpr int kMostOpen = 6;
+
+/// Cost linear in bodies, contacts, and rows times the bodies between the two ends of one.
+BodyPattern analyze_bodies(const Scene& scene, const Island& island);
+
+}  // namespace manycontact

@@ -1,0 +1,58 @@
+#pragma once
+// The equations of an island with the bodies' accelerations and the joints' forces kept as unknowns: many more than
+// accelerations and contact forces of the joint-space K, but each touches a body and its parent only, however deep the
+// tree. Unknowns are a_i, f_i (6 each) of every body i, in its body frame (algorithm/body_kinematics.hpp), qdd, and
+// y = -(contact forces):
+//
+//   a_i = X a_p + S_i qdd_i + c_i                              X: to the child's origin, p: the parent
+//   f_i = Y_i a_i + p_i + sum over children j of X_j^T f_j + sum over rows k at i of G_k y_k
+//   S_i^T f_i + armature qdd_i = tau_i
+//   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
+//
+// With c, p = 0 that is K [qdd; y] = [tau; g]. A base's acceleration stands in c of the body on it.
+
+#include <memory>
+
+#include "manycontact/algorithm/body_kinematics.hpp"
+#include "manycontact/kkt/bodies/pattern.hpp"
+
+namespace manycontact {
+
+/// The numbers of the system, island-wide: nodes, coordinates and rows as the pattern has them.
+struct BodySystem {
+  std::shared_ptr<const BodyPattern> pattern;
+  std::vector<Vec3<double>> r;     // per node: its origin seen from the parent's
+  Mat6X<double> S;                 // 6 x nv
+  std::vector<Inertia<double>> Y;  // per node
+  Eigen::VectorXd armature;        // nv
+  Mat6X<double> GA, GB;            // 6 x nc: forces on A's and B's bodies of a unit y
+  double delta = 0;
+
+  void reset(std::shared_ptr<const BodyPattern> p);
+};
+
+/// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g), in that order.
+struct BodyVectors {
+  std::vector<Vec6<double>> motion, force;  // per node
+  Eigen::VectorXd joints, rows;             // nv, nc
+
+  void resize(const BodyPattern& p);
+  void set_zero();
+};
+
+/// How far x is from solving.
+struct BodyResidual {
+  BodyVectors r;                                // right-hand sides minus left-hand sides; of f: with its sign turned
+  std::vector<Eigen::Vector4d> body_scale;      // per node: terms of a's linear and angular, f's linear and angular part
+  Eigen::VectorXd joint_scale, row_scale;       // nv, nc
+  double dynamics = 0, dynamics_scale = 0;      // largest residuals and terms, of f and of the joints
+  double contact = 0, contact_scale = 0;        // and of the rows
+
+  void resize(const BodyPattern& p);
+};
+
+/// Fills `out`; returns the backward error, the largest residual of an equation (of a three-vector, of f and a) beside
+/// the terms it is left of, these at least eps times the largest of their kind. NaN when x is not finite.
+double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
+
+}  // namespace manycontact

@@ -1,0 +1,133 @@
+#include "manycontact/algorithm/body_kinematics.hpp"
+
+namespace manycontact {
+
+template <class S>
+BodyKinematics<S>::BodyKinematics(const Model& model)
+    : origin(Vec3<S>::Zero()),
+      R(model.njoints()),
+      p(model.njoints()),
+      r(model.njoints()),
+      J(Mat6X<S>::Zero(6, model.nv)),
+      Y(model.njoints()),
+      v(model.njoints()),
+      c(model.njoints()) {}
+
+namespace {
+
+// R <- R Rot(e_k, angle): mixes two columns.
+template <class S>
+void turn_columns(Mat3<S>& R, int k, const S& c, const S& s) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const Vec3<S> ci = R.col(i), cj = R.col(j);
+  R.col(i) = c * ci + s * cj;
+  R.col(j) = c * cj - s * ci;
+}
+
+// R, r come as the joint frame's; J's columns are about the child frame's origin. Zeros in J stay from the beginning.
+template <class S>
+void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Mat6X<S>& J) {
+  using std::cos;
+  using std::sin;
+  const int iq = joint.idx_q, iv = joint.idx_v;
+  switch (joint.type) {
+    case JointType::kRevolute:
+      if (joint.axis_kind < 3) {
+        turn_columns<S>(R, joint.axis_kind, S(cos(q[iq])), S(sin(q[iq])));
+        J.col(iv).template tail<3>() = R.col(joint.axis_kind);
+      } else {
+        const Vec3<S> u = joint.axis.cast<S>();
+        R = Mat3<S>(R * rotation_about<S>(u, q[iq]));
+        J.col(iv).template tail<3>() = R * u;
+      }
+      break;
+    case JointType::kPrismatic:
+      J.col(iv).template head<3>() = R * joint.axis.cast<S>();
+      r += q[iq] * J.col(iv).template head<3>();
+      break;
+    case JointType::kFloating:
+      r += R * q.template segment<3>(iq);
+      R = Mat3<S>(R * rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
+      J.template block<3, 3>(0, iv) = R;
+      J.template block<3, 3>(3, iv + 3) = R;
+      break;
+    case JointType::kPlanar:
+      r += R.col(0) * q[iq] + R.col(1) * q[iq + 1];
+      turn_columns<S>(R, 2, S(cos(q[iq + 2])), S(sin(q[iq + 2])));
+      J.col(iv).template head<3>() = R.col(0);
+      J.col(iv + 1).template head<3>() = R.col(1);
+      J.col(iv + 2).template tail<3>() = R.col(2);
+      break;
+  }
+}
+
+// S v of a joint.
+template <class S>
+Vec6<S> joint_motion(const Joint& joint, const Mat6X<S>& J, const ConstVecRef<S>& v) {
+  Vec6<S> out = J.col(joint.idx_v) * v[joint.idx_v];
+  for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv(); ++k) out += J.col(k) * v[k];
+  return out;
+}
+
+// R Y R^T.
+template <class S>
+Inertia<S> turned(const Inertia<S>& Y, const Mat3<S>& R) {
+  Inertia<S> out;
+  out.m = Y.m;
+  out.h.noalias() = R * Y.h;
+  const Mat3<S> RI = R * Y.I;
+  out.I.noalias() = RI * R.transpose();
+  return out;
+}
+
+}  // namespace
+
+template <class S>
+void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
+                     BodyKinematics<S>& kin) {
+  const Mat3<S> base_R = model.floating_base ? Mat3<S>(Mat3<S>::Identity()) : Mat3<S>(base.R.cast<S>());
+  if (model.floating_base)
+    kin.origin = q.template head<3>();
+  else
+    kin.origin = base.p.cast<S>();
+  const Vec3<S> none = Vec3<S>::Zero();
+  for (int i = 0; i < model.njoints(); ++i) {
+    const Joint& joint = model.joints[i];
+    const bool root = joint.parent < 0;
+    Mat3<S>& R = kin.R[i];
+    Vec3<S>& r = kin.r[i];
+    if (i == 0 && model.floating_base) {  // the base's origin is here: r = 0
+      R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
+      r.setZero();
+      kin.J.template block<3, 3>(0, 0) = R;
+      kin.J.template block<3, 3>(3, 3) = R;
+    } else {
+      const Mat3<S>& P = root ? base_R : kin.R[joint.parent];
+      r.noalias() = P * joint.placement.p.cast<S>();
+      if (joint.placement_rotates)
+        R.noalias() = P * joint.placement.R.cast<S>();
+      else
+        R = P;
+      move_body<S>(joint, q, R, r, kin.J);
+    }
+    kin.p[i] = (root ? none : kin.p[joint.parent]) + r;
+    kin.Y[i] = turned<S>(joint.inertia.template cast<S>(), R);
+    const Vec6<S> vJ = joint_motion<S>(joint, kin.J, v);
+    if (root) {
+      kin.v[i] = vJ;
+      kin.c[i].setZero();
+    } else {
+      const Vec6<S> vp = motion_at(kin.v[joint.parent], r);
+      kin.v[i] = vp + vJ;
+      kin.c[i] = cross_motion(vp, vJ);  // v x S v, since S v x S v = 0
+    }
+  }
+}
+
+template struct BodyKinematics<InstantiatedScalar>;
+template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
+                                                  const ConstVecRef<InstantiatedScalar>&,
+                                                  const ConstVecRef<InstantiatedScalar>&,
+                                                  BodyKinematics<InstantiatedScalar>&);
+
+}  // namespace manycontact

@@ -1,0 +1,108 @@
+// Bounds of errors where sparse-bodies answered: of the body-space system A z = b, componentwise,
+//
+//   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
+//
+// where each equation's terms are those of one body and its parent, and A is symmetric once unknowns and equations are
+// paired (a with f's, f with a's).
+
+#include <algorithm>
+#include <limits>
+
+#include "bodies.hpp"
+#include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+using V6 = Vec6<double>;
+
+// In one vector: per body the equations of a and f, then those of the joints and the rows.
+std::vector<double> uncertainty(const BodyForm& form) {
+  const BodyPattern& p = *form.factor.system.pattern;
+  const BodyResidual& left = form.solution.residual;
+  const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
+  std::vector<double> w;
+  w.reserve(12 * static_cast<std::size_t>(p.nodes) + p.nv + p.nc);
+  for (int i = 0; i < p.nodes; ++i) {
+    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.motion[i][k]) + c * left.body_scale[i][k / 3]);
+    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.force[i][k]) + c * left.body_scale[i][2 + k / 3]);
+  }
+  for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + c * left.joint_scale[k]);
+  for (int k = 0; k < p.nc; ++k) w.push_back(std::abs(left.r.rows[k]) + c * left.row_scale[k]);
+  return w;
+}
+
+// |A^-1| w over the joints' or the rows' unknowns: the 1-norm of diag(w) A^-T restricted to these columns.
+double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
+  const BodySystem& s = form.factor.system;
+  const BodyPattern& p = *s.pattern;
+  BodySolve& v = form.products;
+  v.resize(p);
+  const std::size_t joints = 12 * static_cast<std::size_t>(p.nodes), rows = joints + p.nv;
+  const auto take = [&](const double* x) {
+    for (int i = 0; i < p.nodes; ++i) {
+      v.b.motion[i] = Eigen::Map<const V6>(x + 12 * i);
+      v.b.force[i] = Eigen::Map<const V6>(x + 12 * i + 6);
+    }
+    v.b.joints = Eigen::Map<const Eigen::VectorXd>(x + joints, p.nv);
+    v.b.rows = Eigen::Map<const Eigen::VectorXd>(x + rows, p.nc);
+  };
+  const auto weigh = [&w](double* x) {
+    for (std::size_t k = 0; k < w.size(); ++k) x[k] *= w[k];
+  };
+  const auto keep = [&](double* x) {
+    std::fill_n(x, of_rows ? rows : joints, 0.0);
+    if (!of_rows) std::fill_n(x + rows, p.nc, 0.0);
+  };
+  // A^-1 and its transpose: what c does to qdd is what tau does to f, up to signs, which norms do not see
+  const auto solve = [&](double* x, bool transposed) {
+    take(x);
+    solve_bodies(s, form.factor.ldl, v.b, v.x);
+    for (int i = 0; i < p.nodes; ++i) {
+      Eigen::Map<V6>(x + 12 * i) = transposed ? V6(-v.x.force[i]) : v.x.motion[i];
+      Eigen::Map<V6>(x + 12 * i + 6) = transposed ? V6(-v.x.motion[i]) : v.x.force[i];
+    }
+    Eigen::Map<Eigen::VectorXd>(x + joints, p.nv) = v.x.joints;
+    Eigen::Map<Eigen::VectorXd>(x + rows, p.nc) = v.x.rows;
+  };
+  const auto forward = [&](double* x) { weigh(x), solve(x, false), keep(x); };
+  const auto backward = [&](double* x) { keep(x), solve(x, true), weigh(x); };
+  return tolerance::kNormEstimate * sparse::norm_1_estimate(static_cast<int>(w.size()), backward, forward);
+}
+
+}  // namespace
+
+void bound_by_bodies(IslandWork& d, IslandReport& report) {
+  BodyForm& form = *d.bodies;
+  const std::vector<double> w = uncertainty(form);
+  const auto relative = [](double error, const Eigen::VectorXd& x) {
+    return x.size() == 0 || error == 0 ? 0 : error / x.cwiseAbs().maxCoeff();
+  };
+  report.error_acceleration = relative(bound(form, w, false), form.solution.x.joints);
+  report.error_forces = form.solution.x.rows.size() == 0 ? 0 : relative(bound(form, w, true), form.solution.x.rows);
+}
+
+void multiply_bodies(const BodySystem& s, double* x) {
+  const BodyPattern& p = *s.pattern;
+  std::vector<V6> a(p.nodes), f(p.nodes);
+  for (int i = 0; i < p.nodes; ++i) {
+    a[i] = p.parent[i] < 0 ? V6(V6::Zero()) : motion_at(a[p.parent[i]], s.r[i]);
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) a[i] += s.S.col(k) * x[k];
+    f[i] = s.Y[i] * a[i];
+  }
+  for (int k = 0; k < p.nc; ++k) {
+    double r = -s.delta * x[p.nv + k];
+    if (p.A[k] >= 0) r += s.GA.col(k).dot(a[p.A[k]]), f[p.A[k]] += s.GA.col(k) * x[p.nv + k];
+    if (p.B[k] >= 0) r += s.GB.col(k).dot(a[p.B[k]]), f[p.B[k]] += s.GB.col(k) * x[p.nv + k];
+    x[p.nv + k] = r;
+  }
+  for (int i = p.nodes - 1; i >= 0; --i) {
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) x[k] = s.S.col(k).dot(f[i]) + s.armature[k] * x[k];
+    if (p.parent[i] >= 0) f[p.parent[i]] += force_from(f[i], s.r[i]);
+  }
+}
+
+}  // namespace manycontact::internal

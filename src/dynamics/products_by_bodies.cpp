@@ -1,0 +1,222 @@
+// jvp and vjp of an island solved by sparse-bodies: as jvp.cpp, each body in its body frame, and the accelerations'
+// and forces' changes left to the body-space system, which has them as unknowns.
+
+#include "bodies.hpp"
+#include "manycontact/contact/body_rows.hpp"
+#include "manycontact/contact/products.hpp"
+#include "steps.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+using V6 = Vec6<double>;
+const BodyVariation kRest{V6::Zero(), V6::Zero(), V6::Zero(), V6::Zero()};
+
+// S x of a node's joint.
+V6 combine(const BodySystem& s, int i, const double* x) {
+  const int first = s.pattern->first_dof[i];
+  V6 out = s.S.col(first) * x[first];
+  for (int k = first + 1; k < first + s.pattern->ndof[i]; ++k) out += s.S.col(k) * x[k];
+  return out;
+}
+
+// Of the parent, about the node's origin.
+V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
+  const int parent = s.pattern->parent[i];
+  return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);
+}
+
+int node_of(const BodyForm& form, const Island& island, const Attachment& at) {
+  return at.robot < 0 || at.joint < 0
+             ? -1
+             : form.factor.system.pattern->node_offset[local_robot(island, at.robot)] + at.joint;
+}
+
+// use(node, its robot's kinematics, its joint) for each node.
+template <class Use>
+void each_node(const BodyForm& form, Use&& use) {
+  const std::vector<int>& offset = form.factor.system.pattern->node_offset;
+  for (std::size_t k = 0; k < form.kin.size(); ++k)
+    for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
+}
+
+// Memory, and the contacts at the solution's accelerations.
+void begin_products(const Scene& scene, const Workspace& w, const IslandWork& d, BodyForm& form) {
+  const BodyPattern& p = *form.factor.system.pattern;
+  form.body.resize(p.nodes);
+  form.products.resize(p);
+  if (form.contacts.empty())
+    for (int c : d.island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
+  const V6 none = V6::Zero();
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[d.island.contacts[k]];
+    const auto kin = [&](int robot) { return &form.kin[local_robot(d.island, robot)]; };
+    const auto a = [&](const Attachment& at) -> const V6& {
+      const int node = node_of(form, d.island, at);
+      return node < 0 ? none : form.solution.x.motion[node];
+    };
+    body_rows(scene, contact, *kin(contact.A.robot), contact.B.robot < 0 ? nullptr : kin(contact.B.robot), a(contact.A),
+              a(contact.B), form.contacts[k]);
+  }
+  (void)w;
+}
+
+// Displacements and velocities along (dq, dv), and what these do to the equations: d(S qdd + c), d(Y a + p), S^T f.
+void tangent_bodies(BodyForm& form, const double* dq, const double* dv) {
+  const BodySystem& s = form.factor.system;
+  const BodyVectors& x = form.solution.x;
+  BodyVectors& b = form.products.b;
+  each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
+    const int parent = s.pattern->parent[i];
+    BodyVariation& o = form.body[i];
+    V6 vJ = kin.v[joint];
+    o.xi = combine(s, i, dq);
+    o.v = combine(s, i, dv);
+    o.u.setZero();
+    o.a.setZero();
+    if (parent >= 0) {
+      vJ -= motion_at(kin.v[joint - (i - parent)], s.r[i]);
+      o.xi += motion_at(form.body[parent].xi, s.r[i]);
+    }
+    const V6 dvJ = o.v + cross_motion(o.xi, vJ);
+    o.v = dvJ;
+    if (parent >= 0) o.v += motion_at(form.body[parent].v, s.r[i]);
+    const V6 &v = kin.v[joint], &a = x.motion[i], &xi = o.xi;
+    b.motion[i] = cross_motion(xi, combine(s, i, x.joints.data())) + cross_motion(o.v, vJ) + cross_motion(v, dvJ);
+    const Inertia<double>& Y = s.Y[i];
+    const V6 Yv = Y * v, dYv = cross_force(xi, Yv) - Y * cross_motion(xi, v) + Y * o.v;
+    b.force[i] = cross_force(xi, Y * a) - Y * cross_motion(xi, a) + cross_force(o.v, Yv) + cross_force(v, dYv);
+    const V6 turned = cross_force(xi, x.force[i]);  // -(xi x S)^T f = S^T (xi x* f)
+    for (int k = s.pattern->first_dof[i]; k < s.pattern->first_dof[i] + s.pattern->ndof[i]; ++k)
+      b.joints[k] = s.S.col(k).dot(turned);
+  });
+}
+
+void tangent_contacts(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
+  BodyVectors& b = form.products.b;
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const int c = d.island.contacts[k];
+    const Contact& contact = scene.contacts[c];
+    const ContactData<double>& rows = form.contacts[k];
+    const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
+    V6 dF;
+    contact_tangent(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
+                    data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
+    if (A >= 0) b.force[A] -= rows.aMA.act_force(dF);
+    if (B >= 0) b.force[B] += rows.bMA.act_force(dF);
+    b.rows.segment(d.island.row_offset[k], contact.rows()) = -dr2;
+  }
+}
+
+// The gradients of the bodies' own equations, with u, l in products.x.
+void adjoint_bodies(BodyForm& form) {
+  const BodySystem& s = form.factor.system;
+  each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
+    const Inertia<double>& Y = s.Y[i];
+    const V6 &v = kin.v[joint], &a = form.solution.x.motion[i], &u = form.products.x.motion[i];
+    const V6 Ya = Y * a, Yv = Y * v, Yu = Y * u;
+    const V6 w = cross_motion(u, v), Yw = Y * w;  // u . (v x* Y v) = (u x v) . Y v
+    form.body[i] = {-cross_force(u, Ya) - cross_force(a, Yu) - cross_force(w, Yv) - cross_force(v, Yw),
+                    Ya + cross_force(v, Yv), Yw - cross_force(u, Yv), Yu};
+  });
+}
+
+void adjoint_contacts(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
+  const BodyVectors& x = form.products.x;
+  const V6 none = V6::Zero();
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const int c = d.island.contacts[k];
+    const Contact& contact = scene.contacts[c];
+    const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
+    BodyVariation nobody = kRest;
+    contact_adjoint(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
+                    data.f.segment(data.f_offset[c], contact.rows()),
+                    x.rows.segment(d.island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
+                    B < 0 ? nobody : form.body[B]);
+  }
+}
+
+// From gradients per body to gradients per coordinate, as algorithm/rnea_products.hpp's pull_back.
+void pull_back_bodies(BodyForm& form, double* wq, double* wv) {
+  const BodySystem& s = form.factor.system;
+  const BodyPattern& p = *s.pattern;
+  const BodyVectors &x = form.solution.x, &l = form.products.x;
+  for (int k = static_cast<int>(form.kin.size()) - 1; k >= 0; --k)
+    for (int joint = static_cast<int>(form.kin[k].v.size()) - 1; joint >= 0; --joint) {
+      const int i = p.node_offset[k] + joint, parent = p.parent[i];
+      BodyVariation& g = form.body[i];
+      const V6& v = form.kin[k].v[joint];
+      V6 vJ = v;
+      if (parent >= 0) vJ -= motion_at(form.kin[k].v[parent - p.node_offset[k]], s.r[i]);
+      const V6 uJ = l.motion[i] - of_parent(s, i, l.motion), aJ = combine(s, i, x.joints.data());
+      g.v += cross_force(vJ, g.a);
+      const V6 t = g.v - cross_force(v, g.a);  // gradient with respect to S v
+      g.xi += cross_force(uJ, g.u) + cross_force(vJ, t) + cross_force(aJ, g.a);
+      for (int m = p.first_dof[i]; m < p.first_dof[i] + p.ndof[i]; ++m) {
+        wq[m] = -s.S.col(m).dot(g.xi);  // w = -(dr)^T l
+        wv[m] = -s.S.col(m).dot(t);
+      }
+      if (parent < 0) continue;
+      BodyVariation& o = form.body[parent];
+      o.xi += force_from(g.xi, s.r[i]);
+      o.u += force_from(g.u, s.r[i]);
+      o.v += force_from(g.v, s.r[i]);
+      o.a += force_from(g.a, s.r[i]);
+    }
+}
+
+}  // namespace
+
+void jvp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const ConstVector& dq, const ConstVector& dv,
+                   const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
+  BodyForm& form = *d.bodies;
+  BodySolve& w = form.products;
+  begin_products(scene, *data.workspace, d, form);
+  BodyVectors& in = w.dx;  // dq, dv of the island, until dx is needed
+  BodyVectors& in2 = w.residual.r;
+  each_velocity_block(scene, d.island, [&](int from, int to, int n) {
+    in.joints.segment(to, n) = dq.segment(from, n);
+    in2.joints.segment(to, n) = dv.segment(from, n);
+  });
+  tangent_bodies(form, in.joints.data(), in2.joints.data());
+  tangent_contacts(scene, data, d, form);
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    const int nu = robot.model->nu();
+    w.b.joints.segment(d.island.dof_offset[k] + robot.model->first_actuated(), nu) += du.segment(robot.idx_u, nu);
+  }
+  (void)solve_refined(form.factor.system, form.factor.ldl, w, 1);
+  each_velocity_block(scene, d.island,
+                      [&](int to, int from, int n) { da.segment(to, n) = w.x.joints.segment(from, n); });
+  each_force_block(scene, data.f_offset, d.island,
+                   [&](int to, int from, int n) { df.segment(to, n) = -w.x.rows.segment(from, n); });
+}
+
+void vjp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const ConstVector& wa, const ConstVector& wf,
+                   Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
+  BodyForm& form = *d.bodies;
+  BodySolve& w = form.products;
+  begin_products(scene, *data.workspace, d, form);
+  w.b.set_zero();
+  each_velocity_block(scene, d.island,
+                      [&](int from, int to, int n) { w.b.joints.segment(to, n) = wa.segment(from, n); });
+  each_force_block(scene, data.f_offset, d.island,
+                   [&](int from, int to, int n) { w.b.rows.segment(to, n) = -wf.segment(from, n); });
+  (void)solve_refined(form.factor.system, form.factor.ldl, w, 1);
+  adjoint_bodies(form);
+  adjoint_contacts(scene, data, d, form);
+  pull_back_bodies(form, w.dx.joints.data(), w.residual.r.joints.data());
+  each_velocity_block(scene, d.island, [&](int to, int from, int n) {
+    wq.segment(to, n) = w.dx.joints.segment(from, n);
+    wv.segment(to, n) = w.residual.r.joints.segment(from, n);
+  });
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    const int nu = robot.model->nu();
+    wu.segment(robot.idx_u, nu) = w.x.joints.segment(d.island.dof_offset[k] + robot.model->first_actuated(), nu);
+  }
+}
+
+}  // namespace manycontact::internal

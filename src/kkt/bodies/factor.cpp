@@ -1,0 +1,83 @@
+#include "manycontact/kkt/bodies/factor.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+void BodySolve::resize(const BodyPattern& p) {
+  b.resize(p);
+  x.resize(p);
+  dx.resize(p);
+  residual.resize(p);
+}
+
+namespace {
+
+void add(const BodyVectors& dx, BodyVectors& x) {
+  for (std::size_t i = 0; i < x.motion.size(); ++i) {
+    x.motion[i] += dx.motion[i];
+    x.force[i] += dx.force[i];
+  }
+  x.joints += dx.joints;
+  x.rows += dx.rows;
+}
+
+}  // namespace
+
+sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps) {
+  solve_bodies(system, ldl, v.b, v.x);
+  return sparse::refine(
+      max_steps, tolerance::kRefined, [&] { return backward_error(system, v.b, v.x, v.residual); },
+      [&] {
+        solve_bodies(system, ldl, v.residual.r, v.dx);
+        add(v.dx, v.x);
+      });
+}
+
+BodyFactor::BodyFactor(std::shared_ptr<const BodyPattern> pattern) {
+  system.reset(std::move(pattern));
+  ldl.resize(*system.pattern);
+  work_.resize(*system.pattern);
+  work_.b.set_zero();
+}
+
+Reason BodyFactor::factorize(const KktMatrix&, FactorScratch&) { return factorize_bodies(system, ldl); }
+
+void BodyFactor::solve(double* x) {
+  const BodyPattern& p = *system.pattern;
+  work_.b.joints = Eigen::Map<const Eigen::VectorXd>(x, p.nv);
+  work_.b.rows = Eigen::Map<const Eigen::VectorXd>(x + p.nv, p.nc);
+  solve_bodies(system, ldl, work_.b, work_.x);
+  Eigen::Map<Eigen::VectorXd>(x, p.nv) = work_.x.joints;
+  Eigen::Map<Eigen::VectorXd>(x + p.nv, p.nc) = work_.x.rows;
+}
+
+void BodyFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
+  const BodyPattern& p = *system.pattern;
+  for (int c = first; c < first + cols; ++c) {
+    const auto at = [&](int k) -> double& { return X[static_cast<std::ptrdiff_t>(k) * ld + c]; };
+    for (int k = 0; k < p.nv; ++k) work_.b.joints[k] = at(k);
+    for (int k = 0; k < p.nc; ++k) work_.b.rows[k] = at(p.nv + k);
+    const bool found = solve_refined(system, ldl, work_, 1).backward_error <= tolerance::kConverged;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (int k = 0; k < p.nv; ++k) at(k) = found ? work_.x.joints[k] : nan;
+    for (int k = 0; k < p.nc; ++k) at(p.nv + k) = found ? work_.x.rows[k] : nan;
+  }
+}
+
+int BodyFactor::nonzeros() const {
+  const BodyPattern& p = *system.pattern;
+  double count = 0;  // P, U, D of a body; G, H, W of its rows, and L
+  for (int i = 0; i < p.nodes; ++i) {
+    const double n = p.ndof[i], m = ldl.count[i];
+    count += 21 + 6 * n + n * n + m * (12 + n) + m * (m + 1) / 2;
+  }
+  const double m = static_cast<double>(ldl.base_row.size());
+  count += m * (m + 1) / 2;
+  return static_cast<int>(std::min(count, static_cast<double>(std::numeric_limits<int>::max())));
+}
+
+}  // namespace manycontact

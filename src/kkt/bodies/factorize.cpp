@@ -1,0 +1,294 @@
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "manycontact/kkt/bodies/ldl.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+void BodyLdl::resize(const BodyPattern& s) {
+  P.resize(s.nodes);
+  p.resize(s.nodes);
+  U.resize(6, s.nv);
+  u.resize(s.nv);
+  g.resize(s.nc);
+  Dinv.resize(s.D_first.back());
+  count.resize(s.nodes);
+  gone.resize(s.nodes);
+  row.resize(s.row_first.back());
+  G.resize(s.row_first.back());
+  H.resize(s.row_first.back());
+  W.resize(s.joint_first.back());
+  E.resize(s.square_first.back());
+  base_row.resize(s.most_at_base);
+  base_E.resize(static_cast<std::size_t>(s.most_at_base) * s.most_at_base);
+  reach.resize(s.nc);
+  place.assign(s.nc, -1);
+}
+
+namespace {
+
+using V6 = Vec6<double>;
+using M6 = Mat6<double>;
+
+// The rows of one node: positions 0 ... m-1.
+struct Rows {
+  int m, ld;
+  int* row;
+  V6 *G, *H;
+  double *W, *E;  // m x ndof, m x ld, symmetric while rows are open
+
+  double& e(int i, int j) { return E[static_cast<std::ptrdiff_t>(i) * ld + j]; }
+};
+
+Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
+  const std::size_t first = s.row_first[i];
+  return {d.count[i],        s.most[i],        d.row.data() + first, d.G.data() + first,
+          d.H.data() + first, d.W.data() + s.joint_first[i], d.E.data() + s.square_first[i]};
+}
+
+// [r]x A and A [r]x.
+Mat3<double> cross_left(const Vec3<double>& r, const Mat3<double>& A) {
+  Mat3<double> out;
+  out.row(0) = r[1] * A.row(2) - r[2] * A.row(1);
+  out.row(1) = r[2] * A.row(0) - r[0] * A.row(2);
+  out.row(2) = r[0] * A.row(1) - r[1] * A.row(0);
+  return out;
+}
+Mat3<double> cross_right(const Mat3<double>& A, const Vec3<double>& r) {
+  Mat3<double> out;
+  out.col(0) = r[2] * A.col(1) - r[1] * A.col(2);
+  out.col(1) = r[0] * A.col(2) - r[2] * A.col(0);
+  out.col(2) = r[1] * A.col(0) - r[0] * A.col(1);
+  return out;
+}
+
+// X^T P X, with X = [1, -[r]x; 0, 1].
+M6 shifted(const M6& P, const Vec3<double>& r) {
+  const Mat3<double> A = P.topLeftCorner<3, 3>(), B = P.topRightCorner<3, 3>();
+  const Mat3<double> Bt = B - cross_right(A, r);
+  M6 out;
+  out.topLeftCorner<3, 3>() = A;
+  out.topRightCorner<3, 3>() = Bt;
+  out.bottomLeftCorner<3, 3>() = Bt.transpose();
+  out.bottomRightCorner<3, 3>() =
+      P.bottomRightCorner<3, 3>() - cross_right(Mat3<double>(B.transpose()), r) + cross_left(r, Bt);
+  return out;
+}
+
+// Appends row k at a node, with nothing of its own yet.
+int open_row(Rows& at, int k, std::vector<int>& place) {
+  const int n = at.m++;
+  at.row[n] = k;
+  at.G[n].setZero();
+  for (int j = 0; j <= n; ++j) at.e(n, j) = at.e(j, n) = 0;
+  return place[k] = n;
+}
+
+// Rows that end at node i, and what its children left open.
+void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
+  const BodyPattern& s = *system.pattern;
+  d.count[i] = 0;
+  if (s.most[i] == 0) return;
+  Rows at = rows_of(s, d, i);
+  for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
+    if (d.count[child] == d.gone[child]) continue;
+    Rows from = rows_of(s, d, child);
+    const int first = d.gone[child];
+    for (int k = first; k < from.m; ++k) {
+      const int row = from.row[k];
+      const int to = d.place[row] >= 0 ? d.place[row] : open_row(at, row, d.place);
+      at.G[to] += force_from(from.H[k], system.r[child]);  // G a = H X a
+    }
+    for (int k = first; k < from.m; ++k)
+      for (int j = first; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
+  }
+  for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
+    const int row = s.at[q];
+    const bool known = d.place[row] >= 0;
+    const int to = known ? d.place[row] : open_row(at, row, d.place);
+    if (s.A[row] == i) at.G[to] += system.GA.col(row), at.e(to, to) += system.delta;
+    if (s.B[row] == i) at.G[to] += system.GB.col(row), at.e(to, to) += s.A[row] < 0 ? system.delta : 0;
+  }
+  for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
+  d.count[i] = at.m;
+}
+
+// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T. size: what P's diagonal was a sum of.
+template <int N>
+bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size, Rows& at, M6& P) {
+  using Square = Eigen::Matrix<double, N, N>;
+  const BodyPattern& s = *system.pattern;
+  const int first = s.first_dof[i];
+  const Eigen::Matrix<double, 6, N> S = system.S.middleCols<N>(first);
+  const Eigen::Matrix<double, 6, N> U = d.P[i] * S;
+  d.U.middleCols<N>(first) = U;
+  Square D = S.transpose() * U;
+  Eigen::Map<Square> Dinv(d.Dinv.data() + s.D_first[i]);
+  for (int k = 0; k < N; ++k) {
+    const double moved = S.col(k).cwiseAbs2().dot(size) + system.armature[first + k];
+    D(k, k) += system.armature[first + k];
+    if (!(D(k, k) > tolerance::kPivotLeft * moved)) return false;
+  }
+  if constexpr (N == 1) {
+    Dinv(0, 0) = 1 / D(0, 0);
+    if (!std::isfinite(Dinv(0, 0))) return false;
+  } else {
+    const Eigen::LLT<Square> llt(D);
+    if (llt.info() != Eigen::Success) return false;
+    for (int k = 0; k < N; ++k)
+      if (!(std::pow(llt.matrixLLT()(k, k), 2) > tolerance::kPivotLeft * D(k, k))) return false;
+    Dinv = llt.solve(Square::Identity());
+  }
+  const Eigen::Matrix<double, 6, N> UD = U * Dinv;
+  P.noalias() = d.P[i] - UD * U.transpose();
+  if (at.m == 0) return true;
+  Eigen::Map<Eigen::Matrix<double, N, Eigen::Dynamic>> W(at.W, N, at.m);
+  for (int k = 0; k < at.m; ++k) {
+    W.col(k).noalias() = S.transpose() * at.G[k];
+    at.H[k] = at.G[k] - UD * W.col(k);
+  }
+  for (int k = 0; k < at.m; ++k) {
+    const Eigen::Matrix<double, N, 1> WD = Dinv * W.col(k);
+    for (int j = 0; j < k; ++j) at.e(k, j) = at.e(j, k) += WD.dot(W.col(j));
+    const double own = WD.dot(W.col(k));
+    at.e(k, k) += own;
+    d.reach[at.row[k]] += own;
+  }
+  return true;
+}
+
+void exchange(Rows& at, int ndof, int i, int j) {
+  if (i == j) return;
+  std::swap(at.row[i], at.row[j]);
+  std::swap(at.G[i], at.G[j]);
+  std::swap(at.H[i], at.H[j]);
+  for (int k = 0; k < ndof; ++k) std::swap(at.W[i * ndof + k], at.W[j * ndof + k]);
+  for (int k = 0; k < at.m; ++k) std::swap(at.e(i, k), at.e(j, k));
+  for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
+}
+
+// The inverse of what row k would have if its body were free, by the diagonal of P alone.
+double compliance(const V6& G, const V6& P) {
+  double sum = 0;
+  for (int j = 0; j < 6; ++j)
+    if (G[j] != 0) sum += G[j] * G[j] / P[j];
+  return sum;
+}
+
+// Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
+bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
+  const V6 diagonal = d.P[i].diagonal();
+  int done = 0;
+  while (done < at.m) {
+    int best = -1, complete = 0;
+    double most = -1;
+    for (int k = done; k < at.m; ++k) {
+      if (!s.complete(at.row[k], i)) continue;
+      ++complete;
+      const double E = at.e(k, k);
+      const bool left = E > tolerance::kPivotLeft * d.reach[at.row[k]];
+      const double ratio = left ? E / compliance(at.H[k], diagonal) : 0;
+      if (ratio > most) most = ratio, best = k;
+    }
+    if (best < 0 || (most < tolerance::kRowMoves && complete <= kMostOpen)) break;
+    if (!(most > 0)) return false;
+    d.growth = std::max(d.growth, 1 / most);
+    exchange(at, s.ndof[i], done, best);
+    const double inverse = 1 / at.e(done, done);
+    const V6 H = at.H[done];
+    P.noalias() += (inverse * H) * H.transpose();
+    for (int k = done + 1; k < at.m; ++k) {
+      const double l = inverse * at.e(k, done);
+      at.H[k] -= l * H;
+      for (int j = done + 1; j <= k; ++j) at.e(k, j) = at.e(j, k) -= l * at.e(done, j);
+      at.e(k, done) = l;
+    }
+    at.e(done, done) = inverse;
+    ++done;
+  }
+  d.gone[i] = done;
+  return true;
+}
+
+// Rows open at the bases: E y = -g.
+bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
+  Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
+  for (int i = 0; i < s.nodes; i = s.end[i]) {
+    Rows from = rows_of(s, d, i);
+    for (int k = d.gone[i]; k < from.m; ++k) {
+      if (d.place[from.row[k]] >= 0) continue;
+      const int n = at.m++;
+      at.row[n] = from.row[k];
+      d.place[from.row[k]] = n;
+      for (int j = 0; j <= n; ++j) at.e(n, j) = at.e(j, n) = 0;
+    }
+    for (int k = d.gone[i]; k < from.m; ++k)
+      for (int j = d.gone[i]; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
+  }
+  for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
+  d.base_row.resize(at.m);
+  for (int done = 0; done < at.m; ++done) {
+    int best = done;
+    double most = -1;
+    for (int k = done; k < at.m; ++k)
+      if (const double ratio = at.e(k, k) / d.reach[at.row[k]]; ratio > most) most = ratio, best = k;
+    if (!(most > tolerance::kPivotLeft)) return false;
+    std::swap(at.row[done], at.row[best]);
+    for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
+    for (int k = 0; k < at.m; ++k) std::swap(at.e(k, done), at.e(k, best));
+    const double inverse = 1 / at.e(done, done);
+    for (int k = done + 1; k < at.m; ++k) {
+      const double l = inverse * at.e(k, done);
+      for (int j = done + 1; j <= k; ++j) at.e(k, j) = at.e(j, k) -= l * at.e(done, j);
+      at.e(k, done) = l;
+    }
+    at.e(done, done) = inverse;
+  }
+  return true;
+}
+
+V6 diagonal_of(const Inertia<double>& Y) {
+  V6 out;
+  out << Y.m, Y.m, Y.m, Y.I.diagonal();
+  return out;
+}
+
+}  // namespace
+
+Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
+  const BodyPattern& s = *system.pattern;
+  d.base_row.resize(s.most_at_base);
+  std::fill(d.reach.begin(), d.reach.end(), system.delta);
+  std::fill(d.place.begin(), d.place.end(), -1);
+  d.growth = 1;
+  for (int i = s.nodes - 1; i >= 0; --i) {
+    if (s.end[i] == i + 1) d.P[i] = system.Y[i].matrix();
+    V6 size = diagonal_of(system.Y[i]);
+    for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
+      const M6& C = d.P[child];
+      const double lever = system.r[child].squaredNorm() * C.diagonal().head<3>().sum();
+      size.head<3>() += C.diagonal().head<3>();
+      size.tail<3>().array() += 2 * (C.diagonal().tail<3>().array() + lever);
+    }
+    gather_rows(system, d, i);
+    Rows at = rows_of(s, d, i);
+    d.gone[i] = 0;
+    M6 P;
+    const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
+                          : s.ndof[i] == 3 ? eliminate_joint<3>(system, d, i, size, at, P)
+                                           : eliminate_joint<6>(system, d, i, size, at, P);
+    if (!positive) return d.P[i].allFinite() ? Reason::kSingularInertia : Reason::kNotFinite;
+    if (at.m > 0 && !eliminate_rows(s, d, i, at, P)) return P.allFinite() ? Reason::kSmallPivot : Reason::kNotFinite;
+    const int parent = s.parent[i];
+    if (parent < 0) continue;
+    if (s.end[i] == s.end[parent])
+      d.P[parent] = system.Y[parent].matrix() + shifted(P, system.r[i]);
+    else
+      d.P[parent] += shifted(P, system.r[i]);
+  }
+  return eliminate_base(s, d) ? Reason::kNone : Reason::kSmallPivot;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,111 @@
+#include "manycontact/kkt/bodies/pattern.hpp"
+
+#include <algorithm>
+
+namespace manycontact {
+
+namespace {
+
+void number_nodes(const Scene& scene, const Island& island, BodyPattern& p) {
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Model& model = *scene.robots[island.robots[k]].model;
+    const int o = p.nodes;
+    p.node_offset.push_back(o);
+    for (int i = 0; i < model.njoints(); ++i) {
+      const Joint& joint = model.joints[i];
+      p.parent.push_back(joint.parent < 0 ? -1 : o + joint.parent);
+      p.end.push_back(o + model.subtree_end[i]);
+      p.first_dof.push_back(island.dof_offset[k] + joint.idx_v);
+      p.ndof.push_back(joint.nv());
+    }
+    p.nodes += model.njoints();
+  }
+}
+
+void number_rows(const Scene& scene, const Island& island, BodyPattern& p) {
+  const auto node = [&](const Attachment& at) {
+    return at.robot < 0 || at.joint < 0 ? -1 : p.node_offset[local_robot(island, at.robot)] + at.joint;
+  };
+  std::vector<int> count(p.nodes + 1, 0);
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const int A = node(contact.A), B = node(contact.B);
+    for (int k = 0; k < contact.rows(); ++k) {
+      p.A.push_back(A);
+      p.B.push_back(B);
+      if (A >= 0) ++count[A + 1];
+      if (B >= 0) ++count[B + 1];
+    }
+  }
+  for (int i = 0; i < p.nodes; ++i) count[i + 1] += count[i];
+  p.at_first = count;
+  p.at.resize(count[p.nodes]);
+  for (int row = 0; row < p.nc; ++row)
+    for (int i : {p.A[row], p.B[row]})
+      if (i >= 0) p.at[count[i]++] = row;
+}
+
+// The node at which a row's two ends meet, -1: none.
+int meeting(const BodyPattern& p, int row) {
+  int i = p.A[row];
+  while (i >= 0 && !p.complete(row, i)) i = p.parent[i];
+  return i;
+}
+
+// How many rows may be open where.
+void make_room(BodyPattern& p) {
+  std::vector<int> waiting(p.nodes, 0), complete(p.nodes, 0);  // ends that arrive at a node; rows that are complete
+  int at_base = 0;
+  for (int row = 0; row < p.nc; ++row) {
+    const bool two = p.A[row] >= 0 && p.B[row] >= 0;
+    if (!two) {
+      ++complete[std::max(p.A[row], p.B[row])];
+      continue;
+    }
+    ++waiting[p.A[row]], ++waiting[p.B[row]];
+    if (const int i = meeting(p, row); i >= 0) complete[i] += 1, waiting[i] -= 2;
+  }
+  // a row that completes at a node is counted there by its ends as well: no harm
+  p.most.resize(p.nodes);
+  for (int i = p.nodes - 1; i >= 0; --i) {
+    int own = 0;
+    for (int k = p.at_first[i]; k < p.at_first[i + 1]; ++k) ++own;
+    p.most[i] += own;
+    const int open = std::min(complete[i], kMostOpen);
+    if (p.parent[i] >= 0) {
+      const int parent = p.parent[i];
+      waiting[parent] += waiting[i];
+      complete[parent] += open;
+      p.most[parent] += waiting[i] + open;
+    } else {
+      at_base += waiting[i] + open;
+    }
+  }
+  p.most_at_base = at_base;
+  const auto begin = [](auto& list) { list.assign(1, 0); };
+  begin(p.row_first), begin(p.joint_first), begin(p.square_first), begin(p.D_first);
+  for (int i = 0; i < p.nodes; ++i) {
+    const std::size_t m = p.most[i], n = p.ndof[i];
+    p.row_first.push_back(p.row_first.back() + m);
+    p.joint_first.push_back(p.joint_first.back() + m * n);
+    p.square_first.push_back(p.square_first.back() + m * m);
+    p.D_first.push_back(p.D_first.back() + n * n);
+    p.flops += static_cast<double>(m) * (60 + 6 * static_cast<double>(m));
+  }
+  const double base = at_base;
+  p.flops += base * base * base / 6;
+}
+
+}  // namespace
+
+BodyPattern analyze_bodies(const Scene& scene, const Island& island) {
+  BodyPattern p;
+  p.nv = island.nv;
+  p.nc = island.nc;
+  number_nodes(scene, island, p);
+  number_rows(scene, island, p);
+  make_room(p);
+  return p;
+}
+
+}  // namespace manycontact
