@@ -7,11 +7,7 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
     : origin(Vec3<S>::Zero()),
       R(model.njoints()),
       p(model.njoints()),
-      r(model.njoints()),
-      J(Mat6X<S>::Zero(6, model.nv)),
-      Y(model.njoints()),
-      v(model.njoints()),
-      c(model.njoints()) {}
+      v(model.njoints()) {}
 
 namespace {
 
@@ -26,7 +22,7 @@ void turn_columns(Mat3<S>& R, int k, const S& c, const S& s) {
 
 // R, r come as the joint frame's; J's columns are about the child frame's origin. Zeros in J stay from the beginning.
 template <class S>
-void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Mat6X<S>& J) {
+void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   using std::cos;
   using std::sin;
   const int iq = joint.idx_q, iv = joint.idx_v;
@@ -63,7 +59,7 @@ void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>&
 
 // S v of a joint.
 template <class S>
-Vec6<S> joint_motion(const Joint& joint, const Mat6X<S>& J, const ConstVecRef<S>& v) {
+Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const ConstVecRef<S>& v) {
   Vec6<S> out = J.col(joint.idx_v) * v[joint.idx_v];
   for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv(); ++k) out += J.col(k) * v[k];
   return out;
@@ -84,7 +80,7 @@ Inertia<S> turned(const Inertia<S>& Y, const Mat3<S>& R) {
 
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
-                     BodyKinematics<S>& kin) {
+                     BodyKinematics<S>& kin, BodyTerms<S> terms) {
   const Mat3<S> base_R = model.floating_base ? Mat3<S>(Mat3<S>::Identity()) : Mat3<S>(base.R.cast<S>());
   if (model.floating_base)
     kin.origin = q.template head<3>();
@@ -95,12 +91,12 @@ void body_kinematics(const Model& model, const SE3<double>& base, const ConstVec
     const Joint& joint = model.joints[i];
     const bool root = joint.parent < 0;
     Mat3<S>& R = kin.R[i];
-    Vec3<S>& r = kin.r[i];
+    Vec3<S>& r = terms.r[i];
     if (i == 0 && model.floating_base) {  // the base's origin is here: r = 0
       R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
       r.setZero();
-      kin.J.template block<3, 3>(0, 0) = R;
-      kin.J.template block<3, 3>(3, 3) = R;
+      terms.S_i.template block<3, 3>(0, 0) = R;
+      terms.S_i.template block<3, 3>(3, 3) = R;
     } else {
       const Mat3<S>& P = root ? base_R : kin.R[joint.parent];
       r.noalias() = P * joint.placement.p.cast<S>();
@@ -108,19 +104,20 @@ void body_kinematics(const Model& model, const SE3<double>& base, const ConstVec
         R.noalias() = P * joint.placement.R.cast<S>();
       else
         R = P;
-      move_body<S>(joint, q, R, r, kin.J);
+      move_body<S>(joint, q, R, r, terms.S_i);
     }
     kin.p[i] = (root ? none : kin.p[joint.parent]) + r;
-    kin.Y[i] = turned<S>(joint.inertia.template cast<S>(), R);
-    const Vec6<S> vJ = joint_motion<S>(joint, kin.J, v);
+    const Inertia<S>& Y = terms.Y[i] = turned<S>(joint.inertia.template cast<S>(), R);
+    const Vec6<S> vJ = joint_motion<S>(joint, terms.S_i, v);
     if (root) {
       kin.v[i] = vJ;
-      kin.c[i].setZero();
+      terms.c[i].setZero();
     } else {
       const Vec6<S> vp = motion_at(kin.v[joint.parent], r);
       kin.v[i] = vp + vJ;
-      kin.c[i] = cross_motion(vp, vJ);  // v x S v, since S v x S v = 0
+      terms.c[i] = cross_motion(vp, vJ);  // v x S v, since S v x S v = 0
     }
+    terms.h[i] = cross_force(kin.v[i], Y * kin.v[i]);
   }
 }
 
@@ -128,6 +125,6 @@ template struct BodyKinematics<InstantiatedScalar>;
 template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
                                                   const ConstVecRef<InstantiatedScalar>&,
                                                   const ConstVecRef<InstantiatedScalar>&,
-                                                  BodyKinematics<InstantiatedScalar>&);
+                                                  BodyKinematics<InstantiatedScalar>&, BodyTerms<InstantiatedScalar>);
 
 }  // namespace manycontact

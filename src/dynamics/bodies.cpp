@@ -60,17 +60,16 @@ void evaluate_bodies(const Scene& scene, const ConstVector& q, const ConstVector
     data.workspace->robots[d.island.robots[k]].known = false;
     data.workspace->q.segment(robot.idx_q, model.nq) = q.segment(robot.idx_q, model.nq);
     BodyKinematics<double>& kin = form.kin[k];
-    body_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv), kin);
-    const int o = s.pattern->node_offset[k];
-    s.S.middleCols(d.island.dof_offset[k], model.nv) = kin.J;
-    b.joints.segment(d.island.dof_offset[k], model.nv) = data.tau.segment(robot.idx_v, model.nv);
-    for (int i = 0; i < model.njoints(); ++i) {
-      s.r[o + i] = kin.r[i];
-      s.Y[o + i] = kin.Y[i];
-      b.motion[o + i] = kin.c[i];
+    const int o = s.pattern->node_offset[k], first = d.island.dof_offset[k];
+    body_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv), kin,
+                            {s.r.data() + o,
+                             {s.S.data() + static_cast<std::ptrdiff_t>(6) * first, 6, model.nv},
+                             s.Y.data() + o,
+                             b.motion.data() + o,
+                             b.force.data() + o});
+    b.joints.segment(first, model.nv) = data.tau.segment(robot.idx_v, model.nv);
+    for (int i = 0; i < model.njoints(); ++i)
       if (model.joints[i].parent < 0) b.motion[o + i] += base;
-      b.force[o + i] = cross_force(kin.v[i], kin.Y[i] * kin.v[i]);
-    }
   }
   evaluate_rows(scene, *data.workspace, d, form);
 }

@@ -28,7 +28,7 @@ struct ContactElement {
 
 class ContactReader {
  public:
-  explicit ContactReader(SceneFile& out) : out_(out) {
+  explicit ContactReader(SceneFile& out) : out_(out), references_(out.scene, out.q) {
     for (std::size_t g = 0; g < out.robot_groups.size(); ++g)
       if (out.robot_groups[g].copied) groups_.emplace(out.robot_groups[g].name, static_cast<int>(g));
   }
@@ -203,7 +203,7 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.to_robot) contact.B = attachment(c.B, target, c.B_offset);
     if (!c.position_given || !c.orientation_given)
-      resolve_reference(out_.scene, out_.q, !c.position_given, !c.orientation_given, contact);
+      references_.resolve(!c.position_given, !c.orientation_given, contact);
     try {
       add_contact(out_.scene, std::move(contact));
     } catch (const std::invalid_argument& error) {
@@ -212,6 +212,7 @@ class ContactReader {
   }
 
   SceneFile& out_;
+  ReferenceResolver references_;
   std::unordered_map<std::string, int> groups_;  // copied robots: index into robot_groups
   std::unordered_map<std::string, int> names_;   // of <contact> elements, with their lines
   std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;

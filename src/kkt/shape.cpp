@@ -130,7 +130,10 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
   auto fresh = std::make_shared<IslandShape>(scene, island);
-  if (is_deep(*fresh)) return by_places_.try_emplace(key_, std::move(fresh)).first->second;
+  if (is_deep(*fresh)) {
+    const auto& deep = shapes_.try_emplace(key_, std::move(fresh)).first->second;
+    return by_places_.try_emplace(key_, deep).first->second;
+  }
   Key structure;
   add_structure(scene, island, structure);
   structure.insert(structure.end(), fresh->contacts_early().begin(), fresh->contacts_early().end());

@@ -37,19 +37,25 @@ struct BodyKinematics {
   explicit BodyKinematics(const Model& model);
 
   // by body_kinematics, from q, v
-  Vec3<S> origin;             // the base's origin in the world [m]
-  std::vector<Mat3<S>> R;     // njoints: the child frame's axes in the world
-  std::vector<Vec3<S>> p;     // njoints: its origin, seen from the base's, world axes
-  std::vector<Vec3<S>> r;     // njoints: the same seen from the parent's; from the base where there is no parent
-  Mat6X<S> J;                 // 6 x nv: motion subspace S_i of each velocity coordinate
-  std::vector<Inertia<S>> Y;  // njoints: inertia of each body
-  std::vector<Vec6<S>> v;     // njoints: spatial velocity
-  std::vector<Vec6<S>> c;     // njoints: bias acceleration of the joint, v x S v
+  Vec3<S> origin;          // the base's origin in the world [m]
+  std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
+  std::vector<Vec3<S>> p;  // njoints: its origin, seen from the base's, world axes
+  std::vector<Vec6<S>> v;  // njoints: spatial velocity
 };
 
-/// Fills `kin`. q: nq, v: nv. base: as forward_kinematics.
+/// What the equations of motion are made of; memory of the caller's.
+template <class S>
+struct BodyTerms {
+  Vec3<S>* r;               // njoints: origin seen from the parent's; from the base where there is no parent
+  Eigen::Map<Mat6X<S>> S_i; // 6 x nv: motion subspace of each velocity coordinate; zero before the first call
+  Inertia<S>* Y;            // njoints: inertia of each body
+  Vec6<S>* c;               // njoints: bias acceleration of the joint, v x S v
+  Vec6<S>* h;               // njoints: bias force of the body, v x* Y v
+};
+
+/// Fills `kin` and what `terms` points to. q: nq, v: nv. base: as forward_kinematics.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
-                     BodyKinematics<S>& kin);
+                     BodyKinematics<S>& kin, BodyTerms<S> terms);
 
 }  // namespace manycontact

@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <memory>
+
+#include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {
@@ -8,5 +12,24 @@ namespace manycontact {
 /// std::invalid_argument unless q has scene.nq numbers.
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact);
+
+/// The same for many contacts of one scene at one q, both of which must outlive it: the places of the two robots met
+/// last are kept.
+class ReferenceResolver {
+ public:
+  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q) : scene_(scene), q_(q) {}
+  void resolve(bool position, bool orientation, Contact& contact);
+
+ private:
+  SE3<double> placement(const Attachment& at, const SE3<double>& offset);
+
+  const Scene& scene_;
+  const Eigen::VectorXd& q_;
+  struct Places {
+    int robot = -1;
+    std::unique_ptr<Kinematics<double>> kin;
+  };
+  std::array<Places, 2> known_;  // the one met last first
+};
 
 }  // namespace manycontact

@@ -46,7 +46,10 @@ void analyse(const Scene& scene, const std::vector<Island>& islands, const Optio
     IslandShape& shape = *shapes.find(scene, island);
     if (shapes.size() == known) continue;
     const Choice choice = choose(shape, options);
-    (void)shape.pattern(choice.order);
+    if (choice.method == Method::kSparseBodies)
+      (void)shape.bodies();
+    else
+      (void)shape.pattern(choice.order);
     if (choice.method == Method::kSparseCholmod) (void)shape.cholmod(choice.order);
     if (choice.method == Method::kSparseSupernodal) (void)shape.cholmod_schur();
   }

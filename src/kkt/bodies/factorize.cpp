@@ -48,33 +48,34 @@ Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
           d.H.data() + first, d.W.data() + s.joint_first[i], d.E.data() + s.square_first[i]};
 }
 
-// [r]x A and A [r]x.
-Mat3<double> cross_left(const Vec3<double>& r, const Mat3<double>& A) {
-  Mat3<double> out;
-  out.row(0) = r[1] * A.row(2) - r[2] * A.row(1);
-  out.row(1) = r[2] * A.row(0) - r[0] * A.row(2);
-  out.row(2) = r[0] * A.row(1) - r[1] * A.row(0);
-  return out;
-}
-Mat3<double> cross_right(const Mat3<double>& A, const Vec3<double>& r) {
-  Mat3<double> out;
-  out.col(0) = r[2] * A.col(1) - r[1] * A.col(2);
-  out.col(1) = r[0] * A.col(2) - r[2] * A.col(0);
-  out.col(2) = r[1] * A.col(0) - r[0] * A.col(1);
-  return out;
+// Q += X^T P X, with X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] symmetric:
+//   [A, B'; B'^T, C - B^T [r]x + [r]x B'],   B' = B - A [r]x
+void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
+  const double x = r[0], y = r[1], z = r[2];
+  M6 T = P;
+  for (int i = 0; i < 6; ++i) {  // P X
+    T(i, 3) += y * P(i, 2) - z * P(i, 1);
+    T(i, 4) += z * P(i, 0) - x * P(i, 2);
+    T(i, 5) += x * P(i, 1) - y * P(i, 0);
+  }
+  for (int j = 0; j < 3; ++j) {  // its upper right part is the lower left one's transpose
+    T(3, j) = T(j, 3), T(4, j) = T(j, 4), T(5, j) = T(j, 5);
+  }
+  for (int j = 3; j < 6; ++j) {  // X^T (P X)
+    T(3, j) += y * T(2, j) - z * T(1, j);
+    T(4, j) += z * T(0, j) - x * T(2, j);
+    T(5, j) += x * T(1, j) - y * T(0, j);
+  }
+  Q += T;
 }
 
-// X^T P X, with X = [1, -[r]x; 0, 1].
-M6 shifted(const M6& P, const Vec3<double>& r) {
-  const Mat3<double> A = P.topLeftCorner<3, 3>(), B = P.topRightCorner<3, 3>();
-  const Mat3<double> Bt = B - cross_right(A, r);
-  M6 out;
-  out.topLeftCorner<3, 3>() = A;
-  out.topRightCorner<3, 3>() = Bt;
-  out.bottomLeftCorner<3, 3>() = Bt.transpose();
-  out.bottomRightCorner<3, 3>() =
-      P.bottomRightCorner<3, 3>() - cross_right(Mat3<double>(B.transpose()), r) + cross_left(r, Bt);
-  return out;
+// Q = Y.
+void set(const Inertia<double>& Y, M6& Q) {
+  Q.setZero();
+  Q(0, 0) = Q(1, 1) = Q(2, 2) = Y.m;
+  Q(5, 1) = Q(1, 5) = Y.h[0], Q(3, 2) = Q(2, 3) = Y.h[1], Q(4, 0) = Q(0, 4) = Y.h[2];
+  Q(4, 2) = Q(2, 4) = -Y.h[0], Q(5, 0) = Q(0, 5) = -Y.h[1], Q(3, 1) = Q(1, 3) = -Y.h[2];
+  Q.bottomRightCorner<3, 3>() = Y.I;
 }
 
 // Appends row k at a node, with nothing of its own yet.
@@ -264,7 +265,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
   std::fill(d.place.begin(), d.place.end(), -1);
   d.growth = 1;
   for (int i = s.nodes - 1; i >= 0; --i) {
-    if (s.end[i] == i + 1) d.P[i] = system.Y[i].matrix();
+    if (s.end[i] == i + 1) set(system.Y[i], d.P[i]);
     V6 size = diagonal_of(system.Y[i]);
     for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
       const M6& C = d.P[child];
@@ -283,10 +284,8 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
     if (at.m > 0 && !eliminate_rows(s, d, i, at, P)) return P.allFinite() ? Reason::kSmallPivot : Reason::kNotFinite;
     const int parent = s.parent[i];
     if (parent < 0) continue;
-    if (s.end[i] == s.end[parent])
-      d.P[parent] = system.Y[parent].matrix() + shifted(P, system.r[i]);
-    else
-      d.P[parent] += shifted(P, system.r[i]);
+    if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // its last child comes first
+    add_shifted(P, system.r[i], d.P[parent]);
   }
   return eliminate_base(s, d) ? Reason::kNone : Reason::kSmallPivot;
 }

@@ -40,43 +40,46 @@ namespace {
 
 using V6 = Vec6<double>;
 
-double lin(const V6& x) { return x.head<3>().cwiseAbs().maxCoeff(); }
-double ang(const V6& x) { return x.tail<3>().cwiseAbs().maxCoeff(); }
+double lin(const V6& x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); }
+double ang(const V6& x) { return std::max({std::abs(x[3]), std::abs(x[4]), std::abs(x[5])}); }
+double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
 // a_i = X a_p + S qdd + c, and f_i without rows and children; the joint's own equations.
+template <int N>
 void body_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors& x, int i, BodyResidual& out) {
   const BodyPattern& p = *s.pattern;
   const V6 &a = x.motion[i], &f = x.force[i];
+  const int parent = p.parent[i], first = p.first_dof[i];
   V6 r = b.motion[i] - a;
-  Eigen::Vector4d& scale = out.body_scale[i];
-  scale[0] = std::max(lin(b.motion[i]), lin(a)), scale[1] = std::max(ang(b.motion[i]), ang(a));
-  if (p.parent[i] >= 0) {
-    const V6 ap = motion_at(x.motion[p.parent[i]], s.r[i]);
+  Eigen::Vector4d scale = out.body_scale[i];
+  const double a_lin = lin(a), a_ang = ang(a), f_lin = lin(f), f_ang = ang(f);
+  scale[0] = std::max(lin(b.motion[i]), a_lin), scale[1] = std::max(ang(b.motion[i]), a_ang);
+  if (parent >= 0) {
+    const double lever = reach(s.r[i]);
+    const V6 ap = motion_at(x.motion[parent], s.r[i]);
     r += ap;
-    scale[0] = std::max({scale[0], lin(ap), s.r[i].cwiseAbs().maxCoeff() * ang(ap)});
+    scale[0] = std::max({scale[0], lin(ap), lever * ang(ap)});
     scale[1] = std::max(scale[1], ang(ap));
+    out.r.force[parent] += force_from(f, s.r[i]);
+    Eigen::Vector4d& above = out.body_scale[parent];
+    above[2] = std::max(above[2], f_lin);
+    above[3] = std::max({above[3], f_ang, lever * f_lin});
   }
-  for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) {
-    const V6 Sx = s.S.col(k) * x.joints[k];
+  for (int k = first; k < first + N; ++k) {
+    const V6 S = s.S.col(k), Sx = S * x.joints[k];
     r += Sx;
     scale[0] = std::max(scale[0], lin(Sx)), scale[1] = std::max(scale[1], ang(Sx));
-    out.r.joints[k] = b.joints[k] - s.S.col(k).dot(f) - s.armature[k] * x.joints[k];
-    out.joint_scale[k] =
-        std::abs(b.joints[k]) + s.S.col(k).cwiseAbs().dot(f.cwiseAbs()) + std::abs(s.armature[k] * x.joints[k]);
+    const double inertia = s.armature[k] * x.joints[k];
+    out.r.joints[k] = b.joints[k] - S.dot(f) - inertia;
+    out.joint_scale[k] = std::abs(b.joints[k]) + S.cwiseAbs().dot(f.cwiseAbs()) + std::abs(inertia);
   }
   out.r.motion[i] = r;
   const Inertia<double>& Y = s.Y[i];
   out.r.force[i] += b.force[i] + Y * a - f;
-  const double v = lin(a), w = ang(a), h = Y.h.cwiseAbs().maxCoeff(), I = Y.I.diagonal().cwiseAbs().maxCoeff();
-  scale[2] = std::max({scale[2], lin(f), lin(b.force[i]), Y.m * v + h * w});
-  scale[3] = std::max({scale[3], ang(f), ang(b.force[i]), h * v + I * w});
-  const int parent = p.parent[i];
-  if (parent < 0) return;
-  const V6 to_parent = force_from(f, s.r[i]);
-  out.r.force[parent] += to_parent;
-  Eigen::Vector4d& above = out.body_scale[parent];
-  above[2] = std::max(above[2], lin(to_parent));
-  above[3] = std::max({above[3], ang(to_parent), s.r[i].cwiseAbs().maxCoeff() * lin(to_parent)});
+  const double h = reach(Y.h), I = std::max({Y.I(0, 0), Y.I(1, 1), Y.I(2, 2)});
+  scale[2] = std::max({scale[2], f_lin, lin(b.force[i]), Y.m * a_lin + h * a_ang});
+  scale[3] = std::max({scale[3], f_ang, ang(b.force[i]), h * a_lin + I * a_ang});
+  out.body_scale[i] = scale;
 }
 
 void row_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors& x, BodyResidual& out) {
@@ -114,12 +117,20 @@ double backward_error(const BodySystem& s, const BodyVectors& b, const BodyVecto
     out.body_scale[i].setZero();
   }
   row_equations(s, b, x, out);
-  for (int i = p.nodes - 1; i >= 0; --i) body_equations(s, b, x, i, out);
-
+  for (int i = p.nodes - 1; i >= 0; --i) {
+    if (p.ndof[i] == 1)
+      body_equations<1>(s, b, x, i, out);
+    else if (p.ndof[i] == 3)
+      body_equations<3>(s, b, x, i, out);
+    else
+      body_equations<6>(s, b, x, i, out);
+  }
   constexpr double eps = std::numeric_limits<double>::epsilon();
   Eigen::Vector4d largest = Eigen::Vector4d::Zero();
+  double joint = 0, row = 0;
   for (const Eigen::Vector4d& scale : out.body_scale) largest = largest.cwiseMax(scale);
-  const double joint = p.nv > 0 ? out.joint_scale.maxCoeff() : 0, row = p.nc > 0 ? out.row_scale.maxCoeff() : 0;
+  for (const double scale : out.joint_scale) take_largest(joint, scale);
+  for (const double scale : out.row_scale) take_largest(row, scale);
   double error = 0;
   out.dynamics = out.contact = 0;
   const auto judge = [&error](double r, double scale) {
@@ -127,17 +138,20 @@ double backward_error(const BodySystem& s, const BodyVectors& b, const BodyVecto
   };
   for (int i = 0; i < p.nodes; ++i) {
     const Eigen::Vector4d scale = out.body_scale[i].cwiseMax(eps * largest);
+    const double f_lin = lin(out.r.force[i]), f_ang = ang(out.r.force[i]);
     judge(lin(out.r.motion[i]), scale[0]), judge(ang(out.r.motion[i]), scale[1]);
-    judge(lin(out.r.force[i]), scale[2]), judge(ang(out.r.force[i]), scale[3]);
-    take_largest(out.dynamics, std::max(lin(out.r.force[i]), ang(out.r.force[i])));
+    judge(f_lin, scale[2]), judge(f_ang, scale[3]);
+    take_largest(out.dynamics, f_lin), take_largest(out.dynamics, f_ang);
   }
   for (int k = 0; k < p.nv; ++k) {
-    judge(std::abs(out.r.joints[k]), std::max(out.joint_scale[k], eps * joint));
-    take_largest(out.dynamics, std::abs(out.r.joints[k]));
+    const double r = std::abs(out.r.joints[k]);
+    judge(r, std::max(out.joint_scale[k], eps * joint));
+    take_largest(out.dynamics, r);
   }
   for (int k = 0; k < p.nc; ++k) {
-    judge(std::abs(out.r.rows[k]), std::max(out.row_scale[k], eps * row));
-    take_largest(out.contact, std::abs(out.r.rows[k]));
+    const double r = std::abs(out.r.rows[k]);
+    judge(r, std::max(out.row_scale[k], eps * row));
+    take_largest(out.contact, r);
   }
   out.dynamics_scale = std::max({largest[2], largest[3], joint});
   out.contact_scale = row;

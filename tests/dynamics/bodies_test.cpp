@@ -1,0 +1,179 @@
+// sparse-bodies: against the oracle on random trees, against quadruple precision and sparse-ldl on chains, and on
+// chains too long for either.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/algorithm/aba.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/truth.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "support/allocations.hpp"
+#include "support/chains.hpp"
+#include "support/measure.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+const Options kBodies{Method::kSparseBodies, {}};
+
+// The answer, and the oracle's beside it.
+struct Both {
+  SceneData bodies, dense;
+  Both(const Scene& scene, const VectorXd& q, const VectorXd& v, const VectorXd& u)
+      : bodies(scene, kBodies), dense(scene, {Method::kDense, {}}) {
+    (void)solve(scene, q, v, u, bodies);
+    (void)solve(scene, q, v, u, dense);
+  }
+};
+
+SceneOptions trees(double damping) {
+  SceneOptions options;
+  options.nrobots = 3;
+  options.damping = damping;
+  return options;
+}
+
+TEST(Bodies, AgreeWithTheOracle) {
+  std::mt19937 rng(1);
+  int answered = 0, islands = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const RandomScene s = random_scene(rng, trees(trial % 3 == 2 ? 1e-3 : 0));
+    Both x(s.scene, s.q, s.v, s.u);
+    EXPECT_EQ(x.bodies.report.status, x.dense.report.status) << trial;
+    const Errors e = errors<double>(s.scene, x.bodies, x.dense.a, x.dense.f, conditions(s.scene, x.dense));
+    EXPECT_LE(e.excess, 1) << trial << ": " << e;
+    for (const IslandReport& island : x.bodies.report.islands) {
+      ++islands;
+      answered += island.method == Method::kSparseBodies;
+      EXPECT_LE(island.backward_error, 1e-14) << trial;
+    }
+  }
+  EXPECT_GE(answered, 0.95 * islands);
+}
+
+// Products by the recursion, and blocks by panels, beside those of sparse-ldl.
+TEST(Bodies, DerivativesAgreeWithSparseLdl) {
+  std::mt19937 rng(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const RandomScene s = random_scene(rng, trees(trial % 3 == 2 ? 1e-3 : 0));
+    SceneData x(s.scene, kBodies), y(s.scene, {Method::kSparseLdl, {}});
+    if (solve(s.scene, s.q, s.v, s.u, x).status != Status::kOk) continue;
+    if (solve(s.scene, s.q, s.v, s.u, y).status != Status::kOk) continue;
+    estimate_condition(s.scene, y);
+    const double tolerance = 10 * allowed(y.report.condition);
+    const VectorXd dq = random_vector(s.scene.nv, rng), dv = random_vector(s.scene.nv, rng),
+                   du = random_vector(s.scene.nu, rng), wf = random_vector(static_cast<int>(x.f.size()), rng);
+    VectorXd da(s.scene.nv), df(x.f.size()), da2 = da, df2 = df;
+    jvp(s.scene, x, dq, dv, du, da, df);
+    jvp(s.scene, y, dq, dv, du, da2, df2);
+    const auto near = [&](const VectorXd& a, const VectorXd& b, const char* what) {
+      ASSERT_TRUE(a.allFinite());
+      if (b.size() > 0) EXPECT_LE((a - b).cwiseAbs().maxCoeff(), tolerance * b.cwiseAbs().maxCoeff()) << trial << what;
+    };
+    near(da, da2, " jvp a"), near(df, df2, " jvp f");
+    VectorXd wq(s.scene.nv), wv = wq, wu(s.scene.nu), wq2 = wq, wv2 = wq, wu2 = wu;
+    vjp(s.scene, x, dq, wf, wq, wv, wu);
+    vjp(s.scene, y, dq, wf, wq2, wv2, wu2);
+    near(wq, wq2, " vjp q"), near(wv, wv2, " vjp v"), near(wu, wu2, " vjp u");
+    differentiate(s.scene, x), differentiate(s.scene, y);
+    const SceneDerivatives a = dense_derivatives(s.scene, x), b = dense_derivatives(s.scene, y);
+    near(a.da_dq.reshaped(), b.da_dq.reshaped(), " da_dq"), near(a.da_dv.reshaped(), b.da_dv.reshaped(), " da_dv");
+    near(a.dforces_dq.reshaped(), b.dforces_dq.reshaped(), " df_dq");
+    near(a.da_du.reshaped(), b.da_du.reshaped(), " da_du");
+  }
+}
+
+TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
+  for (const ContactType type : {ContactType::k3D, ContactType::k6D}) {
+    ChainOptions options;
+    options.links = 200;
+    options.type = type;
+    const Chain c = make_chain(options);
+    SceneData x(c.scene, kBodies), y(c.scene, {Method::kSparseLdl, {}});
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, y).status, Status::kOk);
+    const Truth<Quad> truth =
+        refine_truth<Quad>(c.scene, y, c.q.cast<Quad>(), c.v.cast<Quad>(), c.u.cast<Quad>(), 0);
+    ASSERT_TRUE(truth.regular[0]);
+    // joint-space K's condition is 1e10; the bodies' own equations are near to it in no row
+    const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
+    EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), 1e-11 * a.cwiseAbs().maxCoeff());
+    EXPECT_LE((x.f - f).cwiseAbs().maxCoeff(), 1e-11 * f.cwiseAbs().maxCoeff());
+    estimate_errors(c.scene, x);
+    EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), x.report.error_acceleration * a.cwiseAbs().maxCoeff());
+    EXPECT_LE((x.f - f).cwiseAbs().maxCoeff(), x.report.error_forces * f.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST(Bodies, LoopsAlongAChain) {
+  ChainOptions options;
+  options.links = 120;
+  options.loop_every = 8;
+  options.held_every = 0;
+  options.type = ContactType::k3D;
+  const Chain c = make_chain(options);
+  Both x(c.scene, c.q, c.v, c.u);
+  ASSERT_EQ(x.bodies.report.status, Status::kOk);
+  EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
+  const Errors e = errors<double>(c.scene, x.bodies, x.dense.a, x.dense.f, conditions(c.scene, x.dense));
+  EXPECT_LE(e.excess, 1) << e;
+}
+
+TEST(Bodies, AutoTakesThemForDeepTreesAlone) {
+  ChainOptions options;
+  options.links = 20000;
+  const Chain deep = make_chain(options);
+  SceneData x(deep.scene);
+  ASSERT_EQ(solve(deep.scene, deep.q, deep.v, deep.u, x).status, Status::kOk);
+  EXPECT_EQ(choice_of(x, 0).method, Method::kSparseBodies);
+  EXPECT_LE(x.report.backward_error, 1e-14);
+  EXPECT_THROW((void)matrix_of(x, 0), std::logic_error);
+  EXPECT_THROW((void)inertia_of(x, 0), std::logic_error);
+  EXPECT_THROW(differentiate(deep.scene, x), std::length_error);
+  options.links = 6;
+  options.held_every = 0;
+  const Chain shallow = make_chain(options);
+  EXPECT_EQ(choice_of(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
+}
+
+TEST(Bodies, DependentRowsAreLeftToTheLadder) {
+  for (const int links : {60, 20000}) {
+    ChainOptions options;
+    options.links = links;
+    Chain c = make_chain(options);
+    Contact again = c.scene.contacts[2];
+    again.name = "again";
+    add_contact(c.scene, again);
+    SceneData x(c.scene, kBodies);
+    (void)solve(c.scene, c.q, c.v, c.u, x);
+    EXPECT_EQ(x.report.status, links < 100 ? Status::kRedundant : Status::kFailed);
+    EXPECT_EQ(x.report.islands[0].reason, Reason::kSmallPivot);
+    EXPECT_EQ(x.a.allFinite(), links < 100);
+  }
+}
+
+TEST(Bodies, AllocateNothingInSteadyState) {
+#if MANYCONTACT_COUNTS_ALLOCATIONS
+  ChainOptions options;
+  options.links = 300;
+  options.loop_every = 60;
+  const Chain c = make_chain(options);
+  SceneData x(c.scene, kBodies);
+  VectorXd a = c.v, f(x.f.size()), q = c.v, v = c.v, u = c.u;
+  const auto work = [&] {
+    (void)solve(c.scene, c.q, c.v, c.u, x);
+    jvp(c.scene, x, c.v, c.v, c.u, a, f);
+    vjp(c.scene, x, a, f, q, v, u);
+  };
+  work();
+  ASSERT_EQ(x.report.islands[0].method, Method::kSparseBodies);
+  EXPECT_EQ(allocations(work), 0u);
+#endif
+}
+
+}  // namespace
+}  // namespace manycontact::test
