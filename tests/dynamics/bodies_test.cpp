@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/algorithm/aba.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/truth.hpp"

@@ -69,9 +69,6 @@ void body_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors
     const V6 S = s.S.col(k), Sx = S * x.joints[k];
     r += Sx;
     scale[0] = std::max(scale[0], lin(Sx)), scale[1] = std::max(scale[1], ang(Sx));
-    const double inertia = s.armature[k] * x.joints[k];
-    out.r.joints[k] = b.joints[k] - S.dot(f) - inertia;
-    out.joint_scale[k] = std::abs(b.joints[k]) + S.cwiseAbs().dot(f.cwiseAbs()) + std::abs(inertia);
   }
   out.r.motion[i] = r;
   const Inertia<double>& Y = s.Y[i];
@@ -80,6 +77,12 @@ void body_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors
   scale[2] = std::max({scale[2], f_lin, lin(b.force[i]), Y.m * a_lin + h * a_ang});
   scale[3] = std::max({scale[3], f_ang, ang(b.force[i]), h * a_lin + I * a_ang});
   out.body_scale[i] = scale;
+  for (int k = first; k < first + N; ++k) {
+    const V6 S = s.S.col(k);
+    const double inertia = s.armature[k] * x.joints[k];
+    out.r.joints[k] = b.joints[k] - S.dot(f) - inertia;
+    out.joint_scale[k] = std::abs(b.joints[k]) + std::abs(inertia) + lin(S) * scale[2] + ang(S) * scale[3];
+  }
 }
 
 void row_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors& x, BodyResidual& out) {
@@ -90,16 +93,28 @@ void row_equations(const BodySystem& s, const BodyVectors& b, const BodyVectors&
     const auto end = [&](int node, const auto& G) {
       if (node < 0) return;
       r -= G.dot(x.motion[node]);
-      scale += G.cwiseAbs().dot(x.motion[node].cwiseAbs());
-      const V6 F = G * y;
+      scale += lin(G) * out.body_scale[node][0] + ang(G) * out.body_scale[node][1];
+    };
+    end(p.A[k], s.GA.col(k));
+    end(p.B[k], s.GB.col(k));
+    out.r.rows[k] = r;
+    out.row_scale[k] = scale;
+  }
+}
+
+// The rows' forces on their bodies.
+void row_forces(const BodySystem& s, const BodyVectors& x, BodyResidual& out) {
+  const BodyPattern& p = *s.pattern;
+  for (int k = 0; k < p.nc; ++k) {
+    const auto end = [&](int node, const auto& G) {
+      if (node < 0) return;
+      const V6 F = G * x.rows[k];
       out.r.force[node] += F;
       out.body_scale[node][2] = std::max(out.body_scale[node][2], lin(F));
       out.body_scale[node][3] = std::max(out.body_scale[node][3], ang(F));
     };
     end(p.A[k], s.GA.col(k));
     end(p.B[k], s.GB.col(k));
-    out.r.rows[k] = r;
-    out.row_scale[k] = scale;
   }
 }
 
@@ -116,7 +131,7 @@ double backward_error(const BodySystem& s, const BodyVectors& b, const BodyVecto
     out.r.force[i].setZero();
     out.body_scale[i].setZero();
   }
-  row_equations(s, b, x, out);
+  row_forces(s, x, out);
   for (int i = p.nodes - 1; i >= 0; --i) {
     if (p.ndof[i] == 1)
       body_equations<1>(s, b, x, i, out);
@@ -125,6 +140,7 @@ double backward_error(const BodySystem& s, const BodyVectors& b, const BodyVecto
     else
       body_equations<6>(s, b, x, i, out);
   }
+  row_equations(s, b, x, out);
   constexpr double eps = std::numeric_limits<double>::epsilon();
   Eigen::Vector4d largest = Eigen::Vector4d::Zero();
   double joint = 0, row = 0;

@@ -52,7 +52,8 @@ struct BodyResidual {
 };
 
 /// Fills `out`; returns the backward error, the largest residual of an equation (of a three-vector, of f and a) beside
-/// the terms it is left of, these at least eps times the largest of their kind. NaN when x is not finite.
+/// the terms it is left of, these at least eps times the largest of their kind. f in the equation of a joint and a in
+/// that of a row count with the terms that they are sums of. NaN when x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
 }  // namespace manycontact
