@@ -70,7 +70,7 @@ TEST(Bodies, DerivativesAgreeWithSparseLdl) {
     jvp(s.scene, x, dq, dv, du, da, df);
     jvp(s.scene, y, dq, dv, du, da2, df2);
     const auto near = [&](const VectorXd& a, const VectorXd& b, const char* what) {
-      ASSERT_TRUE(a.allFinite());
+      ASSERT_TRUE(a.allFinite()) << trial << what;
       if (b.size() > 0) EXPECT_LE((a - b).cwiseAbs().maxCoeff(), tolerance * b.cwiseAbs().maxCoeff()) << trial << what;
     };
     near(da, da2, " jvp a"), near(df, df2, " jvp f");
@@ -159,6 +159,7 @@ TEST(Bodies, AllocateNothingInSteadyState) {
 #if MANYCONTACT_COUNTS_ALLOCATIONS
   ChainOptions options;
   options.links = 300;
+  options.held_every = 0;
   options.loop_every = 60;
   const Chain c = make_chain(options);
   SceneData x(c.scene, kBodies);

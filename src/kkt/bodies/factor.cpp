@@ -37,6 +37,16 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
       });
 }
 
+namespace {
+
+// Of a column, of which most entries may be nothing but rounding beside the others: a torque may move nothing at all.
+double normwise(const BodyResidual& r) {
+  const double left = std::max(r.dynamics, r.contact);
+  return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);
+}
+
+}  // namespace
+
 BodyFactor::BodyFactor(std::shared_ptr<const BodyPattern> pattern) {
   system.reset(std::move(pattern));
   ldl.resize(*system.pattern);
@@ -61,7 +71,8 @@ void BodyFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
     const auto at = [&](int k) -> double& { return X[static_cast<std::ptrdiff_t>(k) * ld + c]; };
     for (int k = 0; k < p.nv; ++k) work_.b.joints[k] = at(k);
     for (int k = 0; k < p.nc; ++k) work_.b.rows[k] = at(p.nv + k);
-    const bool found = solve_refined(system, ldl, work_, 1).backward_error <= tolerance::kConverged;
+    (void)solve_refined(system, ldl, work_, 1);
+    const bool found = normwise(work_.residual) <= tolerance::kConverged;
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int k = 0; k < p.nv; ++k) at(k) = found ? work_.x.joints[k] : nan;
     for (int k = 0; k < p.nc; ++k) at(p.nv + k) = found ? work_.x.rows[k] : nan;
