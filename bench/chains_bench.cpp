@@ -2,9 +2,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "../tests/support/chains.hpp"
 #include "manycontact/algorithm/aba.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "../tests/support/chains.hpp"
 
 namespace manycontact::bench {
 namespace {

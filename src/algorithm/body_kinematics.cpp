@@ -4,10 +4,7 @@ namespace manycontact {
 
 template <class S>
 BodyKinematics<S>::BodyKinematics(const Model& model)
-    : origin(Vec3<S>::Zero()),
-      R(model.njoints()),
-      p(model.njoints()),
-      v(model.njoints()) {}
+    : origin(Vec3<S>::Zero()), R(model.njoints()), p(model.njoints()), v(model.njoints()) {}
 
 namespace {
 

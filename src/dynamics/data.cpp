@@ -6,8 +6,7 @@
 
 namespace manycontact {
 
-RobotData::RobotData(const Model& model)
-    : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
+RobotData::RobotData(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
 
 Workspace::Workspace(const Scene& s) : scene(s) {
   robots.reserve(s.robots.size());

@@ -3,9 +3,9 @@
 #include <functional>
 #include <limits>
 
+#include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {

@@ -100,7 +100,8 @@ void multiply_bodies(const BodySystem& s, double* x) {
     x[p.nv + k] = r;
   }
   for (int i = p.nodes - 1; i >= 0; --i) {
-    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) x[k] = s.S.col(k).dot(f[i]) + s.armature[k] * x[k];
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k)
+      x[k] = s.S.col(k).dot(f[i]) + s.armature[k] * x[k];
     if (p.parent[i] >= 0) f[p.parent[i]] += force_from(f[i], s.r[i]);
   }
 }

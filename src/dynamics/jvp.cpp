@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "manycontact/contact/products.hpp"
 #include "bodies.hpp"
+#include "manycontact/contact/products.hpp"
 #include "steps.hpp"
 
 namespace manycontact {

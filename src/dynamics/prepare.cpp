@@ -5,8 +5,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "manycontact/sparse/union_find.hpp"
 #include "bodies.hpp"
+#include "manycontact/sparse/union_find.hpp"
 #include "steps.hpp"
 
 namespace manycontact {

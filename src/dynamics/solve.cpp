@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "manycontact/sparse/tolerances.hpp"
 #include "bodies.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 namespace manycontact {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "manycontact/sparse/tolerances.hpp"
 #include "bodies.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {

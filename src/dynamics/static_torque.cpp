@@ -26,7 +26,8 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     if (!w.robots[r].known)
-      throw std::logic_error("static_torque: sparse-bodies solved without the bodies' tree frames, differentiate first");
+      throw std::logic_error(
+          "static_torque: sparse-bodies solved without the bodies' tree frames, differentiate first");
     s.kin[r] = w.robots[r].kin;
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);

@@ -48,7 +48,7 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
   return prepared(data).islands.at(i)->shape;
 }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
-const KktMatrix& matrix_of(const SceneData& data, std::size_t i) { 
+const KktMatrix& matrix_of(const SceneData& data, std::size_t i) {
   const KktMatrix& K = solved(data).islands.at(i)->K;
   if (!K.pattern) throw std::logic_error("views of a scene's data: sparse-bodies solved without K, ask for sparse-ldl");
   return K;

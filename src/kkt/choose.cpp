@@ -63,9 +63,7 @@ double least_cost_ldl(const IslandShape& shape) {
   return 17.0 * shape.island().size() + 7 * nonzeros + flops;
 }
 
-bool is_deep(IslandShape& shape) {
-  return predicted_cost_bodies(shape) < tolerance::kCheaper * least_cost_ldl(shape);
-}
+bool is_deep(IslandShape& shape) { return predicted_cost_bodies(shape) < tolerance::kCheaper * least_cost_ldl(shape); }
 
 double predicted_cost_dense(int nv, int nc) {
   const double n = nv, m = nc;
@@ -130,7 +128,8 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   const std::size_t order = static_cast<std::size_t>(choice.order);
   const double ldl = costs.ldl[order];
   if (choice.method == Method::kSparseBodies)
-    return to_string(choice.method) + ", at " + number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
+    return to_string(choice.method) + ", at " +
+           number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
            " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);

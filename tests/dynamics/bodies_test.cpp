@@ -95,8 +95,7 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
     SceneData x(c.scene, kBodies), y(c.scene, {Method::kSparseLdl, {}});
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, y).status, Status::kOk);
-    const Truth<Quad> truth =
-        refine_truth<Quad>(c.scene, y, c.q.cast<Quad>(), c.v.cast<Quad>(), c.u.cast<Quad>(), 0);
+    const Truth<Quad> truth = refine_truth<Quad>(c.scene, y, c.q.cast<Quad>(), c.v.cast<Quad>(), c.u.cast<Quad>(), 0);
     ASSERT_TRUE(truth.regular[0]);
     // joint-space K's condition is 1e10; the bodies' own equations are near to it in no row
     const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();

@@ -46,11 +46,11 @@ struct BodyKinematics {
 /// What the equations of motion are made of; memory of the caller's.
 template <class S>
 struct BodyTerms {
-  Vec3<S>* r;               // njoints: origin seen from the parent's; from the base where there is no parent
-  Eigen::Map<Mat6X<S>> S_i; // 6 x nv: motion subspace of each velocity coordinate; zero before the first call
-  Inertia<S>* Y;            // njoints: inertia of each body
-  Vec6<S>* c;               // njoints: bias acceleration of the joint, v x S v
-  Vec6<S>* h;               // njoints: bias force of the body, v x* Y v
+  Vec3<S>* r;                // njoints: origin seen from the parent's; from the base where there is no parent
+  Eigen::Map<Mat6X<S>> S_i;  // 6 x nv: motion subspace of each velocity coordinate; zero before the first call
+  Inertia<S>* Y;             // njoints: inertia of each body
+  Vec6<S>* c;                // njoints: bias acceleration of the joint, v x S v
+  Vec6<S>* h;                // njoints: bias force of the body, v x* Y v
 };
 
 /// Fills `kin` and what `terms` points to. q: nq, v: nv. base: as forward_kinematics.

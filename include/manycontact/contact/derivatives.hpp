@@ -26,13 +26,13 @@ struct ContactDerivatives {
   ContactDerivatives() = default;  // of nothing
   ContactDerivatives(const Scene& scene, const Contact& contact, const ContactSupport& support);
 
-  std::vector<int> chain_a, chain_b;  // all coordinates above A and above B', ascending
-  Mat6X<double> dx_dq, dx_dv;         // 6 x cols: of x (without the turning of W)
-  Eigen::Matrix3Xd turn;              // 3 x chain_a: th_i, where `turns`
-  Mat6X<double> S_b;                  // 6 x chain_b (between bodies): columns of B' in A's axes
+  std::vector<int> chain_a, chain_b;      // all coordinates above A and above B', ascending
+  Mat6X<double> dx_dq, dx_dv;             // 6 x cols: of x (without the turning of W)
+  Eigen::Matrix3Xd turn;                  // 3 x chain_a: th_i, where `turns`
+  Mat6X<double> S_b;                      // 6 x chain_b (between bodies): columns of B' in A's axes
   Vec6<double> F = Vec6<double>::Zero();  // W^T f: force on A at its origin, in A's axes
   Vec6<double> x = Vec6<double>::Zero();  // x at the accelerations of kin
-  bool turns = false;                 // the frame is world-aligned
+  bool turns = false;                     // the frame is world-aligned
 };
 
 /// th x y on both parts of y: how a world-aligned frame's y turns when A turns by th (a column of `turn`).

@@ -44,8 +44,13 @@ struct Rows {
 
 Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
   const std::size_t first = s.row_first[i];
-  return {d.count[i],        s.most[i],        d.row.data() + first, d.G.data() + first,
-          d.H.data() + first, d.W.data() + s.joint_first[i], d.E.data() + s.square_first[i]};
+  return {d.count[i],
+          s.most[i],
+          d.row.data() + first,
+          d.G.data() + first,
+          d.H.data() + first,
+          d.W.data() + s.joint_first[i],
+          d.E.data() + s.square_first[i]};
 }
 
 // Q += X^T P X, with X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] symmetric:

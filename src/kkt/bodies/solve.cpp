@@ -67,7 +67,9 @@ void solve_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, Bo
   d.g = b.rows;
   for (int i = s.nodes - 1; i >= 0; --i) {
     if (s.end[i] == i + 1) d.p[i] = b.force[i];
-    const V6 p = s.ndof[i] == 1 ? lift<1>(system, d, b, i) : s.ndof[i] == 3 ? lift<3>(system, d, b, i) : lift<6>(system, d, b, i);
+    const V6 p = s.ndof[i] == 1   ? lift<1>(system, d, b, i)
+                 : s.ndof[i] == 3 ? lift<3>(system, d, b, i)
+                                  : lift<6>(system, d, b, i);
     const int parent = s.parent[i];
     if (parent < 0) continue;
     if (s.end[i] == s.end[parent])

@@ -12,10 +12,11 @@
 //
 //   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
 //
-// What is left goes to the parent by X. Rows that do not depend on each other leave at most kMostOpen of their own open,
-// so the cost is linear in the bodies; rows that join far bodies are open all the way between them. Rows open at the
-// bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion Popov, Vereshchagin,
-// Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows of two ends, are ours.
+// What is left goes to the parent by X. Rows that do not depend on each other leave at most kMostOpen of their own
+// open, so the cost is linear in the bodies; rows that join far bodies are open all the way between them. Rows open at
+// the bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion Popov,
+// Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows of two
+// ends, are ours.
 
 #include "manycontact/kkt/bodies/system.hpp"
 #include "manycontact/kkt/reason.hpp"
@@ -24,17 +25,17 @@ namespace manycontact {
 
 struct BodyLdl {
   // by factorize_bodies
-  std::vector<Mat6<double>> P;    // per node, before its joint is eliminated
-  Mat6X<double> U;                // 6 x nv
-  std::vector<double> Dinv;       // per node ndof x ndof
-  std::vector<int> count, gone;   // per node: rows open before it, of which so many are eliminated there, these first
-  std::vector<int> row;           // of each open row: its number
-  std::vector<Vec6<double>> G, H; // the same: G before the joint; when it is eliminated, or when it leaves the node
-  std::vector<double> W, E;       // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
-  std::vector<int> base_row;      // rows left at the bases, in the order in which they are eliminated
-  std::vector<double> base_E;     // as E
-  std::vector<double> reach;      // per row: sum of what joints gave E_kk
-  double growth = 1;              // of P
+  std::vector<Mat6<double>> P;     // per node, before its joint is eliminated
+  Mat6X<double> U;                 // 6 x nv
+  std::vector<double> Dinv;        // per node ndof x ndof
+  std::vector<int> count, gone;    // per node: rows open before it, of which so many are eliminated there, these first
+  std::vector<int> row;            // of each open row: its number
+  std::vector<Vec6<double>> G, H;  // the same: G before the joint; when it is eliminated, or when it leaves the node
+  std::vector<double> W, E;        // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
+  std::vector<int> base_row;       // rows left at the bases, in the order in which they are eliminated
+  std::vector<double> base_E;      // as E
+  std::vector<double> reach;       // per row: sum of what joints gave E_kk
+  double growth = 1;               // of P
 
   // by solve_bodies
   std::vector<Vec6<double>> p;  // per node

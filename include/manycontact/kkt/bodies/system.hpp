@@ -42,11 +42,11 @@ struct BodyVectors {
 
 /// How far x is from solving.
 struct BodyResidual {
-  BodyVectors r;                                // right-hand sides minus left-hand sides; of f: with its sign turned
-  std::vector<Eigen::Vector4d> body_scale;      // per node: terms of a's linear and angular, f's linear and angular part
-  Eigen::VectorXd joint_scale, row_scale;       // nv, nc
-  double dynamics = 0, dynamics_scale = 0;      // largest residuals and terms, of f and of the joints
-  double contact = 0, contact_scale = 0;        // and of the rows
+  BodyVectors r;                            // right-hand sides minus left-hand sides; of f: with its sign turned
+  std::vector<Eigen::Vector4d> body_scale;  // per node: terms of a's linear and angular, f's linear and angular part
+  Eigen::VectorXd joint_scale, row_scale;   // nv, nc
+  double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms, of f and of the joints
+  double contact = 0, contact_scale = 0;    // and of the rows
 
   void resize(const BodyPattern& p);
 };
