@@ -43,6 +43,7 @@ struct Fixture {
     (void)solve(s.scene, s.q, s.v, s.u, data);
     qdd = data.a;
     tau = Eigen::VectorXd::Zero(model.nv);
+    complete(s.scene, data);
     kin = kinematics_of(data, 0);
     crba<double>(model, kin, Yc, M.data());
     M_spans.emplace_back(M);

@@ -26,14 +26,13 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
 // Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
 template <class S>
 inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, Mat6X<S>& J) {
-  using std::cos;
-  using std::sin;
   const int iq = joint.idx_q, iv = joint.idx_v;
   switch (joint.type) {
     case JointType::kRevolute: {
       Vec3<S> axis;
       if (joint.axis_kind < 3) {
-        const S c = cos(q[iq]), s = sin(q[iq]);
+        S c, s;
+        sin_cos(q[iq], s, c);
         rotate_columns<S>(M.R, joint.axis_kind, c, s);
         axis = M.R.col(joint.axis_kind);
       } else {
@@ -60,7 +59,9 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, M
     }
     case JointType::kPlanar: {
       M.p += M.R.col(0) * q[iq] + M.R.col(1) * q[iq + 1];
-      rotate_columns<S>(M.R, 2, S(cos(q[iq + 2])), S(sin(q[iq + 2])));
+      S c, s;
+      sin_cos(q[iq + 2], s, c);
+      rotate_columns<S>(M.R, 2, c, s);
       const Vec3<S> normal = M.R.col(2);
       J.template block<3, 1>(0, iv) = M.R.col(0);
       J.template block<3, 1>(0, iv + 1) = M.R.col(1);
@@ -74,14 +75,14 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, M
 
 }  // namespace
 
-template <class S>
-void forward_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
+template <class S, class B>
+void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
   SE3<S> oMbase;
   if (model.floating_base) {
     kin.origin = q.template head<3>();
   } else {
-    kin.origin = base.p.cast<S>();
-    oMbase.R = base.R.cast<S>();
+    kin.origin = base.p.template cast<S>();
+    oMbase.R = base.R.template cast<S>();
   }
   const int n = model.njoints();
   for (int i = 0; i < n; ++i) {
@@ -134,9 +135,9 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
 }
 
 template struct Kinematics<InstantiatedScalar>;
-template void forward_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
-                                                     const ConstVecRef<InstantiatedScalar>&,
-                                                     Kinematics<InstantiatedScalar>&);
+template void forward_kinematics<InstantiatedScalar, double>(const Model&, const SE3<double>&,
+                                                             const ConstVecRef<InstantiatedScalar>&,
+                                                             Kinematics<InstantiatedScalar>&);
 template void forward_accelerations<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
                                                         const InstantiatedScalar*, const Vec3<double>&,
                                                         Kinematics<InstantiatedScalar>&);

@@ -159,10 +159,12 @@ void prepare(const Scene& scene, SceneData& data) {
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
     w.shelves.clear();
+    w.lanes.groups.clear();
     w.derivatives.islands.clear();
   }
   w.options = data.options;
   change_islands(scene, data, w, all);
+  lanes::regroup(scene, w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

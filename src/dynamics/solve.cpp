@@ -54,16 +54,6 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// All but the memory of its list.
-void reset(IslandReport& report, const Island& island) {
-  std::vector<int> memory = std::move(report.dependent_rows);
-  memory.clear();
-  report = {};
-  report.dependent_rows = std::move(memory);
-  report.nv = island.nv;
-  report.nc = report.rank = island.nc;
-}
-
 void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
                   IslandReport& report) {
   reset(report, d.island);
@@ -82,6 +72,15 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
 }
 
 }  // namespace
+
+void reset(IslandReport& report, const Island& island) {
+  std::vector<int> memory = std::move(report.dependent_rows);
+  memory.clear();
+  report = {};
+  report.dependent_rows = std::move(memory);
+  report.nv = island.nv;
+  report.nc = report.rank = island.nc;
+}
 
 }  // namespace internal
 
@@ -115,10 +114,17 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   data.v = v;
   data.tau = tau;
   data.report.method = data.options.method;
+  w.q = q;
   w.kinematics_known = false;
-  for (std::size_t i = 0; i < w.islands.size(); ++i)
-    solve_island(scene, q, v, data, *w.islands[i], data.report.islands[i]);
-  w.kinematics_known = true;
+  solve_in_lanes(scene, data);
+  bool known = true;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    if (w.islands[i]->in_lanes)
+      known = false;
+    else
+      solve_island(scene, q, v, data, *w.islands[i], data.report.islands[i]);
+  }
+  w.kinematics_known = known;
   summarise(data.report);
   data.serial = w.current = ++w.solves;
   return data.report;

@@ -9,6 +9,12 @@ namespace manycontact::internal {
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
+/// An island's report as it is before it is solved; keeps the memory of its list.
+void reset(IslandReport& report, const Island& island);
+/// Solves the islands that stand in lanes, at w.q, data.v, data.tau. Those that come out unsound are left as they were.
+void solve_in_lanes(const Scene& scene, SceneData& data);
+/// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
+void complete(const Scene& scene, const SceneData& data);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.

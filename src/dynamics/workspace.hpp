@@ -5,6 +5,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "lanes/groups.hpp"
 #include "linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -52,6 +53,7 @@ struct IslandWork {
   KktVectors v;
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
+  bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
   double first_error = 0;                       // backward error before refinement
   bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
@@ -106,13 +108,17 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
+  lanes::Groups lanes;  // `islands` in groups
+
   // by evaluate, update_kinematics
-  bool kinematics_known = false;  // of all robots, at one q and v
+  bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane
   std::vector<RobotData> robots;
   std::vector<ContactSupport> supports;       // per contact; constant
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
 
   // by solve
+  Eigen::VectorXd q;          // nq: the configuration solved at
+  IslandReport spare_report;  // of islands that are completed
   FactorScratch scratch;
 
   // by differentiate, jvp, vjp

@@ -24,7 +24,7 @@ int contact_named(const Scene& scene, const std::string& name) { return scene.co
 // A herd of quadrupeds, of which one lifts a foot; then another one, the same foot.
 TEST(Switching, TouchesItsIslandAlone) {
   SceneFile file = load_scene(kModels + "herd.xml");
-  SceneData data(file.scene, {Method::kSparseLdl, {}});
+  SceneData data(file.scene, {Method::kSparseLdl, {}, Lanes::kOff});
   solve_at(file, data);
   ASSERT_EQ(shapes_analysed(data), 1u);
   std::vector<const double*> before;

@@ -32,9 +32,23 @@ inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, O
 std::string to_string(Order order);
 std::optional<Order> order_from_string(const std::string& name);
 
+/// Instructions for robots side by side in SIMD lanes: islands of one robot by sparse-ldl, 2 (baseline), 4 (AVX2 and
+/// FMA) or 8 (AVX-512) of one model at a time. A level that is not compiled in, or does not run here, is as kOff.
+enum class Lanes {
+  kAuto,  // the widest that runs here
+  kOff,   // robot by robot
+  kBaseline,
+  kAvx2,
+  kAvx512,
+};
+inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, Lanes::kAvx2, Lanes::kAvx512};
+std::string to_string(Lanes lanes);
+std::optional<Lanes> lanes_from_string(const std::string& name);
+
 struct Options {
   Method method = Method::kAuto;
   std::optional<Order> order;  // of sparse-ldl and sparse-cholmod; none: the order of least predicted cost
+  Lanes lanes = Lanes::kAuto;
   bool operator==(const Options&) const = default;
 };
 

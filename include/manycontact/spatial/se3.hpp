@@ -62,9 +62,8 @@ struct SE3 {
 /// Rotation by `angle` about the unit vector `axis` (Rodrigues).
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
-  using std::cos;
-  using std::sin;
-  const S c = cos(angle), s = sin(angle);
+  S c, s;
+  sin_cos(angle, s, c);
   return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
 }
 

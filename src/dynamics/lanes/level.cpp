@@ -1,0 +1,69 @@
+// The kernels of one level of instructions: the forward path once more, in packs. Compiled once per level with that
+// level's flags, MANYCONTACT_LEVEL (its name) and MANYCONTACT_LANES (its width); nothing of it but the Level is seen by
+// the linker (src/lanes.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
+// taken from here and meet a processor without these instructions.
+
+#include "side_by_side.hpp"
+
+#include "../../algorithm/crba.cpp"
+#include "../../algorithm/kinematics.cpp"
+#include "../../algorithm/rnea.cpp"
+#include "manycontact/spatial/explog.hpp"
+
+namespace manycontact {
+
+/// Has branches, so lane by lane.
+template <int W>
+Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
+  Vec6<Pack<W>> m;
+  for (int l = 0; l < W; ++l) {
+    SE3<double> of_lane;
+    for (int i = 0; i < 9; ++i) of_lane.R.data()[i] = M.R.data()[i][l];
+    for (int i = 0; i < 3; ++i) of_lane.p[i] = M.p[i][l];
+    const Vec6<double> x = log6<double>(of_lane);
+    for (int i = 0; i < 6; ++i) m[i].set(l, x[i]);
+  }
+  return m;
+}
+
+}  // namespace manycontact
+
+#include "../../contact/rows.cpp"
+
+namespace manycontact::lanes {
+
+namespace {
+
+class LevelKernel final : public Kernel {
+ public:
+  LevelKernel(const Scene& scene, const Island& island, const IslandSupport& support,
+              std::shared_ptr<const KktPattern> pattern)
+      : alone_(scene, island, support, pattern), together_(scene, island, support, pattern) {}
+  void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) override {
+    if (islands.size() == 1)
+      alone_.solve(job, islands, answers);
+    else
+      together_.solve(job, islands, answers);
+  }
+
+ private:
+  SideBySide<Pack<1>> alone_;
+  SideBySide<Pack<MANYCONTACT_LANES>> together_;
+};
+
+std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const IslandSupport& support,
+                             std::shared_ptr<const KktPattern> pattern) {
+  return std::make_unique<LevelKernel>(scene, island, support, std::move(pattern));
+}
+
+}  // namespace
+
+#define MANYCONTACT_NAME_OF(level) #level
+#define MANYCONTACT_NAME(level) MANYCONTACT_NAME_OF(level)
+#define MANYCONTACT_LEVEL_OF(level) level_##level
+#define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
+
+extern const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
+const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL), MANYCONTACT_LANES, make};
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,74 @@
+#include "steps.hpp"
+
+namespace manycontact {
+
+namespace internal {
+
+namespace {
+
+void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+  reset(report, d.island);
+  report.method = Method::kSparseLdl;
+  report.order = d.choice.order;
+  report.factor_nonzeros = d.shape->pattern(d.choice.order)->ldl.nonzeros() + d.island.size();
+  report.refinement_steps = answer.refinement_steps;
+  report.residual_dynamics = answer.residual_dynamics;
+  report.residual_contact = answer.residual_contact;
+  report.backward_error = answer.backward_error;
+  d.factor = nullptr;
+  d.in_lanes = true;
+}
+
+}  // namespace
+
+void solve_in_lanes(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  lanes::Groups& g = w.lanes;
+  for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
+  if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
+  const lanes::Job job{scene, w.q.data(), data.v.data(), data.tau.data(), data.f_offset, data.a.data(), data.f.data()};
+  for (auto& [key, group] : g.groups) {
+    const auto solve_those_at_hand = [&] {
+      if (g.islands.empty()) return;
+      group.kernel->solve(job, g.islands, {g.answers.data(), g.islands.size()});
+      for (std::size_t k = 0; k < g.islands.size(); ++k)
+        if (g.answers[k].sound) report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
+      g.islands.clear();
+      g.numbers.clear();
+    };
+    for (int i : group.islands) {
+      const IslandWork& d = *w.islands[i];
+      if (d.was_dependent) continue;  // and mostly still is: another way answers
+      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) solve_those_at_hand();
+      g.islands.push_back(&d.island);
+      g.numbers.push_back(i);
+      if (static_cast<int>(g.islands.size()) == g.level->width) solve_those_at_hand();
+    }
+    solve_those_at_hand();
+  }
+}
+
+}  // namespace internal
+
+void complete(const Scene& scene, const SceneData& data) {
+  internal::check_solved(scene, data, "complete");
+  internal::complete(scene, data);
+}
+
+namespace internal {
+
+void complete(const Scene& scene, const SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (w.kinematics_known) return;
+  for (std::unique_ptr<IslandWork>& d : w.islands) {
+    if (!d->in_lanes) continue;
+    evaluate(scene, w.q, data.v, w, d->island);
+    if (!climb_ladder(scene, data, w.scratch, *d, w.spare_report)) d->factor = nullptr;
+    d->in_lanes = false;
+  }
+  w.kinematics_known = true;
+}
+
+}  // namespace internal
+
+}  // namespace manycontact
