@@ -116,7 +116,7 @@ void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
     forward_accelerations<double>(f.model, f.s.v, f.qdd.data(), f.s.scene.gravity, f.kin);
     f.Yc = f.kin.Y;
     for (int i = f.model.njoints() - 1; i > 0; --i) f.Yc[f.model.joints[i].parent] += f.Yc[i];
-    rnea_derivatives(f.model, f.kin, f.Yc, {}, d);
+    rnea_derivatives<double>(f.model, f.kin, f.Yc, {}, d);
     benchmark::DoNotOptimize(d);
   }
 }

@@ -44,7 +44,7 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
       data->da0_dx.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
     });
     for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
-      const Vec6<double> dx = turned(d.turn.col(i), d.x);
+      const Vec6<double> dx = turned<double>(d.turn.col(i), d.x);
       data->da0_dx.col(d.chain_a[i]).noalias() += rows.W * dx;
     }
     if (!forces) continue;

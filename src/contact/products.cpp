@@ -35,8 +35,8 @@ void contact_tangent(const Contact& c, const ContactData<double>& d, const BodyV
   const V6 F = d.W.transpose() * f;
   dF = cross_force(xi, F);
   if (turns(c)) {
-    dx += turned(xi.tail<3>(), d.x);
-    dF -= turned(xi.tail<3>(), F);
+    dx += turned<double>(xi.tail<3>(), d.x);
+    dF -= turned<double>(xi.tail<3>(), F);
   }
   dr2.noalias() = d.W * dx;
 }

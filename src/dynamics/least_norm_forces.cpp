@@ -57,7 +57,7 @@ void jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& 
     for (int i : support.b) column(b, i, rows.bMA, -1);
     if (!terms.turns) continue;
     for (std::size_t i = 0; i < terms.chain_a.size(); ++i) {
-      const V6 dnu = turned(terms.turn.col(i), nu);
+      const V6 dnu = turned<double>(terms.turn.col(i), nu);
       w.D.block(island.row_offset[c], island.dof_offset[a] + terms.chain_a[i], contact.rows(), 1).noalias() +=
           rows.W * dnu;
     }

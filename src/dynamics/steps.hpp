@@ -28,11 +28,6 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
-/// Adds to -dr1/dq of an island (nv x nv) what a contact's force does beyond a force fixed to its bodies: B's half
-/// moves with A, and a world-aligned frame does not turn. columns: of the contact; oA, oB: first coordinates of its
-/// robots.
-void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns,
-                   int oA, int oB, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> X);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
 void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& island, IslandDerivatives& out);
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/kkt/shape.hpp"
 
@@ -19,11 +20,26 @@ struct Job {
   double *a, *f;                     // the islands' parts are written where the answer is sound
 };
 
+/// Derivatives of one island at the answer: X as IslandDerivatives has it, laid out for `request`.
+struct Panel {
+  double* X;
+  int ld;
+};
+/// What is differentiated: the solution, and where q, v, u begin among the columns.
+struct DerivativeJob {
+  const Scene& scene;
+  const double *q, *v, *a, *f;
+  const std::vector<int>& f_offset;
+  DerivativeRequest request;
+  int q_first, v_first, u_first;
+};
+
 /// Of one island. Where it is not sound, nothing else is known: another way has to answer.
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
+  bool panel_is_safe = false;  // derivatives by the same factor need no refinement (dynamics/solve_panel.cpp)
 };
 
 /// Solves islands of one shape whose robots have one model. Holds the scratch memory of it, and nothing between calls.
@@ -32,6 +48,9 @@ class Kernel {
   virtual ~Kernel() = default;
   /// islands: as many as fit side by side at most, alike to the first (`alike`). By LDL of K in the pattern's order.
   virtual void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) = 0;
+  /// The islands' derivatives, of answers that were sound and whose panels are safe.
+  virtual void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+                             std::span<const Panel> panels) = 0;
 };
 
 /// A level of instructions that kernels were compiled for.

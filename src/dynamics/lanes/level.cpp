@@ -8,26 +8,37 @@
 #include "../../algorithm/crba.cpp"
 #include "../../algorithm/kinematics.cpp"
 #include "../../algorithm/rnea.cpp"
+#include "../../algorithm/rnea_derivatives.cpp"
 #include "manycontact/spatial/explog.hpp"
 
 namespace manycontact {
 
-/// Has branches, so lane by lane.
-template <int W>
-Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
-  Vec6<Pack<W>> m;
+// These have branches, so lane by lane.
+template <int W, class Function>
+auto lane_by_lane(const SE3<Pack<W>>& M, Function&& function) {
+  SE3<double> of_lane;
+  using Result = decltype(function(of_lane));
+  Eigen::Matrix<Pack<W>, Result::RowsAtCompileTime, Result::ColsAtCompileTime> out;
   for (int l = 0; l < W; ++l) {
-    SE3<double> of_lane;
     for (int i = 0; i < 9; ++i) of_lane.R.data()[i] = M.R.data()[i][l];
     for (int i = 0; i < 3; ++i) of_lane.p[i] = M.p[i][l];
-    const Vec6<double> x = log6<double>(of_lane);
-    for (int i = 0; i < 6; ++i) m[i].set(l, x[i]);
+    const Result x = function(of_lane);
+    for (Eigen::Index i = 0; i < x.size(); ++i) out.data()[i].set(l, x.data()[i]);
   }
-  return m;
+  return out;
+}
+template <int W>
+Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
+  return lane_by_lane(M, [](const SE3<double>& m) { return log6<double>(m); });
+}
+template <int W>
+Mat6<Pack<W>> log6_derivative(const SE3<Pack<W>>& M) {
+  return lane_by_lane(M, [](const SE3<double>& m) { return log6_derivative<double>(m); });
 }
 
 }  // namespace manycontact
 
+#include "../../contact/derivatives.cpp"
 #include "../../contact/rows.cpp"
 
 namespace manycontact::lanes {
@@ -44,6 +55,13 @@ class LevelKernel final : public Kernel {
       alone_.solve(job, islands, answers);
     else
       together_.solve(job, islands, answers);
+  }
+  void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+                     std::span<const Panel> panels) override {
+    if (islands.size() == 1)
+      alone_.differentiate(job, islands, panels);
+    else
+      together_.differentiate(job, islands, panels);
   }
 
  private:

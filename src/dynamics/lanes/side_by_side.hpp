@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "../derivative_columns.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
@@ -22,18 +23,29 @@ class SideBySide {
   SideBySide(const Scene& scene, const Island& island, const IslandSupport& support,
              std::shared_ptr<const KktPattern> pattern);
   void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers);
+  void differentiate(const DerivativeJob& job, std::span<const Island* const> islands, std::span<const Panel> panels);
 
  private:
-  const double* lane_of(const double* all, int first) const { return all + first; }
+  using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   void load(const Job& job, std::span<const Island* const> islands);
+  void find_reach(const Island& island);
+  void load_places(const Scene& scene, std::span<const Island* const> islands);
   void evaluate(const Scene& scene, const Island& island);
+  void evaluate_rows(const Scene& scene, const Island& island);
   void drop_rounding();
-  void assemble(double damping, const Island& island);
+  void assemble(double damping);
+  void assemble_right_side(const Island& island);
   Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
   Mask believable_pivots() const;
   S residual();
   void refine();
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
+  void factor();
+  void linearise(const DerivativeJob& job, std::span<const Island* const> islands);
+  template <class Fill>
+  void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
+                     std::span<const Panel> panels, Fill&& fill);
 
   std::shared_ptr<const Model> model_;
   std::shared_ptr<const KktPattern> pattern_;
@@ -52,7 +64,19 @@ class SideBySide {
   std::vector<S> M_;          // packed
   std::vector<S> K_, L_, D_;  // as KktMatrix, LdlSymbolic have them
   std::vector<S> pivot_terms_, b_, x_, r_, scale_, correction_;
-  S steps_, backward_error_;
+  S steps_, backward_error_, first_error_;
+
+  // of derivatives
+  VecX<S> a_;
+  std::vector<VecX<S>> contact_f_;
+  std::vector<Vec6<S>> fext_;
+  RneaDerivativesOf<S> rnea_;
+  std::vector<ContactDerivativesOf<S>> contact_terms_;
+  std::vector<std::vector<int>> columns_;   // per contact: its coordinates
+  std::vector<std::vector<int>> reach_;     // per coordinate: rows of K that its columns of q and v are not zero in
+  std::vector<std::vector<int>> itself_;    // per coordinate: its own row
+  Columns X_;                               // size x nv: one block of columns
+  std::vector<char> nonzero_;
 };
 
 template <class S>
@@ -78,9 +102,48 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       x_(pattern_->size()),
       r_(pattern_->size()),
       scale_(pattern_->size()),
-      correction_(pattern_->size()) {
-  for (std::size_t k = 0; k < island.contacts.size(); ++k)
-    contacts_.emplace_back(scene.contacts[island.contacts[k]], supports_[k]);
+      correction_(pattern_->size()),
+      a_(model_->nv),
+      fext_(model_->njoints()),
+      rnea_(*model_),
+      columns_(support.columns),
+      reach_(model_->nv),
+      itself_(model_->nv),
+      X_(Columns::Zero(pattern_->size(), model_->nv)),
+      nonzero_(pattern_->size()) {
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    contacts_.emplace_back(contact, supports_[k]);
+    contact_terms_.emplace_back(scene, contact, supports_[k]);
+    contact_f_.emplace_back(contact.rows());
+  }
+  find_reach(island);
+}
+
+/// A coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
+template <class S>
+void SideBySide<S>::find_reach(const Island& island) {
+  const int nv = model_->nv;
+  for (int i = 0; i < nv; ++i) {
+    itself_[i] = {pattern_->iperm[i]};
+    for (int j = i; j >= 0; j = model_->dof_parent[j]) {
+      reach_[i].push_back(pattern_->iperm[j]);
+      if (j != i) reach_[j].push_back(pattern_->iperm[i]);
+    }
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    std::vector<int> rows;
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i)
+      rows.push_back(pattern_->iperm[nv + island.row_offset[k] + i]);
+    const ContactDerivativesOf<S>& terms = contact_terms_[k];
+    for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
+      for (int i : *chain) {
+        reach_[i].insert(reach_[i].end(), rows.begin(), rows.end());
+        // a force on one of two bodies moves with the other
+        for (const std::vector<int>* other : {&terms.chain_a, &terms.chain_b})
+          for (int j : *other) reach_[i].push_back(pattern_->iperm[j]);
+      }
+  }
 }
 
 template <class S>
@@ -89,8 +152,9 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   const Island& first = *islands.front();
   load(job, islands);
   evaluate(scene, first);
-  assemble(scene.damping, first);
-  sparse::ldl_scheduled_factor(pattern_->schedule(), K_.data(), L_.data(), D_.data(), pivot_terms_.data());
+  assemble(scene.damping);
+  assemble_right_side(first);
+  factor();
   usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
   refine();
   store(job, islands, answers);
@@ -105,13 +169,8 @@ void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands)
     for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
     for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
     for (int i = 0; i < model_->nv; ++i) tau_[i].set(l, job.tau[robot.idx_v + i]);
-    const auto place = [l](const SE3<double>& from, SE3<S>& to) {
-      for (int i = 0; i < 9; ++i) to.R.data()[i].set(l, from.R.data()[i]);
-      for (int i = 0; i < 3; ++i) to.p[i].set(l, from.p[i]);
-    };
-    place(robot.base, base_);
-    for (std::size_t k = 0; k < bMB_.size(); ++k) place(job.scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
   }
+  load_places(job.scene, islands);
   // finite numbers times zero are zero
   S sum(0);
   for (const VecX<S>* x : {&q_, &v_, &tau_})
@@ -125,12 +184,30 @@ void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands)
 }
 
 template <class S>
+void SideBySide<S>::load_places(const Scene& scene, std::span<const Island* const> islands) {
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const auto place = [l](const SE3<double>& from, SE3<S>& to) {
+      for (int i = 0; i < 9; ++i) to.R.data()[i].set(l, from.R.data()[i]);
+      for (int i = 0; i < 3; ++i) to.p[i].set(l, from.p[i]);
+    };
+    if (!model_->floating_base) place(scene.robots[island.robots.front()].base, base_);
+    for (std::size_t k = 0; k < bMB_.size(); ++k) place(scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
+  }
+}
+
+template <class S>
 void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
   forward_kinematics<S>(*model_, base_, q_, kin_);
   forward_accelerations<S>(*model_, v_, nullptr, scene.gravity, kin_);
   inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
   crba<S>(*model_, kin_, Yc_, M_.data());
   drop_rounding();
+  evaluate_rows(scene, island);
+}
+
+template <class S>
+void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const SE3<S> aMA = kin_.oMi[contact.A.joint] * contact.A.placement.cast<S>();
@@ -155,7 +232,7 @@ void SideBySide<S>::drop_rounding() {
 }
 
 template <class S>
-void SideBySide<S>::assemble(double damping, const Island& island) {
+void SideBySide<S>::assemble(double damping) {
   const KktPattern& p = *pattern_;
   for (std::size_t k = 0; k < M_.size(); ++k) K_[p.M_slot[k]] = M_[k];
   const int* slot = p.J_slot.data();
@@ -163,11 +240,22 @@ void SideBySide<S>::assemble(double damping, const Island& island) {
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) K_[*slot++] = rows.J.data()[k];
   for (int k : p.diagonal_slot) K_[k] = S(-damping);
 
-  for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];  // b = [tau - h; -a0]
+}
+
+/// b = [tau - h; -a0]
+template <class S>
+void SideBySide<S>::assemble_right_side(const Island& island) {
+  const KktPattern& p = *pattern_;
+  for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const int* to = p.iperm.data() + island.nv + island.row_offset[k];
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[to[i]] = -contacts_[k].a0[i];
   }
+}
+
+template <class S>
+void SideBySide<S>::factor() {
+  sparse::ldl_scheduled_factor(pattern_->schedule(), K_.data(), L_.data(), D_.data(), pivot_terms_.data());
 }
 
 /// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
@@ -225,7 +313,7 @@ void SideBySide<S>::refine() {
   x_ = b_;
   sparse::ldl_scheduled_solve(schedule, L_.data(), D_.data(), x_.data());
   steps_ = S(0);
-  backward_error_ = residual();
+  backward_error_ = first_error_ = residual();
   Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
   for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
     correction_ = r_;
@@ -249,11 +337,20 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
     r[row] = larger(abs(r_[k]), r[row]);
     scale[row] = larger(scale_[k], scale[row]);
   }
+  // Growth of K's entries (kkt/factor/pivots.hpp), and the error before refinement.
+  S terms(0), diagonal(0);
+  for (int k = 0; k < p.size(); ++k) {
+    terms = larger(pivot_terms_[k], terms);
+    diagonal = larger(abs(K_[p.K.p[k + 1] - 1]), diagonal);
+  }
+  const Mask safe = (terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal) &
+                    (first_error_ <= S(tolerance::kRefinePanel));
   for (std::size_t l = 0; l < islands.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
     answer.sound = usable_[lane];
     if (!answer.sound) continue;
+    answer.panel_is_safe = safe[lane];
     answer.refinement_steps = static_cast<int>(steps_[lane]);
     answer.backward_error = backward_error_[lane];
     answer.residual_dynamics = r[0][lane] == 0 ? 0 : r[0][lane] / scale[0][lane];
@@ -265,6 +362,104 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
       double* f = job.f + job.f_offset[island.contacts[k]];
       const int* from = p.iperm.data() + island.nv + island.row_offset[k];
       for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) f[i] = -x_[from[i]][lane];  // x = [a; -f]
+    }
+  }
+}
+
+// ---- derivatives: dynamics/differentiate.cpp for all lanes at once -----------------------------------------------
+
+template <class S>
+void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+                                  std::span<const Panel> panels) {
+  const Island& first = *islands.front();
+  const int nv = model_->nv, nc = static_cast<int>(pattern_->nc);
+  linearise(job, islands);
+  assemble(job.scene.damping);
+  factor();
+  const auto rows = [&](std::size_t k) { return X_.middleRows(nv + first.row_offset[k], contacts_[k].a0.size()); };
+  if (job.request.q)
+    solve_columns(job.q_first, nv, reach_, nc, panels, [&] {
+      internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), X_.topRows(nv));
+      for (std::size_t k = 0; k < contacts_.size(); ++k) {
+        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k));
+        internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k));
+        internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, X_.topRows(nv));
+      }
+    });
+  if (job.request.v)
+    solve_columns(job.v_first, nv, reach_, nc, panels, [&] {
+      internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X_.topRows(nv));
+      for (std::size_t k = 0; k < contacts_.size(); ++k)
+        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k));
+    });
+  if (job.request.u) {
+    const int none = job.request.tau ? 0 : model_->first_actuated();
+    solve_columns(job.u_first, nv - none, itself_, nc, panels, [&] {
+      for (int i = none; i < nv; ++i) X_(i, i - none) = S(1);
+    });
+  }
+}
+
+/// Motions at the solution, contact forces on the bodies, K, and the terms of -dr.
+template <class S>
+void SideBySide<S>::linearise(const DerivativeJob& job, std::span<const Island* const> islands) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const Robot& robot = scene.robots[island.robots.front()];
+    for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
+    for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
+    for (int i = 0; i < model_->nv; ++i) a_[i].set(l, job.a[robot.idx_v + i]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
+        contact_f_[k][i].set(l, job.f[job.f_offset[island.contacts[k]] + i]);
+  }
+  load_places(scene, islands);
+  forward_kinematics<S>(*model_, base_, q_, kin_);
+  forward_accelerations<S>(*model_, v_, a_.data(), scene.gravity, kin_);
+  crba<S>(*model_, kin_, Yc_, M_.data());
+  drop_rounding();
+  evaluate_rows(scene, first);
+  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    const Vec6<S> F = contacts_[k].W.transpose() * contact_f_[k];
+    fext_[contact.A.joint] += contacts_[k].aMA.act_force(F);
+    if (contact.B.robot >= 0) fext_[contact.B.joint] -= contacts_[k].bMA.act_force(F);
+  }
+  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    const bool between = contact.B.robot >= 0;
+    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
+                           contact_f_[k], contacts_[k], contact_terms_[k]);
+  }
+}
+
+/// Columns first ... first+count-1 of the panels: filled, solved, stored as [da; df].
+template <class S>
+template <class Fill>
+void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
+                                  std::span<const Panel> panels, Fill&& fill) {
+  constexpr int kChunk = sparse::kernel::kColumns<S>;
+  const int nv = model_->nv, ld = nv, skipped = nv - count;
+  X_.setZero();
+  fill();
+  for (int c = 0; c < count; c += kChunk) {
+    const int cols = std::min(kChunk, count - c);
+    std::fill(nonzero_.begin(), nonzero_.end(), 0);
+    for (int k = c; k < c + cols; ++k)
+      for (int row : reach[k + skipped]) nonzero_[row] = 1;
+    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), L_.data(), D_.data(), pattern_->perm.data(), X_.data(), ld, c,
+                                      cols, nonzero_.data());
+  }
+  for (int r = 0; r < nv + nc; ++r) {
+    const S* from = X_.data() + static_cast<std::ptrdiff_t>(r) * ld;
+    const double sign = r < nv ? 1 : -1;
+    for (std::size_t l = 0; l < panels.size(); ++l) {
+      double* to = panels[l].X + static_cast<std::ptrdiff_t>(r) * panels[l].ld + first;
+      for (int c = 0; c < count; ++c) to[c] = sign * from[c][static_cast<int>(l)];
     }
   }
 }
