@@ -31,6 +31,7 @@ struct Claim {
 };
 
 constexpr Claim kClaims[] = {
+    {"talos: scheduled LDL / ldl_numeric", "parts/talos/ldl_scheduled", "parts/talos/ldl_numeric", 1, "<= 0.5"},
     {"talos: RNEA / ldl_numeric", "parts/talos/rnea", "parts/talos/ldl_numeric", 1, "<= 1.3"},
     {"talos: ABA / ldl_numeric", "parts/talos/aba", "parts/talos/ldl_numeric", 1, "<= 3"},
     {"talos: sparse-ldl solve / ldl_numeric", "parts/talos/solve", "parts/talos/ldl_numeric", 1, "<= 5"},

@@ -10,6 +10,8 @@ std::string to_string(Method method) {
       return "dense-schur";
     case Method::kSparseLdl:
       return "sparse-ldl";
+    case Method::kSuiteSparseLdl:
+      return "suitesparse-ldl";
     case Method::kSparseCholmod:
       return "sparse-cholmod";
     case Method::kSparseSupernodal:

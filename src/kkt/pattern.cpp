@@ -142,6 +142,13 @@ sparse::UpperCsc whole_pattern(const Scene& scene, const Island& island, const I
 
 }  // namespace
 
+const sparse::LdlSchedule& KktPattern::schedule() const {
+  const std::lock_guard lock(lazy_schedule->mutex);
+  auto& made = lazy_schedule->schedule;
+  if (!made) made = std::make_unique<const sparse::LdlSchedule>(sparse::compile_ldl(K, ldl));
+  return *made;
+}
+
 std::vector<int> elimination_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                    Order order) {
   if (order == Order::kContactsEarly) return contacts_early(scene, island, support);

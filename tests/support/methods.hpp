@@ -28,7 +28,7 @@ inline std::vector<Way> ways(bool with_oracle = false) {
   for (Method method : methods()) {
     if (method == Method::kDense && !with_oracle) continue;
     out.push_back({to_string(method), {method, {}}});
-    if (method != Method::kSparseLdl && method != Method::kSparseCholmod) continue;
+    if (!has_order(method)) continue;
     for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
   }
   return out;

@@ -9,18 +9,22 @@ namespace manycontact {
 enum class Method {
   kDense,             // per island, rank-revealing: the oracle
   kDenseSchur,        // the whole scene as one island, LLT of M and of J M^-1 J^T, as Crocoddyl does: the baseline
-  kSparseLdl,         // SuiteSparse LDL on K, per island
+  kSparseLdl,         // LDL' of K by a compiled schedule (sparse/ldl_schedule.hpp), per island
+  kSuiteSparseLdl,    // the same by SuiteSparse's LDL: a second opinion, never taken by kAuto
   kSparseCholmod,     // CHOLMOD's simplicial LDL' on K, per island
   kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL' on the Schur complement, per island
   kAuto,              // per island, the sparse method and order of least predicted cost
 };
-inline constexpr Method kMethods[] = {Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,
-                                      Method::kSparseCholmod, Method::kSparseSupernodal, Method::kAuto};
+inline constexpr Method kMethods[] = {
+    Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl, Method::kSuiteSparseLdl,
+    Method::kSparseCholmod, Method::kSparseSupernodal, Method::kAuto};
 std::string to_string(Method method);
 /// The method called `name`, as to_string writes it.
 std::optional<Method> method_from_string(const std::string& name);
 /// Whether a method eliminates K's rows in an order that can be chosen.
-constexpr bool has_order(Method m) { return m == Method::kSparseLdl || m == Method::kSparseCholmod; }
+constexpr bool has_order(Method m) {
+  return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
+}
 
 /// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
 enum class Order {
@@ -47,7 +51,7 @@ std::optional<Lanes> lanes_from_string(const std::string& name);
 
 struct Options {
   Method method = Method::kAuto;
-  std::optional<Order> order;  // of sparse-ldl and sparse-cholmod; none: the order of least predicted cost
+  std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;
   bool operator==(const Options&) const = default;
 };

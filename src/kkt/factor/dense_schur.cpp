@@ -114,7 +114,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
     case Method::kSparseSupernodal:
       return make_schur_factor(std::move(shape));
     default:
-      return make_ldl_factor();
+      return make_ldl_factor(method);
   }
 }
 

@@ -8,6 +8,10 @@
 //
 // Compiled for several instruction levels too: templates only, plain memory, no other library.
 
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
+
 #include "manycontact/sparse/ldl_schedule.hpp"
 
 namespace manycontact::sparse {
@@ -76,17 +80,21 @@ struct Register<8> {
 /// Doubles in the machine's own vectors.
 template <int N>
 requires(N > 1) struct Tile<double, N> {
-  static constexpr int kWidth = N < kRegister ? N : kRegister, kVectors = N / kWidth;
+  // Few rows are read again soon, a row further: registers of eight would wait for two stores then.
+  static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
+  static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
   using Vector = typename Register<kWidth>::Vector;
   Vector v[kVectors];
 
   static Vector fused(Vector a, Vector b, Vector c) {
 #ifdef __FMA__
-    for (int i = 0; i < kWidth; ++i) c[i] = __builtin_fma(a[i], b[i], c[i]);
-    return c;
-#else
-    return a * b + c;
+    if constexpr (kWidth == 2) return (Vector)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+    if constexpr (kWidth == 4) return (Vector)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+#ifdef __AVX512F__
+    if constexpr (kWidth == 8) return (Vector)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
 #endif
+#endif
+    return a * b + c;
   }
   static Vector at(const double* x, int k) { return *reinterpret_cast<const Vector*>(x + kWidth * k); }
   static Vector all(double s) {
