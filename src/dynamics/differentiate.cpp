@@ -57,7 +57,6 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   internal::check_solved(scene, data, "differentiate");
-  internal::complete(scene, data);
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);
@@ -68,10 +67,22 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     out.stamp = {};
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
-    internal::differentiate_island(scene, data, i, out);
-    out.stamp = {&w.current, data.serial};
+  }
+  std::vector<char>& done = w.lanes.done;
+  done.assign(w.islands.size(), 0);
+  internal::differentiate_in_lanes(scene, data, done);
+  bool all_linearised = true;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    if (done[i]) {
+      all_linearised = false;
+    } else {
+      if (w.islands[i]->in_lanes) internal::complete_island(scene, data, *w.islands[i]);
+      internal::differentiate_island(scene, data, i, w.derivatives.islands[i]);
+    }
+    w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }
   w.derivatives_serial = data.serial;
+  w.linearised_serial = all_linearised ? data.serial : 0;
   return w.derivatives;
 }
 

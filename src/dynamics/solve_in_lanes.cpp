@@ -17,6 +17,7 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   report.backward_error = answer.backward_error;
   d.factor = nullptr;
   d.in_lanes = true;
+  d.panel_is_safe = answer.panel_is_safe;
 }
 
 }  // namespace
@@ -48,6 +49,33 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   }
 }
 
+void differentiate_in_lanes(const Scene& scene, SceneData& data, std::vector<char>& done) {
+  Workspace& w = *data.workspace;
+  lanes::Groups& g = w.lanes;
+  for (auto& [key, group] : g.groups) {
+    lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
+    const auto differentiate_those_at_hand = [&] {
+      if (g.islands.empty()) return;
+      group.kernel->differentiate(job, g.islands, g.panels);
+      g.islands.clear();
+      g.panels.clear();
+    };
+    for (int i : group.islands) {
+      const IslandWork& d = *w.islands[i];
+      if (!d.in_lanes || !d.panel_is_safe) continue;
+      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) differentiate_those_at_hand();
+      IslandDerivatives& out = w.derivatives.islands[i];
+      job.request = out.request;
+      job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
+      g.islands.push_back(&d.island);
+      g.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
+      done[i] = 1;
+      if (static_cast<int>(g.islands.size()) == g.level->width) differentiate_those_at_hand();
+    }
+    differentiate_those_at_hand();
+  }
+}
+
 }  // namespace internal
 
 void complete(const Scene& scene, const SceneData& data) {
@@ -60,13 +88,16 @@ namespace internal {
 void complete(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
   if (w.kinematics_known) return;
-  for (std::unique_ptr<IslandWork>& d : w.islands) {
-    if (!d->in_lanes) continue;
-    evaluate(scene, w.q, data.v, w, d->island);
-    if (!climb_ladder(scene, data, w.scratch, *d, w.spare_report)) d->factor = nullptr;
-    d->in_lanes = false;
-  }
+  for (std::unique_ptr<IslandWork>& d : w.islands)
+    if (d->in_lanes) complete_island(scene, data, *d);
   w.kinematics_known = true;
+}
+
+void complete_island(const Scene& scene, const SceneData& data, IslandWork& d) {
+  Workspace& w = *data.workspace;
+  evaluate(scene, w.q, data.v, w, d.island);
+  if (!climb_ladder(scene, data, w.scratch, d, w.spare_report)) d.factor = nullptr;
+  d.in_lanes = false;
 }
 
 }  // namespace internal

@@ -13,8 +13,11 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
 void reset(IslandReport& report, const Island& island);
 /// Solves the islands that stand in lanes, at w.q, data.v, data.tau. Those that come out unsound are left as they were.
 void solve_in_lanes(const Scene& scene, SceneData& data);
+/// Derivatives of the islands whose answer came from a lane into w.derivatives, where that is safe; `done` per island.
+void differentiate_in_lanes(const Scene& scene, SceneData& data, std::vector<char>& done);
 /// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
 void complete(const Scene& scene, const SceneData& data);
+void complete_island(const Scene& scene, const SceneData& data, IslandWork& island);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.

@@ -23,8 +23,8 @@ const Workspace& solved(const SceneData& data) {
 
 const Linearisation& linearised(const SceneData& data) {
   const Workspace& w = solved(data);
-  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial)
-    throw std::logic_error("views of a scene's derivatives: call differentiate first");
+  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial || w.linearised_serial != data.serial)
+    throw std::logic_error("views of a scene's derivatives: call differentiate first, without lanes (Options::lanes)");
   return *w.linearisation;
 }
 

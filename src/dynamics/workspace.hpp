@@ -54,6 +54,7 @@ struct IslandWork {
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
   bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
+  bool panel_is_safe = false;                   // and derivatives may be computed there
   double first_error = 0;                       // backward error before refinement
   bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
@@ -125,6 +126,7 @@ struct Workspace {
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::uint64_t derivatives_serial = 0;  // the solution they belong to
+  std::uint64_t linearised_serial = 0;   // the solution all of `linearisation` belongs to
   PanelWork panel;
   std::unique_ptr<ProductWork> products;
 };

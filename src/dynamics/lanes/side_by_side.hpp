@@ -14,6 +14,18 @@
 
 namespace manycontact::lanes {
 
+/// One robot alone is a double's business to the sparse kernels, which then take several rows of a column at a time.
+inline double* numbers(Pack<1>* x) { return &x->v; }
+inline const double* numbers(const Pack<1>* x) { return &x->v; }
+template <int W>
+Pack<W>* numbers(Pack<W>* x) {
+  return x;
+}
+template <int W>
+const Pack<W>* numbers(const Pack<W>* x) {
+  return x;
+}
+
 template <class S>
 class SideBySide {
  public:
@@ -255,7 +267,8 @@ void SideBySide<S>::assemble_right_side(const Island& island) {
 
 template <class S>
 void SideBySide<S>::factor() {
-  sparse::ldl_scheduled_factor(pattern_->schedule(), K_.data(), L_.data(), D_.data(), pivot_terms_.data());
+  sparse::ldl_scheduled_factor(pattern_->schedule(), numbers(K_.data()), numbers(L_.data()), numbers(D_.data()),
+                               numbers(pivot_terms_.data()));
 }
 
 /// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
@@ -293,7 +306,8 @@ typename S::Mask SideBySide<S>::believable_pivots() const {
 /// r = b - K x, scale = |b| + |K| |x|, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
 template <class S>
 S SideBySide<S>::residual() {
-  sparse::ldl_scheduled_residual(pattern_->K, K_.data(), x_.data(), b_.data(), r_.data(), scale_.data());
+  sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
+                                 numbers(r_.data()), numbers(scale_.data()));
   S largest(0), sum(0);
   for (const S& s : scale_) largest = larger(s, largest);
   const S floor = largest * S(std::numeric_limits<double>::epsilon());
@@ -311,13 +325,13 @@ template <class S>
 void SideBySide<S>::refine() {
   const sparse::LdlSchedule& schedule = pattern_->schedule();
   x_ = b_;
-  sparse::ldl_scheduled_solve(schedule, L_.data(), D_.data(), x_.data());
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
   steps_ = S(0);
   backward_error_ = first_error_ = residual();
   Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
   for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
     correction_ = r_;
-    sparse::ldl_scheduled_solve(schedule, L_.data(), D_.data(), correction_.data());
+    sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
     for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
     steps_ += select(open, S(1), S(0));
     const S before = backward_error_;
@@ -442,7 +456,7 @@ template <class S>
 template <class Fill>
 void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
                                   std::span<const Panel> panels, Fill&& fill) {
-  constexpr int kChunk = sparse::kernel::kColumns<S>;
+  constexpr int kChunk = W == 1 ? 8 : sparse::kernel::kColumns<S>;
   const int nv = model_->nv, ld = nv, skipped = nv - count;
   X_.setZero();
   fill();
@@ -451,8 +465,8 @@ void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::v
     std::fill(nonzero_.begin(), nonzero_.end(), 0);
     for (int k = c; k < c + cols; ++k)
       for (int row : reach[k + skipped]) nonzero_[row] = 1;
-    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), L_.data(), D_.data(), pattern_->perm.data(), X_.data(), ld, c,
-                                      cols, nonzero_.data());
+    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
+                                      pattern_->perm.data(), numbers(X_.data()), ld, c, cols, nonzero_.data());
   }
   for (int r = 0; r < nv + nc; ++r) {
     const S* from = X_.data() + static_cast<std::ptrdiff_t>(r) * ld;
