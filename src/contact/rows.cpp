@@ -28,6 +28,13 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
+// Origin of that tree frame. Of a fixed base without its robot's kinematics, which may be those of an earlier state.
+template <class S>
+Vec3<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
+  if (at.joint >= 0) return kin.origin;
+  return scene.robots[at.robot].base.p.template cast<S>();
+}
+
 template <class S>
 void place_and_move(const Scene& scene, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
                     ContactData<S>& d) {
@@ -37,10 +44,10 @@ void place_and_move(const Scene& scene, const Contact& c, const Kinematics<S>& k
   d.bMA = d.aMA;
   SE3<S> bMB;
   if (kinB) {
-    if (kinB != &kinA) d.bMA.p += kinA.origin - kinB->origin;
+    if (kinB != &kinA) d.bMA.p += origin<S>(scene, c.A, kinA) - origin<S>(scene, c.B, *kinB);
     bMB = place<S>(scene, c.B, *kinB);
   } else {
-    d.bMA.p += kinA.origin;
+    d.bMA.p += origin<S>(scene, c.A, kinA);
     bMB = c.B.placement.cast<S>();
   }
   d.G = bMB.inverse() * d.bMA;

@@ -71,8 +71,7 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Island
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const std::vector<int>& columns = d.shape->support().columns[k];
-    const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
-    const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
+    const int oA = first_dof(island, contact.A), oB = first_dof(island, contact.B);
     contact_columns(contact, terms.contacts[c], terms.derivatives[c], columns, oA, island.nv + island.row_offset[k],
                     out);
     if (out.request.q)
