@@ -68,7 +68,8 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
   for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot]) sets.join(contact.A.robot, contact.B.robot);
+    if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot])
+      sets.join(contact.A.robot, contact.B.robot);
   }
   std::size_t count = 0;
   for (int r = 0; r < scene.nrobots(); ++r) {
