@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/allocations.hpp"
