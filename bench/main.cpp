@@ -55,6 +55,8 @@ constexpr Claim kClaims[] = {
     {"talos: action model's calc / ldl_numeric", "action/calc/1", "parts/talos/ldl_numeric", 1, "18.0 / 3.7 Crocoddyl"},
     {"talos: action model's calcDiff / ldl_numeric", "action/calcDiff/1", "parts/talos/ldl_numeric", 1,
      "55.9 / 3.7 Crocoddyl"},
+    {"herd of 256: solve after a contact was switched / solve", "switch/herd/256/one contact", "switch/herd/256/steady",
+     1, "<= 1.2"},
     {"16 separate: vjp / solve", "vjp/separate/16", "solve/separate/16/auto", 1, "<= 3"},
 };
 

@@ -35,4 +35,8 @@ void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
   if (orientation) contact.B.placement.R = target.R;
 }
 
+void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  for (Contact& contact : scene.contacts) resolve_reference(scene, q, true, true, contact);
+}
+
 }  // namespace manycontact

@@ -28,16 +28,20 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
+// Origin of that tree frame. Of a fixed base without its robot's kinematics, which may be those of an earlier state.
+template <class S>
+Vec3<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
+  if (at.joint >= 0) return kin.origin;
+  return scene.robots[at.robot].base.p.template cast<S>();
+}
+
 template <class S>
 void place_and_move(const Vec3<double>& gravity, const Contact& c, const Kinematics<S>& kinA,
-                    const Kinematics<S>* kinB, const SE3<S>& bMB, ContactData<S>& d) {
+                    const Kinematics<S>* kinB, const SE3<S>& bMB, const Vec3<S>& from_b, ContactData<S>& d) {
   Vec6<S> rest = Vec6<S>::Zero();  // acceleration of what stands still, minus gravity
   rest.template head<3>() = -gravity.cast<S>();
   d.bMA = d.aMA;
-  if (!kinB)
-    d.bMA.p += kinA.origin;
-  else if (kinB != &kinA)
-    d.bMA.p += kinA.origin - kinB->origin;
+  d.bMA.p += from_b;
   d.G = bMB.inverse() * d.bMA;
   const bool a_moves = c.A.joint >= 0, b_moves = kinB && c.B.joint >= 0;
   d.vA = a_moves ? d.aMA.act_inverse(kinA.v[c.A.joint]) : Vec6<S>(Vec6<S>::Zero());
@@ -74,16 +78,19 @@ void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
 template <class S>
 void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& d) {
+  Vec3<S> from_b = Vec3<S>::Zero();
+  if (kinB != &kinA) from_b = origin<S>(scene, c.A, kinA);
+  if (kinB && kinB != &kinA) from_b -= origin<S>(scene, c.B, *kinB);
   contact_rows_between<S>(scene.gravity, c, support, kinA, place<S>(scene, c.A, kinA), kinB,
-                          kinB ? place<S>(scene, c.B, *kinB) : c.B.placement.cast<S>(), d);
+                          kinB ? place<S>(scene, c.B, *kinB) : c.B.placement.cast<S>(), from_b, d);
 }
 
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
-                          ContactData<S>& d) {
+                          const Vec3<S>& from_b, ContactData<S>& d) {
   d.aMA = aMA;
-  place_and_move<S>(gravity, c, kinA, kinB, bMB, d);
+  place_and_move<S>(gravity, c, kinA, kinB, bMB, from_b, d);
   const S alpha(c.alpha), beta(c.beta);
   d.nu = d.vA - d.vB;
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
@@ -117,6 +124,7 @@ template void contact_rows_between<InstantiatedScalar>(const Vec3<double>&, cons
                                                        const Kinematics<InstantiatedScalar>&,
                                                        const SE3<InstantiatedScalar>&,
                                                        const Kinematics<InstantiatedScalar>*,
-                                                       const SE3<InstantiatedScalar>&, ContactData<InstantiatedScalar>&);
+                                                       const SE3<InstantiatedScalar>&, const Vec3<InstantiatedScalar>&,
+                                                       ContactData<InstantiatedScalar>&);
 
 }  // namespace manycontact

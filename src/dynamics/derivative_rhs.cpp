@@ -31,8 +31,7 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Island
     if (request.v)
       contact_columns(rows, derivatives.dx_dv, columns, X.block(row, out.v_first, contact.rows(), island.nv));
     if (!request.q) continue;
-    const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
-    const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
+    const int oA = first_dof(island, contact.A), oB = first_dof(island, contact.B);
     contact_columns(rows, derivatives.dx_dq, columns, X.block(row, out.q_first, contact.rows(), island.nv));
     turning_columns(rows, derivatives, oA, X.block(row, out.q_first, contact.rows(), island.nv));
     force_columns(rows, derivatives, columns, oA, oB, X.block(0, out.q_first, island.nv, island.nv));

@@ -92,10 +92,27 @@ const DerivativeData& derivatives(const SceneData& data) {
   return data.workspace->derivatives;
 }
 
+namespace {
+
+void release(IslandWork& d) {
+  d.derivatives = {};
+  d.rows.reset();
+  d.all.reset();
+  for (Factor* factor : {d.chosen.get(), d.safe.get(), d.dense.get()})
+    if (factor) factor->release_panels();
+}
+
+}  // namespace
+
 void release_derivatives(SceneData& data) {
   if (!data.workspace) return;
-  data.workspace->derivatives_serial = 0;
-  data.workspace->derivatives.islands.clear();
+  Workspace& w = *data.workspace;
+  w.derivatives_serial = 0;
+  w.derivatives = {};
+  w.panel = {};
+  for (const auto& island : w.islands) release(*island);
+  for (const auto& [shape, shelf] : w.shelves)
+    for (const auto& island : shelf) release(*island);
 }
 
 namespace {

@@ -49,14 +49,14 @@ void settle(Workspace& w, Island& island, IslandWork& d) {
 void loosen(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
   s.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
-  const auto loosen_island_of = [&](int robot) {
-    if (robot >= 0 && !s.loose[robot])
-      for (int r : w.islands[w.robot_island[robot]]->island.robots) s.loose[r] = 1;
+  const auto loosen_island_of = [&](const Attachment& end) {
+    if (moves(end) && !s.loose[end.robot])
+      for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.loose[r] = 1;
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (w.active[c] == data.active[c]) continue;
-    loosen_island_of(scene.contacts[c].A.robot);
-    loosen_island_of(scene.contacts[c].B.robot);
+    loosen_island_of(scene.contacts[c].A);
+    loosen_island_of(scene.contacts[c].B);
   }
 }
 
@@ -68,7 +68,8 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
   for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (data.active[c] && contact.B.robot >= 0 && s.loose[contact.A.robot]) sets.join(contact.A.robot, contact.B.robot);
+    if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot])
+      sets.join(contact.A.robot, contact.B.robot);
   }
   std::size_t count = 0;
   for (int r = 0; r < scene.nrobots(); ++r) {
@@ -82,9 +83,10 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
     }
     s.groups[number].robots.push_back(r);
   }
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (data.active[c] && s.loose[scene.contacts[c].A.robot])
-      s.groups[s.group[sets.root(scene.contacts[c].A.robot)]].contacts.push_back(static_cast<int>(c));
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const int robot = robot_of(scene.contacts[c]);
+    if (data.active[c] && s.loose[robot]) s.groups[s.group[sets.root(robot)]].contacts.push_back(static_cast<int>(c));
+  }
   for (std::size_t k = 0; k < count; ++k) number_island(scene, s.groups[k]);
   return count;
 }

@@ -51,11 +51,11 @@ void contact_rows(const Scene& scene, const Contact& contact, const ContactSuppo
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
 /// The same with the frames' placements given, A's in the tree frame of its robot, B's in that of its own or in the
-/// world; the contact's own placements are not read.
+/// world, and from_b: A's tree frame's origin as seen from B's. The contact's own placements are not read.
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
-                          ContactData<S>& data);
+                          const Vec3<S>& from_b, ContactData<S>& data);
 
 /// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
 /// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a

@@ -224,10 +224,12 @@ void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const SE3<S> aMA = kin_.oMi[contact.A.joint] * contact.A.placement.cast<S>();
     if (contact.B.robot < 0)
-      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, nullptr, bMB_[k], contacts_[k]);
+      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, nullptr, bMB_[k], kin_.origin,
+                              contacts_[k]);
     else
       contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, &kin_,
-                              kin_.oMi[contact.B.joint] * contact.B.placement.cast<S>(), contacts_[k]);
+                              kin_.oMi[contact.B.joint] * contact.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()),
+                              contacts_[k]);
   }
 }
 
