@@ -138,6 +138,10 @@ Rungs rungs_of(const IslandWork& d, double damping) {
 
 }  // namespace
 
+void forget_states(SceneData& data) {
+  for (const auto& island : data.workspace->islands) island->was_dependent = false;
+}
+
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
                   IslandReport& report) {
   const auto [method, order] = d.choice;

@@ -27,6 +27,10 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& island,
                   IslandReport& report);
 
+/// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
+/// new data does.
+void forget_states(SceneData& data);
+
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
