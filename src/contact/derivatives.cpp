@@ -41,7 +41,8 @@ struct Column {
     if (c.type == ContactType::k6D && c.alpha == 0) return dnudot + beta * dnu;
     if (c.type == ContactType::k6D) return dnudot + alpha * (Jlog * s) + beta * dnu;
     V6 out = V6::Zero();
-    out.template head<3>() = dnudot.template head<3>() + point_terms(dnu) + alpha * (s.template head<3>() - s.template tail<3>().cross(e));
+    out.template head<3>() =
+        dnudot.template head<3>() + point_terms(dnu) + alpha * (s.template head<3>() - s.template tail<3>().cross(e));
     return out;
   }
   V6 dv(const V6& s, const V6& P3) const {
@@ -64,8 +65,7 @@ struct Column {
 template <class S>
 void contact_derivatives(const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,
-                         const RneaDerivativesOf<S>* termsB,
-                         const ConstVecRef<S>& f, const ContactData<S>& data,
+                         const RneaDerivativesOf<S>* termsB, const ConstVecRef<S>& f, const ContactData<S>& data,
                          ContactDerivativesOf<S>& d) {
   d.turns = c.reference_frame != ReferenceFrame::kLocal;
   d.x = data.x;

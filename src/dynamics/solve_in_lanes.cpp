@@ -33,7 +33,8 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
       if (g.islands.empty()) return;
       group.kernel->solve(job, g.islands, {g.answers.data(), g.islands.size()});
       for (std::size_t k = 0; k < g.islands.size(); ++k)
-        if (g.answers[k].sound) report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
+        if (g.answers[k].sound)
+          report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
       g.islands.clear();
       g.numbers.clear();
     };
@@ -53,7 +54,8 @@ void differentiate_in_lanes(const Scene& scene, SceneData& data, std::vector<cha
   Workspace& w = *data.workspace;
   lanes::Groups& g = w.lanes;
   for (auto& [key, group] : g.groups) {
-    lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
+    lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0,
+                             0,     0};
     const auto differentiate_those_at_hand = [&] {
       if (g.islands.empty()) return;
       group.kernel->differentiate(job, g.islands, g.panels);

@@ -1,7 +1,7 @@
 #include "manycontact/dynamics/static_torque.hpp"
 
-#include "manycontact/algorithm/rnea.hpp"
 #include "derivative_columns.hpp"
+#include "manycontact/algorithm/rnea.hpp"
 #include "steps.hpp"
 
 namespace manycontact {

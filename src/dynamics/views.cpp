@@ -16,8 +16,9 @@ const Workspace& prepared(const SceneData& data) {
 const Workspace& solved(const SceneData& data) {
   const Workspace& w = prepared(data);
   if (!w.kinematics_known)
-    throw std::logic_error(data.serial == 0 ? "views of a scene's data: solve first"
-                                            : "views of a scene's data: its robots stood in lanes, call complete first");
+    throw std::logic_error(data.serial == 0
+                               ? "views of a scene's data: solve first"
+                               : "views of a scene's data: its robots stood in lanes, call complete first");
   return w;
 }
 

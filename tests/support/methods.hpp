@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/kkt/options.hpp"
+#include "manycontact/dynamics/solve.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::test {
@@ -22,7 +22,8 @@ struct Way {
   Options options;
 };
 
-/// Each method, with each order where the method takes one; the oracle only if asked for.
+/// Each method, with each order where the method takes one, and sparse-ldl with each level of instructions; the oracle
+/// only if asked for.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
   for (Method method : methods()) {
@@ -31,6 +32,9 @@ inline std::vector<Way> ways(bool with_oracle = false) {
     if (!has_order(method)) continue;
     for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
   }
+  for (Lanes lanes : lanes_here())
+    out.push_back({"sparse-ldl in lanes " + to_string(lanes), {Method::kSparseLdl, {}, lanes}});
+  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}});
   return out;
 }
 

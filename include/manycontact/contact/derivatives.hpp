@@ -26,13 +26,13 @@ template <class S>
 struct ContactDerivativesOf {
   ContactDerivativesOf(const Scene& scene, const Contact& contact, const ContactSupport& support);
 
-  std::vector<int> chain_a, chain_b;  // all coordinates above A and above B', ascending
-  Mat6X<S> dx_dq, dx_dv;         // 6 x cols: of x (without the turning of W)
-  Eigen::Matrix<S, 3, Eigen::Dynamic> turn;              // 3 x chain_a: th_i, where `turns`
-  Mat6X<S> S_b;                  // 6 x chain_b (between bodies): columns of B' in A's axes
-  Vec6<S> F;                     // W^T f: force on A at its origin, in A's axes
-  Vec6<S> x;                     // x at the accelerations of kin
-  bool turns = false;                 // the frame is world-aligned
+  std::vector<int> chain_a, chain_b;         // all coordinates above A and above B', ascending
+  Mat6X<S> dx_dq, dx_dv;                     // 6 x cols: of x (without the turning of W)
+  Eigen::Matrix<S, 3, Eigen::Dynamic> turn;  // 3 x chain_a: th_i, where `turns`
+  Mat6X<S> S_b;                              // 6 x chain_b (between bodies): columns of B' in A's axes
+  Vec6<S> F;                                 // W^T f: force on A at its origin, in A's axes
+  Vec6<S> x;                                 // x at the accelerations of kin
+  bool turns = false;                        // the frame is world-aligned
 };
 using ContactDerivatives = ContactDerivativesOf<double>;
 
@@ -49,8 +49,7 @@ Vec6<S> turned(const Vec3<S>& th, const Vec6<S>& y) {
 template <class S>
 void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,
-                         const RneaDerivativesOf<S>* termsB,
-                         const ConstVecRef<S>& f, const ContactData<S>& data,
+                         const RneaDerivativesOf<S>* termsB, const ConstVecRef<S>& f, const ContactData<S>& data,
                          ContactDerivativesOf<S>& d);
 
 }  // namespace manycontact

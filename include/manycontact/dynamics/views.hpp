@@ -13,8 +13,8 @@
 
 namespace manycontact {
 
-/// After solve: computes what the solution's robots would have left had they not stood in lanes: motions, K, its factor.
-/// Throws as differentiate does.
+/// After solve: computes what the solution's robots would have left had they not stood in lanes: motions, K, its
+/// factor. Throws as differentiate does.
 void complete(const Scene& scene, const SceneData& data);
 
 /// Whether the islands at hand are those of data.active and data.options.

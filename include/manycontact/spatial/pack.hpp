@@ -146,12 +146,11 @@ void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
                          z * (P(-2.50507602534068634195e-08) + z * P(1.58969099521155010221e-10))));
   const P v = z * y;
   const P sine = y - ((z * (P(0.5) * tail - v * ps) - tail) - v * P(-1.66666666666666324348e-01));
-  const P pc =
-      z * (P(4.16666666666666019037e-02) +
-           z * (P(-1.38888888888741095749e-03) +
-                z * (P(2.48015872894767294178e-05) +
-                     z * (P(-2.75573143513906633035e-07) +
-                          z * (P(2.08757232129817482790e-09) + z * P(-1.13596475577881948265e-11))))));
+  const P pc = z * (P(4.16666666666666019037e-02) +
+                    z * (P(-1.38888888888741095749e-03) +
+                         z * (P(2.48015872894767294178e-05) +
+                              z * (P(-2.75573143513906633035e-07) +
+                                   z * (P(2.08757232129817482790e-09) + z * P(-1.13596475577881948265e-11))))));
   const P one_less_h = P(1) - h;
   const P cosine = one_less_h + (((P(1) - one_less_h) - h) + (z * pc - y * tail));
 
@@ -164,7 +163,7 @@ void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
   const auto swapped = where(1);
   const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
   s = select(where(2), -sq, sq);
-  c = select(where(2) , -cq, cq);
+  c = select(where(2), -cq, cq);
   c = select(swapped, -c, c);
   const auto known = absolute(angle) <= P(kLargestAngle);
   s = select(known, s, P(std::nan("")));
@@ -179,5 +178,13 @@ struct Eigen::NumTraits<manycontact::Pack<W>> : Eigen::GenericNumTraits<double> 
   using NonInteger = Real;
   using Literal = Real;
   using Nested = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 0, ReadCost = 1, AddCost = 1, MulCost = 1 };
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
 };

@@ -2,13 +2,12 @@
 // Scalars and fixed-size matrices.
 //
 // The forward path is templated on the scalar: double for use, quadruple precision as the truth that tests and
-// charts measure against, packs of doubles for robots side by side. Its templates live in .cpp files, instantiated there
-// for InstantiatedScalar; the library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined, each level
-// of src/dynamics/lanes with MANYCONTACT_LANES.
+// charts measure against, packs of doubles for robots side by side. Its templates live in .cpp files, instantiated
+// there for InstantiatedScalar; the library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined,
+// each level of src/dynamics/lanes with MANYCONTACT_LANES.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-
 #include <cmath>
 
 #ifdef MANYCONTACT_LANES

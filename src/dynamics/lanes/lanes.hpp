@@ -1,7 +1,7 @@
 #pragma once
 // Robots of one model in SIMD lanes: 2, 4 or 8 islands of one robot each, solved side by side by the same instructions.
-// The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do not
-// depend on its lane, nor on who stands beside it.
+// The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do
+// not depend on its lane, nor on who stands beside it.
 
 #include <memory>
 #include <span>

@@ -3,13 +3,12 @@
 // the linker (src/lanes.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
 // taken from here and meet a processor without these instructions.
 
-#include "side_by_side.hpp"
-
 #include "../../algorithm/crba.cpp"
 #include "../../algorithm/kinematics.cpp"
 #include "../../algorithm/rnea.cpp"
 #include "../../algorithm/rnea_derivatives.cpp"
 #include "manycontact/spatial/explog.hpp"
+#include "side_by_side.hpp"
 
 namespace manycontact {
 

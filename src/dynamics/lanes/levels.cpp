@@ -2,7 +2,8 @@
 
 #include "lanes.hpp"
 
-namespace manycontact::lanes {
+namespace manycontact {
+namespace lanes {
 
 extern const Level level_baseline, level_avx2, level_avx512;
 
@@ -35,6 +36,16 @@ const Level* level_of(Lanes lanes) {
   return nullptr;
 }
 
+}  // namespace lanes
+
+std::vector<Lanes> lanes_here() {
+  std::vector<Lanes> out;
+  for (const lanes::Level* level : lanes::levels()) out.push_back(*lanes_from_string(level->name));
+  return out;
+}
+
+namespace lanes {
+
 namespace {
 constexpr int kLargest = 400;  // rows of K: the scratch memory of W robots side by side stays in the processor's caches
 
@@ -61,4 +72,5 @@ bool alike(const Scene& scene, const Island& x, const Island& y) {
   return true;
 }
 
-}  // namespace manycontact::lanes
+}  // namespace lanes
+}  // namespace manycontact

@@ -84,10 +84,10 @@ class SideBySide {
   std::vector<Vec6<S>> fext_;
   RneaDerivativesOf<S> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;   // per contact: its coordinates
-  std::vector<std::vector<int>> reach_;     // per coordinate: rows of K that its columns of q and v are not zero in
-  std::vector<std::vector<int>> itself_;    // per coordinate: its own row
-  Columns X_;                               // size x nv: one block of columns
+  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
+  std::vector<std::vector<int>> reach_;    // per coordinate: rows of K that its columns of q and v are not zero in
+  std::vector<std::vector<int>> itself_;   // per coordinate: its own row
+  Columns X_;                              // size x nv: one block of columns
   std::vector<char> nonzero_;
 };
 
@@ -253,7 +253,6 @@ void SideBySide<S>::assemble(double damping) {
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) K_[*slot++] = rows.J.data()[k];
   for (int k : p.diagonal_slot) K_[k] = S(-damping);
-
 }
 
 /// b = [tau - h; -a0]
