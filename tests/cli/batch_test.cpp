@@ -74,7 +74,7 @@ class Batch : public Program {
   std::string file(const std::string& name) const { return read_text(path(name)); }
   bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
   void expect_nothing_left(const std::string& out) const {
-    for (const std::string name :
+    for (const std::string& name :
          {out + ".npy", out + ".npy.part", out + ".derivatives.npy", out + ".derivatives.npy.part"})
       EXPECT_FALSE(exists(name)) << name;
   }
