@@ -23,12 +23,18 @@ void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>
   using V3 = Vec3<S>;
   using M3 = Mat3<S>;
   const V3 v = velocity.template head<3>(), w = velocity.template tail<3>();
-  l = Y.m * v + w.cross(Y.h);
-  const V3 k = Y.I * w + Y.h.cross(v);
-  const M3 wI = skew<S>(w) * Y.I;
-  C = wI + wI.transpose();                         // [w]I - I[w], as I is symmetric
-  C -= v * Y.h.transpose() + Y.h * v.transpose();  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
-  C.diagonal().array() += S(2) * v.dot(Y.h);
+  l = Y.m * v + cross(w, Y.h);
+  const V3 k = times<S>(Y.I, w) + cross(Y.h, v);
+  M3 wI;  // [w]I, and [w]I - I[w] = wI + wI^T, as I is symmetric
+  for (int j = 0; j < 3; ++j) wI.col(j) = cross(w, Y.I.col(j));
+  const S vh2 = S(2) * dot(v, Y.h);  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const S both = multiply_add(S(-v[i]), Y.h[j], multiply_add(S(-Y.h[i]), v[j], S(wI(i, j) + wI(j, i))));
+      C(i, j) = C(j, i) = both;
+    }
+    C(i, i) += vh2;
+  }
   C -= skew<S>(k);
 }
 
@@ -64,18 +70,19 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
   for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
     const V6 s = kin.J.col(k), Psid = d.Psid.col(k);
     const V6 Ys = Yc * s;
-    const V3 Bs = l2.cross(s.template head<3>()) + d.C[i].transpose() * s.template tail<3>();  // 2B^T s = [0; Bs]
+    const V3 Bs =
+        cross(l2, s.template head<3>()) + transpose_times<S>(d.C[i], s.template tail<3>());  // 2B^T s = [0; Bs]
     V6 Fq = Yc * d.Psidd.col(k), Fv = Yc * d.Sv.col(k);
-    Fq.template head<3>() -= l2.cross(Psid.template tail<3>());
-    Fq.template tail<3>() += d.C[i] * Psid.template tail<3>();
-    Fv.template head<3>() -= l2.cross(s.template tail<3>());
-    Fv.template tail<3>() += d.C[i] * s.template tail<3>();
+    Fq.template head<3>() -= cross(l2, Psid.template tail<3>());
+    Fq.template tail<3>() += times<S>(d.C[i], Psid.template tail<3>());
+    Fv.template head<3>() -= cross(l2, s.template tail<3>());
+    Fv.template tail<3>() += times<S>(d.C[i], s.template tail<3>());
     int at = model.M_begin[k];
     const auto entry = [&](int j) {
-      d.dq_lower[at] = Ys.dot(d.Psidd.col(j)) + Bs.dot(d.Psid.col(j).template tail<3>());
-      d.dv_lower[at] = Ys.dot(d.Sv.col(j)) + Bs.dot(kin.J.col(j).template tail<3>());
-      d.dq_upper[at] = Fq.dot(kin.J.col(j));
-      d.dv_upper[at] = Fv.dot(kin.J.col(j));
+      d.dq_lower[at] = dot(Ys, d.Psidd.col(j)) + dot(Bs, d.Psid.col(j).template tail<3>());
+      d.dv_lower[at] = dot(Ys, d.Sv.col(j)) + dot(Bs, kin.J.col(j).template tail<3>());
+      d.dq_upper[at] = dot(Fq, kin.J.col(j));
+      d.dv_upper[at] = dot(Fv, kin.J.col(j));
       ++at;
     };
     int j = k;

@@ -64,11 +64,11 @@ struct Pack {
   Pack& operator-=(Pack b) { return v -= b.v, *this; }
   Pack& operator*=(Pack b) { return v *= b.v, *this; }
   Pack& operator/=(Pack b) { return v /= b.v, *this; }
-  friend Pack operator+(Pack a, Pack b) { return of(a.v + b.v); }
-  friend Pack operator-(Pack a, Pack b) { return of(a.v - b.v); }
-  friend Pack operator*(Pack a, Pack b) { return of(a.v * b.v); }
-  friend Pack operator/(Pack a, Pack b) { return of(a.v / b.v); }
-  friend Pack operator-(Pack a) { return of(-a.v); }
+  [[gnu::always_inline]] friend Pack operator+(Pack a, Pack b) { return of(a.v + b.v); }
+  [[gnu::always_inline]] friend Pack operator-(Pack a, Pack b) { return of(a.v - b.v); }
+  [[gnu::always_inline]] friend Pack operator*(Pack a, Pack b) { return of(a.v * b.v); }
+  [[gnu::always_inline]] friend Pack operator/(Pack a, Pack b) { return of(a.v / b.v); }
+  [[gnu::always_inline]] friend Pack operator-(Pack a) { return of(-a.v); }
 
   friend Mask operator<(Pack a, Pack b) { return mask(a.v < b.v); }
   friend Mask operator<=(Pack a, Pack b) { return mask(a.v <= b.v); }
@@ -87,7 +87,7 @@ struct Pack {
   friend Pack larger(Pack a, Pack b) { return select(a > b, a, b); }
 
   /// a b + c
-  friend Pack multiply_add(Pack a, Pack b, Pack c) {
+  [[gnu::always_inline]] friend Pack multiply_add(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
     if constexpr (W == 1) return of(__builtin_fma(a.v, b.v, c.v));
     if constexpr (W == 2) return of((Real)_mm_fmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
@@ -120,12 +120,37 @@ struct Pack {
   }
 };
 
+namespace detail {
+/// One step of a transposition: of blocks of H x H among 2H x 2H, the off-diagonal ones change places.
+template <int W, int H>
+inline void exchange(Pack<W>* x) {
+  typename Pack<W>::Int low, high;
+  for (int l = 0; l < W; ++l) {
+    low[l] = (l & H) ? W + l - H : l;
+    high[l] = (l & H) ? W + l : l + H;
+  }
+  for (int k = 0; k < W; ++k) {
+    if (k & H) continue;
+    const auto a = x[k].v, b = x[k + H].v;
+    x[k].v = __builtin_shuffle(a, b, low);
+    x[k + H].v = __builtin_shuffle(a, b, high);
+  }
+  if constexpr (H > 1) exchange<W, H / 2>(x);
+}
+}  // namespace detail
+
+/// x[k] lane l <-> x[l] lane k, of W packs.
+template <int W>
+inline void transpose(Pack<W>* x) {
+  if constexpr (W > 1) detail::exchange<W, W / 2>(x);
+}
+
 /// Angles up to which sin_cos is good to one unit in the last place; beyond, it gives NaN.
 inline constexpr double kLargestAngle = 1e6;
 
 /// Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun, 1993), without branches.
 template <int W>
-void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
+[[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
   using P = Pack<W>;
   using Int = typename P::Int;
   // n = round(2 angle/pi), in the low bits of a number shifted past its last place; angle - n pi/2 = y + tail

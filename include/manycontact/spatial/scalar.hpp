@@ -52,6 +52,11 @@ void sin_cos(const S& angle, S& s, S& c) {
   s = sin(angle);
   c = cos(angle);
 }
+/// a b + c
+template <class S>
+S multiply_add(const S& a, const S& b, const S& c) {
+  return a * b + c;
+}
 template <class S>
 S larger(const S& a, const S& b) {
   return a > b ? a : b;

@@ -457,7 +457,7 @@ template <class S>
 template <class Fill>
 void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
                                   std::span<const Panel> panels, Fill&& fill) {
-  constexpr int kChunk = W == 1 ? 8 : sparse::kernel::kColumns<S>;
+  constexpr int kChunk = W == 1 ? 4 * sparse::kernel::kRegister : sparse::kernel::kColumns<S>;
   const int nv = model_->nv, ld = nv, skipped = nv - count;
   X_.setZero();
   fill();
@@ -472,10 +472,18 @@ void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::v
   for (int r = 0; r < nv + nc; ++r) {
     const S* from = X_.data() + static_cast<std::ptrdiff_t>(r) * ld;
     const double sign = r < nv ? 1 : -1;
-    for (std::size_t l = 0; l < panels.size(); ++l) {
-      double* to = panels[l].X + static_cast<std::ptrdiff_t>(r) * panels[l].ld + first;
-      for (int c = 0; c < count; ++c) to[c] = sign * from[c][static_cast<int>(l)];
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(r);
+    int c = 0;
+    for (; c + W <= count; c += W) {  // W columns of W islands
+      S block[W];
+      for (int k = 0; k < W; ++k) block[k] = from[c + k] * S(sign);
+      transpose(block);
+      for (std::size_t l = 0; l < panels.size(); ++l)
+        std::memcpy(panels[l].X + row * panels[l].ld + first + c, &block[l], sizeof(S));
     }
+    for (; c < count; ++c)
+      for (std::size_t l = 0; l < panels.size(); ++l)
+        panels[l].X[row * panels[l].ld + first + c] = sign * from[c][static_cast<int>(l)];
   }
 }
 
