@@ -53,6 +53,7 @@ struct IslandWork {
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
   double first_error = 0;                       // backward error before refinement
+  double last_error = 0;                        // and after it
   bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
   std::vector<int> dependent;                   // scratch: rows of J
