@@ -106,6 +106,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
 
   d.factor = &factor;
   d.first_error = refinement.first;
+  d.last_error = refinement.backward_error;
   report.rank = factor.rank();
   report.status = Status::kOk;
   d.contradiction = false;

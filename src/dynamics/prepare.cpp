@@ -148,6 +148,10 @@ void lay_out_forces(const Scene& scene, SceneData& data) {
 
 void prepare(const Scene& scene, SceneData& data) {
   internal::check_scene(scene, data, "prepare");
+  internal::prepare_checked(scene, data);
+}
+
+void internal::prepare_checked(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (data.active.size() != scene.contacts.size())
     throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +

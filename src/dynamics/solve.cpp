@@ -39,7 +39,6 @@ void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors&
     if (!(std::abs(s.r[k]) <= r[row])) r[row] = std::abs(s.r[k]);
     scale[row] = std::max(scale[row], s.scale[k]);
   }
-  report.backward_error = sparse::componentwise_backward_error(s.r, s.scale);
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
 }
@@ -69,6 +68,7 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
   scatter(scene, data.f_offset, p, d.island, d.v.x.data(), data.a, data.f);  // x = [a; -f]
   each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
   report_residuals(scene, p, d.v, report);
+  report.backward_error = rank_deficient(d) ? sparse::componentwise_backward_error(d.v.r, d.v.scale) : d.last_error;
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
     data.tau.segment(robot.idx_v, first).setZero();
     data.tau.segment(robot.idx_v + first, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
   }
-  return solve_tau(scene, q, v, data.tau, data);
+  return internal::solve_checked(scene, q, v, data.tau, data);
 }
 
 const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
@@ -108,7 +108,12 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   check_size("solve_tau", "v", v.size(), scene.nv);
   check_size("solve_tau", "tau", tau.size(), scene.nv);
   give_up_solution(data);
-  prepare(scene, data);
+  return solve_checked(scene, q, v, tau, data);
+}
+
+const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v,
+                                      const ConstVector& tau, SceneData& data) {
+  prepare_checked(scene, data);
   Workspace& w = *data.workspace;
   remake(data.a, scene.nv);
   data.v = v;

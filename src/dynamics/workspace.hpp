@@ -56,6 +56,7 @@ struct IslandWork {
   bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
   bool panel_is_safe = false;                   // and derivatives may be computed there
   double first_error = 0;                       // backward error before refinement
+  double last_error = 0;                        // and after it
   bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
   std::vector<int> dependent;                   // scratch: rows of J
