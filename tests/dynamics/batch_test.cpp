@@ -322,6 +322,7 @@ TEST(Batch, AnExceptionInAThreadComesOut) {
   const Answers expected = alone(file.scene, s, {}, {1});
   for (int threads : {1, 3}) {
     BatchData batch(file.scene, threads);
+    batch.options.lanes = Lanes::kOff;
     bool threw = false;
     {
       Answers x(file.scene, 6, s.count());
