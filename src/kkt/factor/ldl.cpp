@@ -26,7 +26,9 @@ class LdlFactor final : public Factor {
       ratio = sparse::smallest_pivot_ratio(pattern_->K, pattern_->ldl, Kx, L_.data(), D_.data(), scale);
     }
     growth_ = internal::growth_of(K, scale);
-    return internal::judge_pivots(*pattern_, D_.data(), ratio);
+    const Reason reason = internal::judge_pivots(*pattern_, D_.data(), ratio);
+    // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
+    return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }
 
   void solve(double* x) override {
