@@ -68,12 +68,10 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
   }
-  std::vector<char>& done = w.lanes.done;
-  done.assign(w.islands.size(), 0);
-  internal::differentiate_in_lanes(scene, data, done);
+  internal::differentiate_in_lanes(scene, data);
   bool all_linearised = true;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    if (done[i]) {
+    if (w.islands[i]->served_in_lanes()) {
       all_linearised = false;
     } else {
       if (w.islands[i]->in_lanes) internal::complete_island(scene, data, *w.islands[i]);

@@ -48,7 +48,7 @@ void tangent_rhs(const Scene& scene, const SceneData& data, const IslandWork& d,
     const auto f = data.f.segment(data.f_offset[c], contact.rows());
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
-    contact_tangent(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
+    contact_tangent<double>(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
     const V6 F = rows.W.transpose() * f;
     if (contact.A.joint >= 0) {
       pd.robots[contact.A.robot].fext[contact.A.joint] += rows.aMA.act_force(F);
@@ -101,8 +101,8 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
     const auto u = [&](const Attachment& at) {
       return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
     };
-    contact_adjoint(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
-                    data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
+    contact_adjoint<double>(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
+                            data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
   }
   for (int r : d.island.robots) {
     const Robot& robot = scene.robots[r];
@@ -163,7 +163,6 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_solved(scene, data, function);
-  internal::complete(scene, data);
   Workspace& w = *data.workspace;
   (void)internal::linearisation_of(scene, data);
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
@@ -182,8 +181,11 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "df", df.size(), data.f.size());
   da.setConstant(std::numeric_limits<double>::quiet_NaN());
   df.setConstant(std::numeric_limits<double>::quiet_NaN());
+  internal::jvp_in_lanes(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
+    if (d.served_in_lanes()) continue;
+    if (d.in_lanes) internal::complete_island(scene, data, d);
     if (!d.factor) continue;
     if (internal::rank_deficient(d)) {
       formed_jvp(scene, data, i, dq, dv, du, da, df);
@@ -208,8 +210,11 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
   for (auto* w : {&wq, &wv, &wu}) w->setConstant(std::numeric_limits<double>::quiet_NaN());
+  internal::vjp_in_lanes(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
+    if (d.served_in_lanes()) continue;
+    if (d.in_lanes) internal::complete_island(scene, data, d);
     if (!d.factor) continue;
     if (internal::rank_deficient(d)) {
       formed_vjp(scene, data, i, wa, wf, wq, wv, wu);

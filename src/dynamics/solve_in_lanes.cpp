@@ -50,32 +50,63 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   }
 }
 
-void differentiate_in_lanes(const Scene& scene, SceneData& data, std::vector<char>& done) {
-  Workspace& w = *data.workspace;
+namespace {
+
+// use(group, those at hand) for as many islands at a time as stand side by side, of those answered in lanes.
+template <class Take, class Use>
+void each_in_lanes(const Scene& scene, Workspace& w, Take&& take, Use&& use) {
   lanes::Groups& g = w.lanes;
   for (auto& [key, group] : g.groups) {
-    lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0,
-                             0,     0};
-    const auto differentiate_those_at_hand = [&] {
+    const auto use_those_at_hand = [&] {
       if (g.islands.empty()) return;
-      group.kernel->differentiate(job, g.islands, g.panels);
+      use(*group.kernel);
       g.islands.clear();
       g.panels.clear();
     };
     for (int i : group.islands) {
       const IslandWork& d = *w.islands[i];
       if (!d.in_lanes || !d.panel_is_safe) continue;
-      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) differentiate_those_at_hand();
-      IslandDerivatives& out = w.derivatives.islands[i];
-      job.request = out.request;
-      job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
+      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) use_those_at_hand();
       g.islands.push_back(&d.island);
-      g.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
-      done[i] = 1;
-      if (static_cast<int>(g.islands.size()) == g.level->width) differentiate_those_at_hand();
+      take(i);
+      if (static_cast<int>(g.islands.size()) == g.level->width) use_those_at_hand();
     }
-    differentiate_those_at_hand();
+    use_those_at_hand();
   }
+}
+
+}  // namespace
+
+void differentiate_in_lanes(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
+  each_in_lanes(
+      scene, w,
+      [&](int i) {
+        IslandDerivatives& out = w.derivatives.islands[i];
+        job.request = out.request;
+        job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
+        w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
+      },
+      [&](lanes::Kernel& kernel) { kernel.differentiate(job, w.lanes.islands, w.lanes.panels); });
+}
+
+void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+                  double* df) {
+  Workspace& w = *data.workspace;
+  const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(), data.a.data(),
+                              data.f.data(), data.f_offset, {dq, dv, du},  {da, df, nullptr}};
+  each_in_lanes(
+      scene, w, [](int) {}, [&](lanes::Kernel& kernel) { kernel.jvp(job, w.lanes.islands); });
+}
+
+void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
+                  double* wu) {
+  Workspace& w = *data.workspace;
+  const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(),     data.a.data(),
+                              data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
+  each_in_lanes(
+      scene, w, [](int) {}, [&](lanes::Kernel& kernel) { kernel.vjp(job, w.lanes.islands); });
 }
 
 }  // namespace internal

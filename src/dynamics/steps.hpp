@@ -17,8 +17,13 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
 void reset(IslandReport& report, const Island& island);
 /// Solves the islands that stand in lanes, at w.q, data.v, data.tau. Those that come out unsound are left as they were.
 void solve_in_lanes(const Scene& scene, SceneData& data);
-/// Derivatives of the islands whose answer came from a lane into w.derivatives, where that is safe; `done` per island.
-void differentiate_in_lanes(const Scene& scene, SceneData& data, std::vector<char>& done);
+/// Derivatives of the islands whose answer came from a lane into w.derivatives, and products with them, where that is
+/// safe (IslandWork::served_in_lanes). Vectors in the scene's coordinates, as in jvp.hpp.
+void differentiate_in_lanes(const Scene& scene, SceneData& data);
+void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+                  double* df);
+void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
+                  double* wu);
 /// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
 void complete(const Scene& scene, const SceneData& data);
 void complete_island(const Scene& scene, const SceneData& data, IslandWork& island);

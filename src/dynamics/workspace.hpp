@@ -54,7 +54,8 @@ struct IslandWork {
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
   bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
-  bool panel_is_safe = false;                   // and derivatives may be computed there
+  bool panel_is_safe = false;                   // and its derivatives may come from there too
+  bool served_in_lanes() const { return in_lanes && panel_is_safe; }
   double first_error = 0;                       // backward error before refinement
   double last_error = 0;                        // and after it
   bool contradiction = false;                   // the contacts contradict each other: least squares

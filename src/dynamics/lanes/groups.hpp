@@ -26,7 +26,6 @@ struct Groups {
   std::vector<const Island*> islands;
   std::vector<Answer> answers;
   std::vector<Panel> panels;
-  std::vector<char> done;  // per island of the scene: differentiated
 };
 
 /// Sorts the islands at hand into groups. Allocates nothing for a contact set met before.

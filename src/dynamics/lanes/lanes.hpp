@@ -34,6 +34,16 @@ struct DerivativeJob {
   int q_first, v_first, u_first;
 };
 
+/// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, du to da, df;
+/// vjp: wa, wf to wq, wv, wu.
+struct ProductJob {
+  const Scene& scene;
+  const double *q, *v, *a, *f;
+  const std::vector<int>& f_offset;
+  const double* in[3];
+  double* out[3];
+};
+
 /// Of one island. Where it is not sound, nothing else is known: another way has to answer.
 struct Answer {
   bool sound = false;
@@ -51,6 +61,9 @@ class Kernel {
   /// The islands' derivatives, of answers that were sound and whose panels are safe.
   virtual void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                              std::span<const Panel> panels) = 0;
+  /// Products with these derivatives, refined once (dynamics/jvp.cpp).
+  virtual void jvp(const ProductJob& job, std::span<const Island* const> islands) = 0;
+  virtual void vjp(const ProductJob& job, std::span<const Island* const> islands) = 0;
 };
 
 /// A level of instructions that kernels were compiled for.

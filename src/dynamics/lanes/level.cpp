@@ -7,6 +7,7 @@
 #include "../../algorithm/kinematics.cpp"
 #include "../../algorithm/rnea.cpp"
 #include "../../algorithm/rnea_derivatives.cpp"
+#include "../../algorithm/rnea_products.cpp"
 #include "manycontact/spatial/explog.hpp"
 #include "side_by_side.hpp"
 
@@ -38,6 +39,7 @@ Mat6<Pack<W>> log6_derivative(const SE3<Pack<W>>& M) {
 }  // namespace manycontact
 
 #include "../../contact/derivatives.cpp"
+#include "../../contact/products.cpp"
 #include "../../contact/rows.cpp"
 
 namespace manycontact::lanes {
@@ -50,20 +52,28 @@ class LevelKernel final : public Kernel {
               std::shared_ptr<const KktPattern> pattern)
       : alone_(scene, island, support, pattern), together_(scene, island, support, pattern) {}
   void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) override {
-    if (islands.size() == 1)
-      alone_.solve(job, islands, answers);
-    else
-      together_.solve(job, islands, answers);
+    with(islands, [&](auto& robots) { robots.solve(job, islands, answers); });
   }
   void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                      std::span<const Panel> panels) override {
-    if (islands.size() == 1)
-      alone_.differentiate(job, islands, panels);
-    else
-      together_.differentiate(job, islands, panels);
+    with(islands, [&](auto& robots) { robots.differentiate(job, islands, panels); });
+  }
+  void jvp(const ProductJob& job, std::span<const Island* const> islands) override {
+    with(islands, [&](auto& robots) { robots.jvp(job, islands); });
+  }
+  void vjp(const ProductJob& job, std::span<const Island* const> islands) override {
+    with(islands, [&](auto& robots) { robots.vjp(job, islands); });
   }
 
  private:
+  template <class Work>
+  void with(std::span<const Island* const> islands, Work&& work) {
+    if (islands.size() == 1)
+      work(alone_);
+    else
+      work(together_);
+  }
+
   SideBySide<Pack<1>> alone_;
   SideBySide<Pack<MANYCONTACT_LANES>> together_;
 };

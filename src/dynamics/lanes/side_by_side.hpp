@@ -9,6 +9,7 @@
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/contact/products.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -36,6 +37,8 @@ class SideBySide {
              std::shared_ptr<const KktPattern> pattern);
   void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers);
   void differentiate(const DerivativeJob& job, std::span<const Island* const> islands, std::span<const Panel> panels);
+  void jvp(const ProductJob& job, std::span<const Island* const> islands);
+  void vjp(const ProductJob& job, std::span<const Island* const> islands);
 
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -54,7 +57,12 @@ class SideBySide {
   void refine();
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
   void factor();
-  void linearise(const DerivativeJob& job, std::span<const Island* const> islands);
+  template <class Job>
+  void load_solution(const Job& job, std::span<const Island* const> islands);
+  void linearise(const Scene& scene, const Island& island);
+  void derivative_terms(const Scene& scene, const Island& island);
+  void solve_once_refined();
+  BodyVariationOf<S> body(const Attachment& at) const;
   template <class Fill>
   void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
                      std::span<const Panel> panels, Fill&& fill);
@@ -80,14 +88,17 @@ class SideBySide {
 
   // of derivatives
   VecX<S> a_;
-  std::vector<VecX<S>> contact_f_;
+  std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
   std::vector<Vec6<S>> fext_;
   RneaDerivativesOf<S> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // per contact: its coordinates
   std::vector<std::vector<int>> reach_;    // per coordinate: rows of K that its columns of q and v are not zero in
   std::vector<std::vector<int>> itself_;   // per coordinate: its own row
-  Columns X_;                              // size x nv: one block of columns
+  std::vector<BodyVariationOf<S>> body_;   // products: tangents, or adjoints
+  std::vector<Vec6<S>> u_, dfext_, df_;
+  std::vector<S> dq_, dv_, w_;
+  Columns X_;  // size x nv: one block of columns
   std::vector<char> nonzero_;
 };
 
@@ -121,6 +132,13 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       columns_(support.columns),
       reach_(model_->nv),
       itself_(model_->nv),
+      body_(model_->njoints()),
+      u_(model_->njoints()),
+      dfext_(model_->njoints()),
+      df_(model_->njoints()),
+      dq_(model_->nv),
+      dv_(model_->nv),
+      w_(model_->nv),
       X_(Columns::Zero(pattern_->size(), model_->nv)),
       nonzero_(pattern_->size()) {
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -128,6 +146,7 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
     contacts_.emplace_back(contact, supports_[k]);
     contact_terms_.emplace_back(scene, contact, supports_[k]);
     contact_f_.emplace_back(contact.rows());
+    contact_scratch_.emplace_back(contact.rows());
   }
   find_reach(island);
 }
@@ -388,9 +407,9 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
                                   std::span<const Panel> panels) {
   const Island& first = *islands.front();
   const int nv = model_->nv, nc = static_cast<int>(pattern_->nc);
-  linearise(job, islands);
-  assemble(job.scene.damping);
-  factor();
+  load_solution(job, islands);
+  linearise(job.scene, first);
+  derivative_terms(job.scene, first);
   const auto rows = [&](std::size_t k) { return X_.middleRows(nv + first.row_offset[k], contacts_[k].a0.size()); };
   if (job.request.q)
     solve_columns(job.q_first, nv, reach_, nc, panels, [&] {
@@ -415,14 +434,12 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
   }
 }
 
-/// Motions at the solution, contact forces on the bodies, K, and the terms of -dr.
 template <class S>
-void SideBySide<S>::linearise(const DerivativeJob& job, std::span<const Island* const> islands) {
-  const Scene& scene = job.scene;
-  const Island& first = *islands.front();
+template <class Job>
+void SideBySide<S>::load_solution(const Job& job, std::span<const Island* const> islands) {
   for (int l = 0; l < W; ++l) {
     const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
-    const Robot& robot = scene.robots[island.robots.front()];
+    const Robot& robot = job.scene.robots[island.robots.front()];
     for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
     for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
     for (int i = 0; i < model_->nv; ++i) a_[i].set(l, job.a[robot.idx_v + i]);
@@ -430,22 +447,34 @@ void SideBySide<S>::linearise(const DerivativeJob& job, std::span<const Island* 
       for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
         contact_f_[k][i].set(l, job.f[job.f_offset[island.contacts[k]] + i]);
   }
-  load_places(scene, islands);
+  load_places(job.scene, islands);
+}
+
+/// Motions and contact rows at the solution, K and its factor.
+template <class S>
+void SideBySide<S>::linearise(const Scene& scene, const Island& island) {
   forward_kinematics<S>(*model_, base_, q_, kin_);
   forward_accelerations<S>(*model_, v_, a_.data(), scene.gravity, kin_);
   crba<S>(*model_, kin_, Yc_, M_.data());
   drop_rounding();
-  evaluate_rows(scene, first);
+  evaluate_rows(scene, island);
+  assemble(scene.damping);
+  factor();
+}
+
+/// Contact forces on the bodies, and the terms of -dr.
+template <class S>
+void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
   std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[first.contacts[k]];
+    const Contact& contact = scene.contacts[island.contacts[k]];
     const Vec6<S> F = contacts_[k].W.transpose() * contact_f_[k];
     fext_[contact.A.joint] += contacts_[k].aMA.act_force(F);
     if (contact.B.robot >= 0) fext_[contact.B.joint] -= contacts_[k].bMA.act_force(F);
   }
   rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[first.contacts[k]];
+    const Contact& contact = scene.contacts[island.contacts[k]];
     const bool between = contact.B.robot >= 0;
     contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
                            contact_f_[k], contacts_[k], contact_terms_[k]);
@@ -484,6 +513,115 @@ void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::v
     for (; c < count; ++c)
       for (std::size_t l = 0; l < panels.size(); ++l)
         panels[l].X[row * panels[l].ld + first + c] = sign * from[c][static_cast<int>(l)];
+  }
+}
+
+// ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------
+
+/// x = K^-1 b, refined once as solve_refined with one step does.
+template <class S>
+void SideBySide<S>::solve_once_refined() {
+  const sparse::LdlSchedule& schedule = pattern_->schedule();
+  x_ = b_;
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
+  const Mask open = residual() > S(tolerance::kRefined);
+  if (!open.any()) return;
+  correction_ = r_;
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
+  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+}
+
+template <class S>
+BodyVariationOf<S> SideBySide<S>::body(const Attachment& at) const {
+  const Vec6<S> zero = Vec6<S>::Zero();
+  return at.robot < 0 ? BodyVariationOf<S>{zero, zero, zero, zero} : body_[at.joint];
+}
+
+template <class S>
+void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> islands) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  const KktPattern& p = *pattern_;
+  const int nv = model_->nv, none = model_->first_actuated();
+  load_solution(job, islands);
+  linearise(scene, first);
+  std::fill(w_.begin(), w_.end(), S(0));
+  for (int l = 0; l < W; ++l) {
+    const Robot& robot = scene.robots[islands[std::min<std::size_t>(l, islands.size() - 1)]->robots.front()];
+    for (int i = 0; i < nv; ++i) dq_[i].set(l, job.in[0][robot.idx_v + i]);
+    for (int i = 0; i < nv; ++i) dv_[i].set(l, job.in[1][robot.idx_v + i]);
+    for (int i = none; i < nv; ++i) w_[i].set(l, job.in[2][robot.idx_u + i - none]);
+  }
+  tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
+  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    const ContactData<S>& rows = contacts_[k];
+    VecX<S>& dr2 = contact_scratch_[k];
+    Vec6<S> dF;
+    contact_tangent<S>(contact, rows, body(contact.A), body(contact.B), contact_f_[k], dr2, dF);
+    const Vec6<S> F = rows.W.transpose() * contact_f_[k];
+    fext_[contact.A.joint] += rows.aMA.act_force(F);
+    dfext_[contact.A.joint] += rows.aMA.act_force(dF);
+    if (contact.B.robot >= 0) {
+      fext_[contact.B.joint] -= rows.bMA.act_force(F);
+      dfext_[contact.B.joint] -= rows.bMA.act_force(dF);
+    }
+    for (Eigen::Index i = 0; i < dr2.size(); ++i) b_[p.iperm[nv + first.row_offset[k] + i]] = -dr2[i];
+  }
+  tangent_torques<S>(*model_, kin_, body_, fext_, dfext_, f_, df_, dq_.data());
+  for (int i = 0; i < nv; ++i) b_[p.iperm[i]] = w_[i] - dq_[i];
+  solve_once_refined();
+  for (std::size_t l = 0; l < islands.size(); ++l) {
+    const Island& island = *islands[l];
+    double* da = job.out[0] + scene.robots[island.robots.front()].idx_v;
+    for (int i = 0; i < nv; ++i) da[i] = x_[p.iperm[i]][static_cast<int>(l)];
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)  // x = [da; -df]
+        job.out[1][job.f_offset[island.contacts[k]] + i] =
+            -x_[p.iperm[nv + first.row_offset[k] + i]][static_cast<int>(l)];
+  }
+}
+
+template <class S>
+void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> islands) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  const KktPattern& p = *pattern_;
+  const int nv = model_->nv, none = model_->first_actuated();
+  load_solution(job, islands);
+  linearise(scene, first);
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const double* wa = job.in[0] + scene.robots[island.robots.front()].idx_v;
+    for (int i = 0; i < nv; ++i) b_[p.iperm[i]].set(l, wa[i]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
+        b_[p.iperm[nv + first.row_offset[k] + i]].set(l, -job.in[1][job.f_offset[island.contacts[k]] + i]);
+  }
+  solve_once_refined();  // l = K^-1 [wa; -wf]
+  for (int i = 0; i < nv; ++i) w_[i] = x_[p.iperm[i]];
+  virtual_velocities<S>(*model_, kin_, w_.data(), u_);
+  const Vec6<S> zero = Vec6<S>::Zero();
+  std::fill(body_.begin(), body_.end(), BodyVariationOf<S>{zero, zero, zero, zero});
+  add_body_adjoints<S>(*model_, kin_, u_, body_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    VecX<S>& l = contact_scratch_[k];
+    for (Eigen::Index i = 0; i < l.size(); ++i) l[i] = x_[p.iperm[nv + first.row_offset[k] + i]];
+    BodyVariationOf<S> nobody{zero, zero, zero, zero};
+    const bool between = contact.B.robot >= 0;
+    contact_adjoint<S>(contact, contacts_[k], u_[contact.A.joint], between ? u_[contact.B.joint] : zero, contact_f_[k],
+                       l, body_[contact.A.joint], between ? body_[contact.B.joint] : nobody);
+  }
+  pull_back<S>(*model_, kin_, a_.data(), u_, body_, dq_.data(), dv_.data());
+  for (std::size_t l = 0; l < islands.size(); ++l) {
+    const Robot& robot = scene.robots[islands[l]->robots.front()];
+    const int lane = static_cast<int>(l);
+    for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
+    for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
+    for (int i = none; i < nv; ++i) job.out[2][robot.idx_u + i - none] = w_[i][lane];
   }
 }
 
