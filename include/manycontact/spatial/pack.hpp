@@ -14,6 +14,10 @@
 
 #include <Eigen/Core>
 
+#ifndef MANYCONTACT_LANES  // whose memory stays its own
+#include "manycontact/abi.hpp"
+#endif
+
 namespace manycontact {
 
 namespace detail {

@@ -317,7 +317,8 @@ typename S::Mask SideBySide<S>::believable_pivots() const {
   for (std::size_t k = 0; k < D_.size(); ++k) {
     positive += select(D_[k] > S(0), S(1), S(0));
     const S size = abs(D_[k]);
-    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * pivot_terms_[k]);
+    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * pivot_terms_[k]) &
+           (pivot_terms_[k] <= largest);
   }
   const S nv(pattern_->nv);
   return good & (positive >= nv) & (positive <= nv);
@@ -379,10 +380,12 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
   }
   const Mask safe = (terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal) &
                     (first_error_ <= S(tolerance::kRefinePanel));
+  const S growth = select(diagonal > S(0), terms / diagonal, S(1));
+  const Mask sound = usable_ & (growth <= S(std::numeric_limits<double>::max()));
   for (std::size_t l = 0; l < islands.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
-    answer.sound = usable_[lane];
+    answer.sound = sound[lane];
     if (!answer.sound) continue;
     answer.panel_is_safe = safe[lane];
     answer.refinement_steps = static_cast<int>(steps_[lane]);

@@ -86,6 +86,7 @@ void differentiate_in_lanes(const Scene& scene, SceneData& data) {
         IslandDerivatives& out = w.derivatives.islands[i];
         job.request = out.request;
         job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
+        out.X.rightCols(out.X.cols() - out.cols).setZero();  // all was NaN after a failure
         w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
       },
       [&](lanes::Kernel& kernel) { kernel.differentiate(job, w.lanes.islands, w.lanes.panels); });
