@@ -274,10 +274,10 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   for (int k = 0; k < 7; ++k) {
     const DerivativeRequest request{.q = bool(k & 1), .v = bool(k & 2), .u = bool(k & 4), .tau = true};
     const auto some = dense_derivatives(h.scene, (differentiate(h.scene, data, request), data));
-    if (request.q) EXPECT_TRUE(same(some.da_dq, all.da_dq));
-    if (request.v) EXPECT_TRUE(same(some.da_dv, all.da_dv));
-    if (request.u) EXPECT_TRUE(same(some.da_du, all.da_du));
-    if (request.u) EXPECT_TRUE(same(some.dforces_du, all.dforces_du));
+    EXPECT_TRUE(!request.q || same(some.da_dq, all.da_dq));
+    EXPECT_TRUE(!request.v || same(some.da_dv, all.da_dv));
+    EXPECT_TRUE(!request.u || same(some.da_du, all.da_du));
+    EXPECT_TRUE(!request.u || same(some.dforces_du, all.dforces_du));
   }
 }
 

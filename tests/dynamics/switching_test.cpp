@@ -114,7 +114,7 @@ TEST(Switching, AllocatesNothingForSetsMetBefore) {
   SceneFile file = load_scene(kModels + "herd.xml");
   std::mt19937 rng(2);
   disturb(file, rng);
-  for (const Way& way : ways()) {
+  for (const Way& way : ways_here()) {
     if (way.options.method == Method::kDenseSchur || way.options.method == Method::kSparseSupernodal) continue;
     SCOPED_TRACE(way.name);
     SceneData data(file.scene, way.options);

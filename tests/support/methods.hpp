@@ -22,8 +22,8 @@ struct Way {
   Options options;
 };
 
-/// Each method, with each order where the method takes one, and sparse-ldl with each level of instructions; the oracle
-/// only if asked for.
+/// Each method, with each order where the method takes one, and sparse-ldl without lanes; the oracle only if asked
+/// for.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
   for (Method method : methods()) {
@@ -32,9 +32,15 @@ inline std::vector<Way> ways(bool with_oracle = false) {
     if (!has_order(method)) continue;
     for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
   }
+  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}});
+  return out;
+}
+
+/// The same, and sparse-ldl at each level of instructions that runs here.
+inline std::vector<Way> ways_here(bool with_oracle = false) {
+  std::vector<Way> out = ways(with_oracle);
   for (Lanes lanes : lanes_here())
     out.push_back({"sparse-ldl in lanes " + to_string(lanes), {Method::kSparseLdl, {}, lanes}});
-  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}});
   return out;
 }
 
