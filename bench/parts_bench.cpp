@@ -10,6 +10,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 #include "scenes.hpp"
 
 namespace manycontact::bench {
@@ -30,7 +31,7 @@ struct Fixture {
   KktMatrix K;
   KktVectors v;
   sparse::LdlWorkspace work;
-  std::vector<double> Lx, D;
+  std::vector<double> Lx, D, scale;
 
   explicit Fixture(SceneFile scene)
       : s(std::move(scene)),
@@ -43,6 +44,7 @@ struct Fixture {
     (void)solve(s.scene, s.q, s.v, s.u, data);
     qdd = data.a;
     tau = Eigen::VectorXd::Zero(model.nv);
+    complete(s.scene, data);
     kin = kinematics_of(data, 0);
     crba<double>(model, kin, Yc, M.data());
     M_spans.emplace_back(M);
@@ -53,6 +55,7 @@ struct Fixture {
     for (int k = 0; k < K.size(); ++k) v.b[k] = v.x[k] = std::sin(k + 1.0);
     Lx.resize(K.pattern->ldl.nonzeros());
     D.resize(K.size());
+    scale.resize(K.size());
     benchmark::DoNotOptimize(factor());
   }
   int factor() { return sparse::ldl_factor(K.pattern->K, K.pattern->ldl, K.values.data(), work, Lx.data(), D.data()); }
@@ -60,6 +63,14 @@ struct Fixture {
 
 void ldl_numeric(benchmark::State& state, Fixture& f) {
   for (auto _ : state) benchmark::DoNotOptimize(f.factor());
+}
+
+void ldl_scheduled(benchmark::State& state, Fixture& f) {
+  const sparse::LdlSchedule& schedule = f.K.pattern->schedule();
+  for (auto _ : state) {
+    sparse::ldl_scheduled_factor(schedule, f.K.values.data(), f.Lx.data(), f.D.data(), f.scale.data());
+    benchmark::DoNotOptimize(f.D.data());
+  }
 }
 
 void kinematics(benchmark::State& state, Fixture& f) {
@@ -100,6 +111,13 @@ void triangular_solve(benchmark::State& state, Fixture& f) {
   }
 }
 
+void scheduled_solve(benchmark::State& state, Fixture& f) {
+  for (auto _ : state) {
+    f.v.x = f.v.b;
+    sparse::ldl_scheduled_solve(f.K.pattern->schedule(), f.Lx.data(), f.D.data(), f.v.x.data());
+  }
+}
+
 void residual(benchmark::State& state, Fixture& f) {
   for (auto _ : state) benchmark::DoNotOptimize(backward_error(f.K, f.v));
 }
@@ -115,7 +133,7 @@ void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
     forward_accelerations<double>(f.model, f.s.v, f.qdd.data(), f.s.scene.gravity, f.kin);
     f.Yc = f.kin.Y;
     for (int i = f.model.njoints() - 1; i > 0; --i) f.Yc[f.model.joints[i].parent] += f.Yc[i];
-    rnea_derivatives(f.model, f.kin, f.Yc, {}, d);
+    rnea_derivatives<double>(f.model, f.kin, f.Yc, {}, d);
     benchmark::DoNotOptimize(d);
   }
 }
@@ -134,6 +152,7 @@ void register_robot(const std::string& name, SceneFile scene) {
     })->Unit(benchmark::kMicrosecond);
   };
   add("ldl_numeric", ldl_numeric);
+  add("ldl_scheduled", ldl_scheduled);
   add("forward_kinematics", kinematics);
   add("rnea", rnea_whole);
   add("aba", aba_whole);
@@ -141,6 +160,7 @@ void register_robot(const std::string& name, SceneFile scene) {
   add("contact_rows", rows);
   add("assemble", assemble_k);
   add("triangular_solve", triangular_solve);
+  add("scheduled_solve", scheduled_solve);
   add("residual", residual);
   add("solve", solve_whole);
   add("rnea_derivatives", rnea_derivatives_whole);

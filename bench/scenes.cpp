@@ -60,4 +60,15 @@ SceneFile talos(int count) {
               "<contact name=\"right\" type=\"6d\" frame=\"r/right_sole_link\"/></scene>");
 }
 
+SceneFile herd(int count) {
+  std::string xml = "<scene><robot name=\"r\" urdf=\"" + std::string(kModels) + "quadruped.urdf\" base=\"floating\"" +
+                    copies(count) + ">";
+  std::string contacts;
+  for (const std::string leg : {"LF", "RF", "LH", "RH"}) {
+    xml += "<joint name=\"" + leg + "_hip\" q=\"0.7\"/><joint name=\"" + leg + "_knee\" q=\"-1.4\"/>";
+    contacts += "<contact name=\"" + leg + "\" type=\"3d\" frame=\"r/" + leg + "_foot\"/>";
+  }
+  return load(xml + "</robot>" + contacts + "</scene>");
+}
+
 }  // namespace manycontact::bench

@@ -11,5 +11,7 @@ namespace manycontact::bench {
 bool talos_available();
 SceneFile humanoids(int count, bool hand_in_hand);
 SceneFile talos(int count);
+/// Quadrupeds, each on four point feet, as in models/herd.xml.
+SceneFile herd(int count);
 
 }  // namespace manycontact::bench

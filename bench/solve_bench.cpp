@@ -22,6 +22,21 @@ void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method 
   state.counters["status"] = static_cast<double>(data.report.status);
 }
 
+// One contact of a herd of quadrupeds lifted and set down again before a solve, a different one each time: contact sets
+// that were met before. Against solves of the whole herd.
+void switch_contact(benchmark::State& state, int robots, bool switched) {
+  const SceneFile s = herd(robots);
+  SceneData data(s.scene);
+  std::size_t c = 0;
+  const auto toggle_and_solve = [&] {
+    if (switched) data.active[c] = !data.active[c];
+    benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
+    if (data.active[c]) c = (c + robots + 1) % data.active.size();  // another robot's other foot
+  };
+  for (int k = 0; k < 20; ++k) toggle_and_solve();  // every foot was lifted by one of them
+  for (auto _ : state) toggle_and_solve();
+}
+
 // Derivatives after a solve.
 void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
   const SceneFile s = humanoids(robots, hand_in_hand);
@@ -104,6 +119,10 @@ const bool registered = [] {
           products_scene(s, n, ring, transposed);
         })->Unit(benchmark::kMicrosecond);
       }
+  for (const bool switched : {false, true})
+    benchmark::RegisterBenchmark(switched ? "switch/herd/256/one contact" : "switch/herd/256/steady",
+                                 [=](benchmark::State& s) { switch_contact(s, 256, switched); })
+        ->Unit(benchmark::kMicrosecond);
   benchmark::RegisterBenchmark("eigen/separate/16", [](benchmark::State& s) {
     eigen_factors(s, 16);
   })->Unit(benchmark::kMicrosecond);

@@ -35,6 +35,9 @@ const std::vector<Guarded> guarded = {
     {"urdfdom and tinyxml2 belong to the sources of io",
      std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/io/.*")},
     {"JSON belongs to cli", std::regex("nlohmann/.*"), std::regex("src/cli/.*")},
+    {"OpenMP belongs to one file, which sees no Eigen", std::regex("omp\\.h"),
+     std::regex("src/dynamics/parallel\\.cpp")},
+    {"MPI belongs to the program manycontact-mpi", std::regex("mpi\\.h"), std::regex("src/cli/mpi_main\\.cpp")},
     {"boost belongs to spatial/scalar.hpp and quad.hpp", std::regex("boost/.*"),
      std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
 };
@@ -207,6 +210,8 @@ TEST(Layering, CheckerRefusesBadIncludes) {
       {"include/manycontact/io/scene_file.hpp", "<tinyxml2.h>"},
       {"src/io/scene_file.cpp", "<nlohmann/json.hpp>"},
       {"src/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},
+      {"src/dynamics/batch.cpp", "<omp.h>"},
+      {"src/cli/batch/batch.cpp", "<mpi.h>"},
   };
   for (const auto& [file, header] : bad)
     EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;

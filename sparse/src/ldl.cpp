@@ -86,8 +86,12 @@ double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& s, const doubl
     const double d = std::abs(D[j]);
     for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) scale[s.Li[k]] += Lx[k] * Lx[k] * d;
   }
+  return smallest_pivot_ratio(s.n, D, scale);
+}
+
+double smallest_pivot_ratio(int n, const double* D, const double* scale) {
   double ratio = 1;
-  for (int k = 0; k < s.n; ++k) {
+  for (int k = 0; k < n; ++k) {
     const double d = std::abs(D[k]);
     if (!(d >= ratio * scale[k])) ratio = d > 0 && std::isfinite(scale[k]) ? d / scale[k] : 0;
   }

@@ -2,9 +2,17 @@
 
 namespace manycontact {
 
+namespace {
+// Costs look at what a solve leaves, which robots in lanes do not.
+Options robot_by_robot(Options options) {
+  options.lanes = Lanes::kOff;
+  return options;
+}
+}  // namespace
+
 DataCollector::DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act)
     : scene(s),
-      solution(scene, options),
+      solution(scene, robot_by_robot(options)),
       actuation(std::move(act)),
       contacts(std::make_shared<ContactDataMultiple>()) {}
 

@@ -162,7 +162,7 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m) {
     data.a0.setZero(nc);
     data.da0_dx.setZero(nc, 2 * n);
     data.f.setZero(nc);
-    const IslandColumns& island = m.islands[island_with_robot(m.solution, contact.A.robot)];
+    const IslandColumns& island = m.islands[island_with_robot(m.solution, robot_of(contact))];
     data.f_x_columns = &island.x;
     data.f_u_columns = &island.u;
     new (&data.df_dx) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));

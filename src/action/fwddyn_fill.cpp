@@ -44,11 +44,11 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
       data->da0_dx.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
     });
     for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
-      const Vec6<double> dx = turned(d.turn.col(i), d.x);
+      const Vec6<double> dx = turned<double>(d.turn.col(i), d.x);
       data->da0_dx.col(d.chain_a[i]).noalias() += rows.W * dx;
     }
     if (!forces) continue;
-    const int i = island_with_robot(m.solution, contact.A.robot);
+    const int i = island_with_robot(m.solution, robot_of(contact));
     const Island& island = island_of(m.solution, i);
     const std::size_t c =
         std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();

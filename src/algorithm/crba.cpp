@@ -10,7 +10,7 @@ void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>&
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
       const Vec6<S> F = Yc[i] * kin.J.col(k);
       S* row = M + model.M_begin[k];
-      for (int j = k; j >= 0; j = model.dof_parent[j]) *row++ = kin.J.col(j).dot(F);  // M_kj = S_j^T Yc S_k
+      for (int j = k; j >= 0; j = model.dof_parent[j]) *row++ = dot(kin.J.col(j), F);  // M_kj = S_j^T Yc S_k
       M[model.M_begin[k]] += S(model.armature[k]);
     }
     if (joint.parent >= 0) Yc[joint.parent] += Yc[i];

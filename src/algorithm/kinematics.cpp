@@ -18,35 +18,36 @@ namespace {
 template <class S>
 inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
-  const Vec3<S> ci = R.col(i), cj = R.col(j);
-  R.col(i) = c * ci + s * cj;
-  R.col(j) = c * cj - s * ci;
+  for (int k = 0; k < 3; ++k) {
+    const S x = R(k, i), y = R(k, j);
+    R(k, i) = multiply_add(s, y, S(c * x));
+    R(k, j) = multiply_add(S(-s), x, S(c * y));
+  }
 }
 
 // Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
 template <class S>
 inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, Mat6X<S>& J) {
-  using std::cos;
-  using std::sin;
   const int iq = joint.idx_q, iv = joint.idx_v;
   switch (joint.type) {
     case JointType::kRevolute: {
       Vec3<S> axis;
       if (joint.axis_kind < 3) {
-        const S c = cos(q[iq]), s = sin(q[iq]);
+        S c, s;
+        sin_cos(q[iq], s, c);
         rotate_columns<S>(M.R, joint.axis_kind, c, s);
         axis = M.R.col(joint.axis_kind);
       } else {
         const Vec3<S> u = joint.axis.cast<S>();
-        M.R = Mat3<S>(M.R * rotation_about<S>(u, q[iq]));
-        axis = M.R * u;
+        M.R = times<S>(M.R, rotation_about<S>(u, q[iq]));
+        axis = times<S>(M.R, u);
       }
-      J.col(iv).template head<3>() = M.p.cross(axis);
+      J.col(iv).template head<3>() = cross(M.p, axis);
       J.col(iv).template tail<3>() = axis;
       break;
     }
     case JointType::kPrismatic: {
-      const Vec3<S> axis = M.R * joint.axis.cast<S>();
+      const Vec3<S> axis = times<S>(M.R, joint.axis.cast<S>());
       M.p += q[iq] * axis;
       J.col(iv).template head<3>() = axis;
       J.col(iv).template tail<3>().setZero();
@@ -54,18 +55,20 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, M
     }
     case JointType::kFloating: {
       M.p += M.R * q.template segment<3>(iq);
-      M.R = Mat3<S>(M.R * rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
+      M.R = times<S>(M.R, rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
       J.template middleCols<6>(iv) = M.action();
       break;
     }
     case JointType::kPlanar: {
       M.p += M.R.col(0) * q[iq] + M.R.col(1) * q[iq + 1];
-      rotate_columns<S>(M.R, 2, S(cos(q[iq + 2])), S(sin(q[iq + 2])));
+      S c, s;
+      sin_cos(q[iq + 2], s, c);
+      rotate_columns<S>(M.R, 2, c, s);
       const Vec3<S> normal = M.R.col(2);
       J.template block<3, 1>(0, iv) = M.R.col(0);
       J.template block<3, 1>(0, iv + 1) = M.R.col(1);
       J.template block<3, 2>(3, iv).setZero();
-      J.template block<3, 1>(0, iv + 2) = M.p.cross(normal);
+      J.template block<3, 1>(0, iv + 2) = cross(M.p, normal);
       J.template block<3, 1>(3, iv + 2) = normal;
       break;
     }
@@ -74,14 +77,14 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, M
 
 }  // namespace
 
-template <class S>
-void forward_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
+template <class S, class B>
+void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
   SE3<S> oMbase;
   if (model.floating_base) {
     kin.origin = q.template head<3>();
   } else {
-    kin.origin = base.p.cast<S>();
-    oMbase.R = base.R.cast<S>();
+    kin.origin = base.p.template cast<S>();
+    oMbase.R = base.R.template cast<S>();
   }
   const int n = model.njoints();
   for (int i = 0; i < n; ++i) {
@@ -93,10 +96,9 @@ void forward_kinematics(const Model& model, const SE3<double>& base, const Const
       kin.J.template leftCols<6>() = M.action();
     } else {
       const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
-      M.p.noalias() = P.R * joint.placement.p.cast<S>();
-      M.p += P.p;
+      M.p = P.p + times<S>(P.R, joint.placement.p.cast<S>());
       if (joint.placement_rotates)
-        M.R.noalias() = P.R * joint.placement.R.cast<S>();
+        M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
       else
         M.R = P.R;
       move_joint<S>(joint, q, M, kin.J);
@@ -134,9 +136,9 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
 }
 
 template struct Kinematics<InstantiatedScalar>;
-template void forward_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
-                                                     const ConstVecRef<InstantiatedScalar>&,
-                                                     Kinematics<InstantiatedScalar>&);
+template void forward_kinematics<InstantiatedScalar, double>(const Model&, const SE3<double>&,
+                                                             const ConstVecRef<InstantiatedScalar>&,
+                                                             Kinematics<InstantiatedScalar>&);
 template void forward_accelerations<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
                                                         const InstantiatedScalar*, const Vec3<double>&,
                                                         Kinematics<InstantiatedScalar>&);

@@ -13,7 +13,7 @@ void inverse_dynamics(const Model& model, const Kinematics<S>& kin, const S* qdd
   }
   for (int i = n - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
-    for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) tau[k] = kin.J.col(k).dot(f[i]);  // tau = S^T f
+    for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) tau[k] = dot(kin.J.col(k), f[i]);  // tau = S^T f
     if (joint.parent >= 0) f[joint.parent] += f[i];
   }
   if (qdd)

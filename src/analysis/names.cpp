@@ -34,6 +34,11 @@ std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, T
   return names;
 }
 
+// "robot/frame", from the frame it was made from; empty when that is unknown.
+std::string frame_name(const Scene& scene, const Attachment& at) {
+  return at.frame.empty() || at.robot < 0 ? at.frame : scene.robots[at.robot].name + "/" + at.frame;
+}
+
 }  // namespace
 
 Body body_of(const Attachment& a) { return a.joint < 0 ? Body{} : Body{a.robot, a.joint}; }
@@ -41,15 +46,16 @@ Body body_of(const Attachment& a) { return a.joint < 0 ? Body{} : Body{a.robot, 
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body) {
   if (on_body.empty()) throw std::invalid_argument("place_name: there are no attachments");
   const Attachment& first = *on_body.front();
-  if (first.joint < 0) return "world";
-  const Robot& robot = scene.robots[first.robot];
-  bool same = !first.frame.empty();
+  const std::string name = frame_name(scene, first);
+  bool same = !name.empty();
   Vec3<double> mean = Vec3<double>::Zero();
   for (const Attachment* a : on_body) {
-    same = same && a->frame == first.frame;
+    same = same && frame_name(scene, *a) == name;
     mean += a->placement.p / static_cast<double>(on_body.size());
   }
-  if (same) return robot.name + "/" + first.frame;
+  if (same) return name;
+  if (first.joint < 0) return "world";
+  const Robot& robot = scene.robots[first.robot];
   const Frame* nearest = nearest_frame(*robot.model, first.joint, mean);
   return robot.name + "/" + (nearest ? nearest->name : robot.model->joints[first.joint].name);
 }

@@ -190,6 +190,7 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
 }  // namespace
 
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
+  complete(scene, data);
   if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, shape_of(data, number)->support()};

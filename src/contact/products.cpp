@@ -7,15 +7,15 @@ namespace manycontact {
 
 namespace {
 
-using V3 = Vec3<double>;
-using V6 = Vec6<double>;
-
 bool turns(const Contact& c) { return c.reference_frame != ReferenceFrame::kLocal; }
 
 }  // namespace
 
-void contact_tangent(const Contact& c, const ContactData<double>& d, const BodyVariation& a, const BodyVariation& b,
-                     const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::Ref<Eigen::VectorXd> dr2, V6& dF) {
+template <class S>
+void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariationOf<S>& a,
+                     const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF) {
+  using V3 = Vec3<S>;
+  using V6 = Vec6<S>;
   const V6 xi = d.aMA.act_inverse(a.xi), relative = xi - d.bMA.act_inverse(b.xi);
   // what is seen from A turns back as A is displaced
   const V6 dvA = d.aMA.act_inverse(a.v) - cross_motion(xi, d.vA), dvB = d.bMA.act_inverse(b.v) - cross_motion(xi, d.vB);
@@ -24,37 +24,40 @@ void contact_tangent(const Contact& c, const ContactData<double>& d, const BodyV
   const V6 dnudot = daA - daB - cross_motion(dvA, d.nu) - cross_motion(d.vA, dnu);
   V6 dx = V6::Zero();
   if (c.type == ContactType::k6D) {
-    dx = dnudot + c.beta * dnu;
-    if (c.alpha != 0) dx += c.alpha * (Jlog6<double>(log6<double>(d.G)) * relative);
+    dx = dnudot + S(c.beta) * dnu;
+    if (c.alpha != 0) dx += S(c.alpha) * (log6_derivative(d.G) * relative);
   } else {
     const V3 e = d.G.R.transpose() * d.G.p;
-    const V3 lin = d.nu.head<3>(), ang = d.nu.tail<3>();
-    dx.head<3>() = dnudot.head<3>() + dnu.tail<3>().cross(lin) + ang.cross(dnu.head<3>()) + c.beta * dnu.head<3>() +
-                   c.alpha * (relative.head<3>() - relative.tail<3>().cross(e));
+    const V3 lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
+    dx.template head<3>() = dnudot.template head<3>() + dnu.template tail<3>().cross(lin) +
+                            ang.cross(dnu.template head<3>()) + S(c.beta) * dnu.template head<3>() +
+                            S(c.alpha) * (relative.template head<3>() - relative.template tail<3>().cross(e));
   }
   const V6 F = d.W.transpose() * f;
   dF = cross_force(xi, F);
   if (turns(c)) {
-    dx += turned(xi.tail<3>(), d.x);
-    dF -= turned(xi.tail<3>(), F);
+    dx += turned<S>(xi.template tail<3>(), d.x);
+    dF -= turned<S>(xi.template tail<3>(), F);
   }
   dr2.noalias() = d.W * dx;
 }
 
-void contact_adjoint(const Contact& c, const ContactData<double>& d, const V6& uA_tree, const V6& uB_tree,
-                     const Eigen::Ref<const Eigen::VectorXd>& f, const Eigen::Ref<const Eigen::VectorXd>& l,
-                     BodyVariation& a, BodyVariation& b) {
+template <class S>
+void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& uA_tree, const Vec6<S>& uB_tree,
+                     const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b) {
+  using V3 = Vec3<S>;
+  using V6 = Vec6<S>;
   const V6 uA = d.aMA.act_inverse(uA_tree), uB = d.bMA.act_inverse(uB_tree);
   const V6 F = d.W.transpose() * f, N = d.W.transpose() * l;  // N: gradient with respect to x, and nudot
   V6 gnu, relative;
   if (c.type == ContactType::k6D) {
-    gnu = c.beta * N;
+    gnu = S(c.beta) * N;
     relative.setZero();
-    if (c.alpha != 0) relative = c.alpha * (Jlog6<double>(log6<double>(d.G)).transpose() * N);
+    if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);
   } else {  // N has no angular part: W has none
-    const V3 n = N.head<3>(), e = d.G.R.transpose() * d.G.p;
-    gnu << c.beta * n + n.cross(d.nu.tail<3>()), d.nu.head<3>().cross(n);
-    relative << c.alpha * n, -c.alpha * e.cross(n);
+    const V3 n = N.template head<3>(), e = d.G.R.transpose() * d.G.p;
+    gnu << S(c.beta) * n + n.cross(d.nu.template tail<3>()), d.nu.template head<3>().cross(n);
+    relative << S(c.alpha) * n, -S(c.alpha) * e.cross(n);
   }
   gnu += cross_force(d.vA, N);
   const V6 gvA = gnu - cross_force(d.nu, N);
@@ -62,8 +65,9 @@ void contact_adjoint(const Contact& c, const ContactData<double>& d, const V6& u
           cross_force(uA, F) - cross_force(uB, F);
   if (turns(c)) {
     const V6 U = uA - uB;
-    xi.tail<3>() += F.head<3>().cross(U.head<3>()) + F.tail<3>().cross(U.tail<3>()) - N.head<3>().cross(d.x.head<3>()) -
-                    N.tail<3>().cross(d.x.tail<3>());
+    xi.template tail<3>() +=
+        F.template head<3>().cross(U.template head<3>()) + F.template tail<3>().cross(U.template tail<3>()) -
+        N.template head<3>().cross(d.x.template head<3>()) - N.template tail<3>().cross(d.x.template tail<3>());
   }
   a.xi += d.aMA.act_force(xi);
   a.u -= d.aMA.act_force(F);
@@ -74,5 +78,13 @@ void contact_adjoint(const Contact& c, const ContactData<double>& d, const V6& u
   b.v -= d.bMA.act_force(gnu);
   b.a -= d.bMA.act_force(N);
 }
+
+using Scalar = InstantiatedScalar;
+template void contact_tangent<Scalar>(const Contact&, const ContactData<Scalar>&, const BodyVariationOf<Scalar>&,
+                                      const BodyVariationOf<Scalar>&, const ConstVecRef<Scalar>&, VecRef<Scalar>,
+                                      Vec6<Scalar>&);
+template void contact_adjoint<Scalar>(const Contact&, const ContactData<Scalar>&, const Vec6<Scalar>&,
+                                      const Vec6<Scalar>&, const ConstVecRef<Scalar>&, const ConstVecRef<Scalar>&,
+                                      BodyVariationOf<Scalar>&, BodyVariationOf<Scalar>&);
 
 }  // namespace manycontact

@@ -30,13 +30,25 @@ void ReferenceResolver::resolve(bool position, bool orientation, Contact& contac
   if (orientation) contact.B.placement.R = target.R;
 }
 
+namespace {
+std::invalid_argument wrong_size(const Eigen::Ref<const Eigen::VectorXd>& q, const Scene& scene) {
+  return std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) +
+                               " numbers, the scene expects " + std::to_string(scene.nq));
+}
+}  // namespace
+
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact) {
-  if (q.size() != scene.nq)
-    throw std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) +
-                                " numbers, the scene expects " + std::to_string(scene.nq));
+  if (q.size() != scene.nq) throw wrong_size(q, scene);
   const Eigen::VectorXd at = q;
   ReferenceResolver(scene, at).resolve(position, orientation, contact);
+}
+
+void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  if (q.size() != scene.nq) throw wrong_size(q, scene);
+  const Eigen::VectorXd at = q;
+  ReferenceResolver resolver(scene, at);
+  for (Contact& contact : scene.contacts) resolver.resolve(true, true, contact);
 }
 
 }  // namespace manycontact

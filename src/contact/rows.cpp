@@ -28,21 +28,20 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
+// Origin of that tree frame. Of a fixed base without its robot's kinematics, which may be those of an earlier state.
 template <class S>
-void place_and_move(const Scene& scene, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
-                    ContactData<S>& d) {
+Vec3<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
+  if (at.joint >= 0) return kin.origin;
+  return scene.robots[at.robot].base.p.template cast<S>();
+}
+
+template <class S>
+void place_and_move(const Vec3<double>& gravity, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
+                    const SE3<S>& bMB, const Vec3<S>& from_b, ContactData<S>& d) {
   Vec6<S> rest = Vec6<S>::Zero();  // acceleration of what stands still, minus gravity
-  rest.template head<3>() = -scene.gravity.cast<S>();
-  d.aMA = place<S>(scene, c.A, kinA);
+  rest.template head<3>() = -gravity.cast<S>();
   d.bMA = d.aMA;
-  SE3<S> bMB;
-  if (kinB) {
-    if (kinB != &kinA) d.bMA.p += kinA.origin - kinB->origin;
-    bMB = place<S>(scene, c.B, *kinB);
-  } else {
-    d.bMA.p += kinA.origin;
-    bMB = c.B.placement.cast<S>();
-  }
+  d.bMA.p += from_b;
   d.G = bMB.inverse() * d.bMA;
   const bool a_moves = c.A.joint >= 0, b_moves = kinB && c.B.joint >= 0;
   d.vA = a_moves ? d.aMA.act_inverse(kinA.v[c.A.joint]) : Vec6<S>(Vec6<S>::Zero());
@@ -83,7 +82,7 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
   if (c.type == ContactType::k6D) {
     d.x = d.nudot + beta * d.nu;
-    if (c.alpha != 0) d.x += alpha * log6<S>(d.G);
+    if (c.alpha != 0) d.x += alpha * log6(d.G);
   } else {
     const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
@@ -101,7 +100,19 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
 template <class S>
 void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& d) {
-  place_and_move<S>(scene, c, kinA, kinB, d);
+  Vec3<S> from_b = Vec3<S>::Zero();
+  if (kinB != &kinA) from_b = origin<S>(scene, c.A, kinA);
+  if (kinB && kinB != &kinA) from_b -= origin<S>(scene, c.B, *kinB);
+  contact_rows_between<S>(scene.gravity, c, support, kinA, place<S>(scene, c.A, kinA), kinB,
+                          kinB ? place<S>(scene, c.B, *kinB) : c.B.placement.cast<S>(), from_b, d);
+}
+
+template <class S>
+void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
+                          const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
+                          const Vec3<S>& from_b, ContactData<S>& d) {
+  d.aMA = aMA;
+  place_and_move<S>(gravity, c, kinA, kinB, bMB, from_b, d);
   contact_motion<S>(c, d);
   int k = 0;
   for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
@@ -117,5 +128,11 @@ template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<Ins
 template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
                                                const Kinematics<InstantiatedScalar>&,
                                                const Kinematics<InstantiatedScalar>*, ContactData<InstantiatedScalar>&);
+template void contact_rows_between<InstantiatedScalar>(const Vec3<double>&, const Contact&, const ContactSupport&,
+                                                       const Kinematics<InstantiatedScalar>&,
+                                                       const SE3<InstantiatedScalar>&,
+                                                       const Kinematics<InstantiatedScalar>*,
+                                                       const SE3<InstantiatedScalar>&, const Vec3<InstantiatedScalar>&,
+                                                       ContactData<InstantiatedScalar>&);
 
 }  // namespace manycontact

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "manycontact/model/suggestion.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -62,6 +63,24 @@ std::vector<std::string> force_names(const Scene& scene, const SceneData& data) 
     for (int k = 0; data.f_offset[c] >= 0 && k < scene.contacts[c].rows(); ++k)
       names.push_back(scene.contacts[c].name + "[" + std::to_string(k) + "]");
   return names;
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
+                                                        const std::string& contact) {
+  const auto found = scene.contact_index.find(contact);
+  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, contact));
+  return contact_force(scene, data, found->second);
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact) {
+  internal::check_solved(scene, data, "contact_force");
+  const int count = static_cast<int>(scene.contacts.size());
+  if (contact < 0 || contact >= count)
+    throw std::invalid_argument("contact_force: there is no contact " + std::to_string(contact) + " of " +
+                                std::to_string(count));
+  if (data.f_offset[contact] < 0)
+    throw std::logic_error("contact_force: contact " + quote(scene.contacts[contact].name) + " is not active");
+  return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
 }
 
 }  // namespace manycontact

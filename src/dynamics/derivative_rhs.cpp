@@ -1,83 +1,40 @@
+#include "derivative_columns.hpp"
 #include "steps.hpp"
 
 // The right-hand sides -dr of an island's derivatives, written into its panel.
 
 namespace manycontact::internal {
 
-namespace {
-
-using V6 = Vec6<double>;
-using Panel = IslandDerivatives::Panel;
-
-// -dID/dq, -dID/dv and S^T on a robot's diagonal blocks.
-void robot_columns(const Model& model, const RneaDerivatives& d, int o, int uo, IslandDerivatives& out) {
-  Panel& X = out.X;
-  for (int i = 0; i < model.nv; ++i) {
-    int at = model.M_begin[i];
-    for (int j = i; j >= 0; j = model.dof_parent[j], ++at) {
-      if (out.request.q) {
-        X(o + j, out.q_first + o + i) = -d.dq_upper[at];
-        X(o + i, out.q_first + o + j) = -d.dq_lower[at];
-      }
-      if (out.request.v) {
-        X(o + j, out.v_first + o + i) = -d.dv_upper[at];
-        X(o + i, out.v_first + o + j) = -d.dv_lower[at];
-      }
-    }
-  }
-  if (out.request.u)
-    for (int i = out.request.tau ? 0 : model.first_actuated(), k = uo; i < model.nv; ++i)
-      X(o + i, out.u_first + k++) = 1;
-}
-
-// -dr2 of one contact.
-void contact_columns(const Contact& contact, const ContactData<double>& rows, const ContactDerivatives& d,
-                     const std::vector<int>& columns, int oA, int row, IslandDerivatives& out) {
-  Panel& X = out.X;
-  const int n = contact.rows();
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (out.request.v) X.block(row, out.v_first + columns[k], n, 1).noalias() -= rows.W * d.dx_dv.col(k);
-    if (out.request.q) X.block(row, out.q_first + columns[k], n, 1).noalias() -= rows.W * d.dx_dq.col(k);
-  }
-  if (!d.turns || !out.request.q) return;
-  for (std::size_t i = 0; i < d.chain_a.size(); ++i) {
-    const V6 dx = turned(d.turn.col(i), d.x);
-    X.block(row, out.q_first + oA + d.chain_a[i], n, 1).noalias() -= rows.W * dx;
-  }
-}
-
-}  // namespace
-
-void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns,
-                   int oA, int oB, Eigen::Ref<Panel, 0, Eigen::OuterStride<>> X) {
-  for (std::size_t k = 0; k < columns.size() && !d.chain_b.empty(); ++k) {
-    const V6 dF = cross_force(rows.Jl.col(k), d.F);
-    for (std::size_t j = 0; j < d.chain_b.size(); ++j) X(oB + d.chain_b[j], columns[k]) -= d.S_b.col(j).dot(dF);
-  }
-  if (!d.turns) return;
-  for (std::size_t i = 0; i < d.chain_a.size(); ++i) {
-    const V6 dF = turned(d.turn.col(i), d.F);
-    for (std::size_t k = 0; k < columns.size(); ++k) X(columns[k], oA + d.chain_a[i]) -= rows.Jl.col(k).dot(dF);
-  }
-}
-
 void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& d, IslandDerivatives& out) {
   const Island& island = d.island;
-  out.X.setZero();
-  for (std::size_t k = 0; k < island.robots.size(); ++k)
-    robot_columns(*scene.robots[island.robots[k]].model, terms.of(island.robots[k]).rnea, island.dof_offset[k],
-                  out.u_offset[k], out);
+  const DerivativeRequest& request = out.request;
+  IslandDerivatives::Panel& X = out.X;
+  X.setZero();
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Model& model = *scene.robots[island.robots[k]].model;
+    const RneaDerivatives& rnea = terms.of(island.robots[k]).rnea;
+    const int o = island.dof_offset[k], nv = model.nv;
+    if (request.q)
+      robot_columns(model, rnea.dq_lower.data(), rnea.dq_upper.data(), X.block(o, out.q_first + o, nv, nv));
+    if (request.v)
+      robot_columns(model, rnea.dv_lower.data(), rnea.dv_upper.data(), X.block(o, out.v_first + o, nv, nv));
+    if (request.u)
+      for (int i = request.tau ? 0 : model.first_actuated(), u = out.u_offset[k]; i < nv; ++i)
+        X(o + i, out.u_first + u++) = 1;
+  }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const int c = island.contacts[k];
+    const int c = island.contacts[k], row = island.nv + island.row_offset[k];
     const Contact& contact = scene.contacts[c];
+    const ContactData<double>& rows = terms.contacts[c];
+    const ContactDerivatives& derivatives = terms.derivatives[c];
     const std::vector<int>& columns = d.shape->support().columns[k];
-    const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
-    const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
-    contact_columns(contact, terms.contacts[c], terms.derivatives[c], columns, oA, island.nv + island.row_offset[k],
-                    out);
-    if (out.request.q)
-      force_columns(terms.contacts[c], terms.derivatives[c], columns, oA, oB,
-                    out.X.block(0, out.q_first, island.nv, island.nv));
+    if (request.v)
+      contact_columns(rows, derivatives.dx_dv, columns, X.block(row, out.v_first, contact.rows(), island.nv));
+    if (!request.q) continue;
+    const int oA = first_dof(island, contact.A), oB = first_dof(island, contact.B);
+    contact_columns(rows, derivatives.dx_dq, columns, X.block(row, out.q_first, contact.rows(), island.nv));
+    turning_columns(rows, derivatives, oA, X.block(row, out.q_first, contact.rows(), island.nv));
+    force_columns(rows, derivatives, columns, oA, oB, X.block(0, out.q_first, island.nv, island.nv));
   }
 }
 

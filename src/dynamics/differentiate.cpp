@@ -69,10 +69,20 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
-    internal::differentiate_island(scene, data, i, out);
-    out.stamp = {&w.current, data.serial};
+  }
+  internal::differentiate_in_lanes(scene, data);
+  bool all_linearised = true;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    if (w.islands[i]->served_in_lanes()) {
+      all_linearised = false;
+    } else {
+      if (w.islands[i]->in_lanes) internal::complete_island(scene, data, *w.islands[i]);
+      internal::differentiate_island(scene, data, i, w.derivatives.islands[i]);
+    }
+    w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }
   w.derivatives_serial = data.serial;
+  w.linearised_serial = all_linearised ? data.serial : 0;
   return w.derivatives;
 }
 
@@ -82,10 +92,27 @@ const DerivativeData& derivatives(const SceneData& data) {
   return data.workspace->derivatives;
 }
 
+namespace {
+
+void release(IslandWork& d) {
+  d.derivatives = {};
+  d.rows.reset();
+  d.all.reset();
+  for (Factor* factor : {d.chosen.get(), d.safe.get(), d.dense.get()})
+    if (factor) factor->release_panels();
+}
+
+}  // namespace
+
 void release_derivatives(SceneData& data) {
   if (!data.workspace) return;
-  data.workspace->derivatives_serial = 0;
-  data.workspace->derivatives.islands.clear();
+  Workspace& w = *data.workspace;
+  w.derivatives_serial = 0;
+  w.derivatives = {};
+  w.panel = {};
+  for (const auto& island : w.islands) release(*island);
+  for (const auto& [shape, shelf] : w.shelves)
+    for (const auto& island : shelf) release(*island);
 }
 
 namespace {

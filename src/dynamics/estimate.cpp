@@ -102,6 +102,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
 
 void estimate_errors(const Scene& scene, SceneData& data) {
   internal::check_solved(scene, data, "estimate_errors");
+  internal::complete(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     IslandReport& report = data.report.islands[i];
@@ -132,6 +133,7 @@ void estimate_errors(const Scene& scene, SceneData& data) {
 
 void estimate_condition(const Scene& scene, SceneData& data) {
   internal::check_solved(scene, data, "estimate_condition");
+  internal::complete(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     if (!d.factor) {

@@ -49,7 +49,7 @@ void tangent_rhs(const Scene& scene, const SceneData& data, const IslandWork& d,
     const auto f = data.f.segment(data.f_offset[c], contact.rows());
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
-    contact_tangent(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
+    contact_tangent<double>(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
     const V6 F = rows.W.transpose() * f;
     if (contact.A.joint >= 0) {
       pd.robots[contact.A.robot].fext[contact.A.joint] += rows.aMA.act_force(F);
@@ -102,8 +102,8 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
     const auto u = [&](const Attachment& at) {
       return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
     };
-    contact_adjoint(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
-                    data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
+    contact_adjoint<double>(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
+                            data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
   }
   for (int r : d.island.robots) {
     const Robot& robot = scene.robots[r];
@@ -182,8 +182,11 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "df", df.size(), data.f.size());
   da.setConstant(std::numeric_limits<double>::quiet_NaN());
   df.setConstant(std::numeric_limits<double>::quiet_NaN());
+  internal::jvp_in_lanes(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
+    if (d.served_in_lanes()) continue;
+    if (d.in_lanes) internal::complete_island(scene, data, d);
     if (!d.factor) continue;
     if (internal::by_bodies(d)) {
       internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
@@ -212,8 +215,11 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
   for (auto* w : {&wq, &wv, &wu}) w->setConstant(std::numeric_limits<double>::quiet_NaN());
+  internal::vjp_in_lanes(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
+    if (d.served_in_lanes()) continue;
+    if (d.in_lanes) internal::complete_island(scene, data, d);
     if (!d.factor) continue;
     if (internal::by_bodies(d)) {
       internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);

@@ -106,6 +106,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
 
   d.factor = &factor;
   d.first_error = refinement.first;
+  d.last_error = refinement.backward_error;
   report.rank = factor.rank();
   report.status = Status::kOk;
   d.contradiction = false;
@@ -137,6 +138,10 @@ Rungs rungs_of(const IslandWork& d, double damping) {
 }
 
 }  // namespace
+
+void forget_states(SceneData& data) {
+  for (const auto& island : data.workspace->islands) island->was_dependent = false;
+}
 
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
                   IslandReport& report) {

@@ -37,10 +37,10 @@ void jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& 
     const ContactSupport& support = work.supports[island.contacts[c]];
     const ContactData<double>& rows = lin.contacts[island.contacts[c]];
     const ContactDerivatives& terms = lin.derivatives[island.contacts[c]];
-    const int a = local_robot(island, contact.A.robot),
-              b = contact.B.robot < 0 ? -1 : local_robot(island, contact.B.robot);
+    const int a = moves(contact.A) ? local_robot(island, contact.A.robot) : -1,
+              b = moves(contact.B) ? local_robot(island, contact.B.robot) : -1;
     V6 vB = V6::Zero(), nu = V6::Zero();
-    if (b >= 0 && contact.B.joint >= 0) vB = rows.bMA.act_inverse(w.kin[b].v[contact.B.joint]);
+    if (b >= 0) vB = rows.bMA.act_inverse(w.kin[b].v[contact.B.joint]);
     int k = 0;
     const auto column = [&](int robot, int i, const SE3<double>& M, double sign) {
       const Model& model = *scene.robots[island.robots[robot]].model;
@@ -57,7 +57,7 @@ void jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& 
     for (int i : support.b) column(b, i, rows.bMA, -1);
     if (!terms.turns) continue;
     for (std::size_t i = 0; i < terms.chain_a.size(); ++i) {
-      const V6 dnu = turned(terms.turn.col(i), nu);
+      const V6 dnu = turned<double>(terms.turn.col(i), nu);
       w.D.block(island.row_offset[c], island.dof_offset[a] + terms.chain_a[i], contact.rows(), 1).noalias() +=
           rows.W * dnu;
     }

@@ -88,9 +88,9 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
-    contact_derivatives(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, lin.of(A).rnea,
-                        B < 0 ? nullptr : &lin.of(B).rnea, f.segment(data.f_offset[c], contact.rows()), lin.contacts[c],
-                        lin.derivatives[c]);
+    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin,
+                                lin.of(A).rnea, B < 0 ? nullptr : &lin.of(B).rnea,
+                                f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
   }
 }
 

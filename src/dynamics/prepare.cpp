@@ -50,14 +50,14 @@ void settle(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
 void loosen(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
   s.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
-  const auto loosen_island_of = [&](int robot) {
-    if (robot >= 0 && !s.loose[robot])
-      for (int r : w.islands[w.robot_island[robot]]->island.robots) s.loose[r] = 1;
+  const auto loosen_island_of = [&](const Attachment& end) {
+    if (moves(end) && !s.loose[end.robot])
+      for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.loose[r] = 1;
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (w.active[c] == data.active[c]) continue;
-    loosen_island_of(scene.contacts[c].A.robot);
-    loosen_island_of(scene.contacts[c].B.robot);
+    loosen_island_of(scene.contacts[c].A);
+    loosen_island_of(scene.contacts[c].B);
   }
 }
 
@@ -69,7 +69,8 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
   for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (data.active[c] && contact.B.robot >= 0 && s.loose[contact.A.robot]) sets.join(contact.A.robot, contact.B.robot);
+    if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot])
+      sets.join(contact.A.robot, contact.B.robot);
   }
   std::size_t count = 0;
   for (int r = 0; r < scene.nrobots(); ++r) {
@@ -83,9 +84,10 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
     }
     s.groups[number].robots.push_back(r);
   }
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (data.active[c] && s.loose[scene.contacts[c].A.robot])
-      s.groups[s.group[sets.root(scene.contacts[c].A.robot)]].contacts.push_back(static_cast<int>(c));
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const int robot = robot_of(scene.contacts[c]);
+    if (data.active[c] && s.loose[robot]) s.groups[s.group[sets.root(robot)]].contacts.push_back(static_cast<int>(c));
+  }
   for (std::size_t k = 0; k < count; ++k) number_island(scene, s.groups[k]);
   return count;
 }
@@ -147,6 +149,10 @@ void lay_out_forces(const Scene& scene, SceneData& data) {
 
 void prepare(const Scene& scene, SceneData& data) {
   internal::check_scene(scene, data, "prepare");
+  internal::prepare_checked(scene, data);
+}
+
+void internal::prepare_checked(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (data.active.size() != scene.contacts.size())
     throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
@@ -160,10 +166,12 @@ void prepare(const Scene& scene, SceneData& data) {
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
     w.shelves.clear();
+    w.lanes.groups.clear();
     w.derivatives.islands.clear();
   }
   w.options = data.options;
   change_islands(scene, data, w, all);
+  lanes::regroup(scene, w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

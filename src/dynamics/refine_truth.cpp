@@ -86,6 +86,7 @@ template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
   internal::check_solved(scene, data, "refine_truth");
+  internal::complete(scene, data);
   const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
   const S nan = std::numeric_limits<S>::quiet_NaN();
   Truth<S> out;

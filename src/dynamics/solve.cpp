@@ -40,7 +40,6 @@ void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors&
     if (!(std::abs(s.r[k]) <= r[row])) r[row] = std::abs(s.r[k]);
     scale[row] = std::max(scale[row], s.scale[k]);
   }
-  report.backward_error = sparse::componentwise_backward_error(s.r, s.scale);
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
 }
@@ -53,16 +52,6 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
   each_velocity_block(scene, island, [&](int first, int, int n) { data.a.segment(first, n).setConstant(nan); });
   each_force_block(scene, data.f_offset, island,
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
-}
-
-// All but the memory of its list.
-void reset(IslandReport& report, const Island& island) {
-  std::vector<int> memory = std::move(report.dependent_rows);
-  memory.clear();
-  report = {};
-  report.dependent_rows = std::move(memory);
-  report.nv = island.nv;
-  report.nc = report.rank = island.nc;
 }
 
 void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
@@ -79,6 +68,7 @@ void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstV
   scatter(scene, data.f_offset, p, d.island, d.v.x.data(), data.a, data.f);  // x = [a; -f]
   each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
   report_residuals(scene, p, d.v, report);
+  report.backward_error = rank_deficient(d) ? sparse::componentwise_backward_error(d.v.r, d.v.scale) : d.last_error;
 }
 
 // By sparse-bodies, or in joint space; there also what sparse-bodies refused, unless it is too large.
@@ -101,6 +91,15 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
 
 }  // namespace
 
+void reset(IslandReport& report, const Island& island) {
+  std::vector<int> memory = std::move(report.dependent_rows);
+  memory.clear();
+  report = {};
+  report.dependent_rows = std::move(memory);
+  report.nv = island.nv;
+  report.nc = report.rank = island.nc;
+}
+
 }  // namespace internal
 
 const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
@@ -116,7 +115,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
     data.tau.segment(robot.idx_v, first).setZero();
     data.tau.segment(robot.idx_v + first, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
   }
-  return solve_tau(scene, q, v, data.tau, data);
+  return internal::solve_checked(scene, q, v, data.tau, data);
 }
 
 const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
@@ -127,16 +126,28 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   check_size("solve_tau", "v", v.size(), scene.nv);
   check_size("solve_tau", "tau", tau.size(), scene.nv);
   give_up_solution(data);
-  prepare(scene, data);
+  return solve_checked(scene, q, v, tau, data);
+}
+
+const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v,
+                                      const ConstVector& tau, SceneData& data) {
+  prepare_checked(scene, data);
   Workspace& w = *data.workspace;
   remake(data.a, scene.nv);
   data.v = v;
   data.tau = tau;
   data.report.method = data.options.method;
+  w.q = q;
   w.kinematics_known = false;
-  for (std::size_t i = 0; i < w.islands.size(); ++i)
-    solve_island(scene, q, v, data, *w.islands[i], data.report.islands[i]);
-  w.kinematics_known = true;
+  solve_in_lanes(scene, data);
+  bool known = true;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    if (w.islands[i]->in_lanes)
+      known = false;
+    else
+      solve_island(scene, q, v, data, *w.islands[i], data.report.islands[i]);
+  }
+  w.kinematics_known = known;
   summarise(data.report);
   data.serial = w.current = ++w.solves;
   return data.report;

@@ -28,7 +28,7 @@ struct Reach {
       const int r = island.robots[k];
       if (contact.A.robot != r && contact.B.robot != r) continue;
       mark(island.nv + island.row_offset[c], contact.rows());
-      if (!bodies || contact.B.robot < 0) continue;
+      if (!bodies || !joins_robots(contact)) continue;
       robot(local_robot(island, contact.A.robot));
       robot(local_robot(island, contact.B.robot));
     }

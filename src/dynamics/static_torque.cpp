@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "derivative_columns.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "steps.hpp"
 
@@ -53,8 +54,7 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
-    const int oA = island.dof_offset[local_robot(island, contact.A.robot)];
-    const int oB = contact.B.robot < 0 ? 0 : island.dof_offset[local_robot(island, contact.B.robot)];
+    const int oA = first_dof(island, contact.A), oB = first_dof(island, contact.B);
     internal::force_columns(contact_at_solution(data, c), contact_derivatives_of(data, c),
                             w.islands[i]->shape->support().columns[k], oA, oB, out);
   }

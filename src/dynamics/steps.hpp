@@ -6,9 +6,27 @@
 
 namespace manycontact::internal {
 
+/// solve_tau and prepare, of a scene and sizes already checked.
+const Report& solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                            SceneData& data);
+void prepare_checked(const Scene& scene, SceneData& data);
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
+/// An island's report as it is before it is solved; keeps the memory of its list.
+void reset(IslandReport& report, const Island& island);
+/// Solves the islands that stand in lanes, at w.q, data.v, data.tau. Those that come out unsound are left as they were.
+void solve_in_lanes(const Scene& scene, SceneData& data);
+/// Derivatives of the islands whose answer came from a lane into w.derivatives, and products with them, where that is
+/// safe (IslandWork::served_in_lanes). Vectors in the scene's coordinates, as in jvp.hpp.
+void differentiate_in_lanes(const Scene& scene, SceneData& data);
+void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+                  double* df);
+void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
+                  double* wu);
+/// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
+void complete(const Scene& scene, const SceneData& data);
+void complete_island(const Scene& scene, const SceneData& data, IslandWork& island);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.
@@ -18,15 +36,14 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& island,
                   IslandReport& report);
 
+/// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
+/// new data does.
+void forget_states(SceneData& data);
+
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
-/// Adds to -dr1/dq of an island (nv x nv) what a contact's force does beyond a force fixed to its bodies: B's half
-/// moves with A, and a world-aligned frame does not turn. columns: of the contact; oA, oB: first coordinates of its
-/// robots.
-void force_columns(const ContactData<double>& rows, const ContactDerivatives& d, const std::vector<int>& columns,
-                   int oA, int oB, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> X);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
 void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& island, IslandDerivatives& out);
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.

@@ -31,11 +31,9 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
     int j = 0;
     const int o = island.row_offset[k];
     for (int i : t.supports[c].a)
-      kkt.J.col(island.dof_offset[local_robot(island, contact.A.robot)] + i).segment(o, contact.rows()) =
-          rows.J.col(j++);
+      kkt.J.col(first_dof(island, contact.A) + i).segment(o, contact.rows()) = rows.J.col(j++);
     for (int i : t.supports[c].b)
-      kkt.J.col(island.dof_offset[local_robot(island, contact.B.robot)] + i).segment(o, contact.rows()) =
-          rows.J.col(j++);
+      kkt.J.col(first_dof(island, contact.B) + i).segment(o, contact.rows()) = rows.J.col(j++);
     b2.block(o, 0, contact.rows(), 1) = -rows.a0;
   }
   factor<S>(kkt);

@@ -15,7 +15,10 @@ const Workspace& prepared(const SceneData& data) {
 
 const Workspace& solved(const SceneData& data) {
   const Workspace& w = prepared(data);
-  if (!w.kinematics_known) throw std::logic_error("views of a scene's data: solve first");
+  if (!w.kinematics_known)
+    throw std::logic_error(data.serial == 0
+                               ? "views of a scene's data: solve first"
+                               : "views of a scene's data: its robots stood in lanes, call complete first");
   return w;
 }
 
@@ -29,8 +32,8 @@ const RobotData& in_joint_space(const SceneData& data, int robot) {
 
 const Linearisation& linearised(const SceneData& data) {
   const Workspace& w = solved(data);
-  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial)
-    throw std::logic_error("views of a scene's derivatives: call differentiate first");
+  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial || w.linearised_serial != data.serial)
+    throw std::logic_error("views of a scene's derivatives: call differentiate first, without lanes (Options::lanes)");
   return *w.linearisation;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "lanes/groups.hpp"
 #include "linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -57,7 +58,11 @@ struct IslandWork {
   KktVectors v;
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
   Factor* factor = nullptr;                     // the one that answered; null: none did
+  bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
+  bool panel_is_safe = false;                   // and its derivatives may come from there too
+  bool served_in_lanes() const { return in_lanes && panel_is_safe; }
   double first_error = 0;                       // backward error before refinement
+  double last_error = 0;                        // and after it
   bool contradiction = false;                   // the contacts contradict each other: least squares
   bool was_dependent = false;                   // the last solve found rows dependent
   std::vector<int> dependent;                   // scratch: rows of J
@@ -111,21 +116,25 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
+  lanes::Groups lanes;  // `islands` in groups
+
   // by evaluate, update_kinematics
-  bool kinematics_known = false;  // of all robots, at one q and v
+  bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane
   std::vector<RobotData> robots;
   std::vector<char> joint_space;              // per contact: it has memory for the joint-space K
   std::vector<ContactSupport> supports;       // per contact; constant once there
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
 
   // by solve
+  Eigen::VectorXd q;          // nq: the configuration solved at
+  IslandReport spare_report;  // of islands that are completed
   FactorScratch scratch;
-  Eigen::VectorXd q;  // of islands that sparse-bodies solved, for what needs their joint-space terms afterwards
 
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::uint64_t derivatives_serial = 0;  // the solution they belong to
+  std::uint64_t linearised_serial = 0;   // the solution all of `linearisation` belongs to
   PanelWork panel;
   std::unique_ptr<ProductWork> products;
 };

@@ -142,7 +142,7 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   if (has_order(choice.method) && !options.order)
     for (Order other : kOrders)
       if (const double cost = costs.ldl[static_cast<std::size_t>(other)]; cost < ldl)
-        text += "; " + to_string(other) + " at " + number(cost / ldl) + " of its cost is not cheaper enough";
+        text += "; " + to_string(other) + " at " + number(cost / ldl) + " of its cost is not enough cheaper";
   const double least = choice.method == Method::kSparseSupernodal ? costs.supernodal : ldl;
   if (options.method == Method::kAuto && costs.dense < least)
     text += "; dense at " + number(costs.dense / least) + " of its cost is not taken, since it allocates";

@@ -25,7 +25,7 @@ std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& ac
   std::vector<int> memory(scene.nrobots());
   sparse::UnionFind sets(memory);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c] && scene.contacts[c].B.robot >= 0) sets.join(scene.contacts[c].A.robot, scene.contacts[c].B.robot);
+    if (active[c] && joins_robots(scene.contacts[c])) sets.join(scene.contacts[c].A.robot, scene.contacts[c].B.robot);
 
   std::vector<Island> islands;
   std::vector<int> number(scene.nrobots(), -1);
@@ -38,7 +38,7 @@ std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& ac
     islands[number[root]].robots.push_back(r);
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c]) islands[number[sets.root(scene.contacts[c].A.robot)]].contacts.push_back(static_cast<int>(c));
+    if (active[c]) islands[number[sets.root(robot_of(scene.contacts[c]))]].contacts.push_back(static_cast<int>(c));
   for (Island& island : islands) number_island(scene, island);
   return islands;
 }
@@ -55,6 +55,10 @@ Island whole_scene(const Scene& scene, const std::vector<char>& active) {
 
 int local_robot(const Island& island, int robot) {
   return static_cast<int>(std::lower_bound(island.robots.begin(), island.robots.end(), robot) - island.robots.begin());
+}
+
+int first_dof(const Island& island, const Attachment& end) {
+  return moves(end) ? island.dof_offset[local_robot(island, end.robot)] : 0;
 }
 
 }  // namespace manycontact

@@ -10,6 +10,8 @@ std::string to_string(Method method) {
       return "dense-schur";
     case Method::kSparseLdl:
       return "sparse-ldl";
+    case Method::kSuiteSparseLdl:
+      return "suitesparse-ldl";
     case Method::kSparseCholmod:
       return "sparse-cholmod";
     case Method::kSparseSupernodal:
@@ -34,6 +36,22 @@ std::string to_string(Order order) {
   return "?";
 }
 
+std::string to_string(Lanes lanes) {
+  switch (lanes) {
+    case Lanes::kAuto:
+      return "auto";
+    case Lanes::kOff:
+      return "off";
+    case Lanes::kBaseline:
+      return "baseline";
+    case Lanes::kAvx2:
+      return "avx2";
+    case Lanes::kAvx512:
+      return "avx512";
+  }
+  return "?";
+}
+
 std::optional<Method> method_from_string(const std::string& name) {
   for (Method m : kMethods)
     if (to_string(m) == name) return m;
@@ -43,6 +61,12 @@ std::optional<Method> method_from_string(const std::string& name) {
 std::optional<Order> order_from_string(const std::string& name) {
   for (Order o : kOrders)
     if (to_string(o) == name) return o;
+  return std::nullopt;
+}
+
+std::optional<Lanes> lanes_from_string(const std::string& name) {
+  for (Lanes l : kLanes)
+    if (to_string(l) == name) return l;
   return std::nullopt;
 }
 

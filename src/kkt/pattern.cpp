@@ -16,12 +16,9 @@ IslandSupport island_support(const Scene& scene, const Island& island) {
     const Contact& contact = scene.contacts[c];
     s.contacts.push_back(contact_support(scene, contact));
     std::vector<int> columns;
-    const int a = island.dof_offset[local_robot(island, contact.A.robot)];
+    const int a = first_dof(island, contact.A), b = first_dof(island, contact.B);
     for (int i : s.contacts.back().a) columns.push_back(a + i);
-    if (contact.B.robot >= 0) {
-      const int b = island.dof_offset[local_robot(island, contact.B.robot)];
-      for (int i : s.contacts.back().b) columns.push_back(b + i);
-    }
+    for (int i : s.contacts.back().b) columns.push_back(b + i);
     s.columns.push_back(std::move(columns));
   }
   return s;
@@ -87,7 +84,7 @@ std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& 
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     ContactData<double> data(contact, support.contacts[c]);
-    contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, contact.A.robot)],
+    contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, robot_of(contact))],
                          contact.B.robot < 0 ? nullptr : &kin[local_robot(island, contact.B.robot)], data);
     J.push_back(data.J);
   }
@@ -141,6 +138,13 @@ sparse::UpperCsc whole_pattern(const Scene& scene, const Island& island, const I
 }
 
 }  // namespace
+
+const sparse::LdlSchedule& KktPattern::schedule() const {
+  const std::lock_guard lock(lazy_schedule->mutex);
+  auto& made = lazy_schedule->schedule;
+  if (!made) made = std::make_unique<const sparse::LdlSchedule>(sparse::compile_ldl(K, ldl));
+  return *made;
+}
 
 std::vector<int> elimination_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                    Order order) {

@@ -8,9 +8,13 @@ namespace manycontact {
 
 namespace {
 
-// The body of an attachment, of a robot of the island.
-Attachment on_body(const Island& island, const Attachment& at) {
-  return {at.robot < 0 ? -1 : local_robot(island, at.robot), at.joint, {}};
+// The bodies of a contact's ends. An A that cannot move, perhaps on a robot of another island, is said to be on B's.
+Attachment body_A(const Island& island, const Contact& contact) {
+  return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
+}
+Attachment body_B(const Island& island, const Contact& contact) {
+  if (!moves(contact.B)) return {};
+  return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
 // Whether a contact's place on A's body decides in which directions a coordinate moves it: not that of a frame, whose
@@ -25,8 +29,8 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
     const Contact& from = scene.contacts[c];
     Contact to;
     to.type = from.type;
-    to.A = on_body(island, from.A);
-    to.B = on_body(island, from.B);
+    to.A = body_A(island, from);
+    to.B = body_B(island, from);
     if (place_counts(from)) to.A.placement = from.A.placement;
     if (from.type == ContactType::k1D) to.axis = from.axis;
     scene_.contacts.push_back(to);
@@ -93,7 +97,7 @@ void add_structure(const Scene& scene, const Island& island, Key& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
-    const Attachment A = on_body(island, contact.A), B = on_body(island, contact.B);
+    const Attachment A = body_A(island, contact), B = body_B(island, contact);
     key.insert(key.end(), {static_cast<std::uint64_t>(contact.type), word(A.robot, A.joint), word(B.robot, B.joint)});
   }
 }

@@ -59,6 +59,10 @@ std::string no_robot(const Scene& scene, const std::string& name) {
   return "there is no robot " + quote(name) + ", " + suggestion(name, names_of(scene.robots));
 }
 
+std::string no_contact(const Scene& scene, const std::string& name) {
+  return "there is no contact " + quote(name) + ", " + suggestion(name, names_of(scene.contacts));
+}
+
 std::string no_frame(const std::string& robot, const Model& model, const std::string& name) {
   return "robot " + quote(robot) + " has no frame " + quote(name) + ", " + suggestion(name, names_of(model.frames));
 }

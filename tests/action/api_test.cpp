@@ -163,7 +163,7 @@ TEST(ActionApi, Armature) {
   copy.armature = armature;
   scene.robots[0].model = std::make_shared<const Model>(copy);
   for (Contact& c : scene.contacts) c.alpha = 100, c.beta = 20;
-  SceneData own(scene);
+  SceneData own(scene, {Method::kAuto, {}, Lanes::kOff});
   (void)solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
   differentiate(scene, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);

@@ -38,13 +38,15 @@ TEST(PlaceName, IsTheNearestFrameWhereSeveralOrNoneDid) {
   EXPECT_THROW((void)place(scene, {}), std::invalid_argument);
 }
 
-TEST(PlaceName, OfAFixedBaseIsTheWorld) {
+TEST(PlaceName, OfAFixedBaseIsItsFrameOrTheWorld) {
   const SceneFile file = load_text(R"(<scene><robot name="a" urdf="arm.urdf" base="fixed"/></scene>)");
   const Model& model = *file.scene.robots[0].model;
   for (const Frame& frame : model.frames) {
     const Attachment at = attach(file.scene, "a", frame.name);
-    EXPECT_EQ(place(file.scene, {at}), frame.joint < 0 ? "world" : "a/" + frame.name);
+    EXPECT_EQ(place(file.scene, {at}), "a/" + frame.name);
+    EXPECT_EQ(place(file.scene, {world_if_immovable(file.scene, at)}), "a/" + frame.name);
     EXPECT_EQ(body_of(at) == Body{}, frame.joint < 0);
+    if (frame.joint < 0) EXPECT_EQ(place(file.scene, {at, Attachment{}}), "world");
   }
 }
 

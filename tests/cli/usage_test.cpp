@@ -12,11 +12,12 @@ class Usage : public Program {};
 TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   const Outcome top = run({"--help"});
   EXPECT_EQ(top.status, 0);
-  for (const char* part : {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
-                           "stability SCENE --out DIR", "chart SCENE... --out DIR", "--method M", "--order O",
-                           "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
+  for (const char* part :
+       {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
+        "batch SCENE --states FILE.npy --out FILE.npy", "stability SCENE --out DIR", "chart SCENE... --out DIR",
+        "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
-  for (const char* command : {"solve", "inspect", "chart", "simulate", "stability"}) {
+  for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_EQ(help.err, "");
@@ -110,8 +111,11 @@ void expect_bad_input(const Outcome& outcome, const std::string& start) {
 
 TEST_F(Usage, BadInputIsOneLineWithFileAndLine) {
   const std::string out = path("out");
-  const std::vector<std::vector<std::string>> commands = {
-      {"solve"}, {"inspect"}, {"simulate", "--time=1", "--step=1", "--out=" + out}, {"stability", "--out=" + out}};
+  const std::vector<std::vector<std::string>> commands = {{"solve"},
+                                                          {"inspect"},
+                                                          {"simulate", "--time=1", "--step=1", "--out=" + out},
+                                                          {"stability", "--out=" + out},
+                                                          {"batch", "--states=x.npy", "--out=" + out}};
   for (const std::vector<std::string>& command : commands) {
     const auto on = [&](const std::string& file) {
       std::vector<std::string> words = command;

@@ -29,5 +29,20 @@ TEST(ResolveReference, RefusesAConfigurationOfAnotherSize) {
   }
 }
 
+TEST(ResolveReference, OfASceneIsThatOfEveryContact) {
+  std::mt19937 rng(8);
+  const RandomScene s = random_scene(rng);
+  Scene all = s.scene;
+  resolve_references(all, s.q);
+  for (std::size_t c = 0; c < s.scene.contacts.size(); ++c) {
+    Contact one = s.scene.contacts[c];
+    resolve_reference(s.scene, s.q, true, true, one);
+    EXPECT_NE(one.B.placement.p, s.scene.contacts[c].B.placement.p);
+    EXPECT_EQ(all.contacts[c].B.placement.p, one.B.placement.p);
+    EXPECT_EQ(all.contacts[c].B.placement.R, one.B.placement.R);
+  }
+  EXPECT_THROW(resolve_references(all, s.q.head(3)), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace manycontact::test

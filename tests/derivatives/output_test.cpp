@@ -303,7 +303,7 @@ class SteadyDerivatives : public testing::TestWithParam<std::string> {};
 TEST_P(SteadyDerivatives, AllocateNothingAfterTheFirstCall) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
   const SceneFile file = load_small(GetParam());
-  for (const Way& way : ways()) {
+  for (const Way& way : ways_here()) {
     if (way.options.method != Method::kSparseLdl) continue;
     SCOPED_TRACE(way.name);
     for (const DerivativeRequest& request : {DerivativeRequest{}, DerivativeRequest{true, false, false, false}}) {

@@ -37,7 +37,7 @@ class RneaDerivativesOf : public testing::TestWithParam<Shape> {
     for (Mat6X<double>* columns : {&terms.Psid, &terms.Psidd, &terms.Sv}) columns->setConstant(NAN);
     for (int i = 0; i < model.njoints(); ++i) terms.l[i].setConstant(NAN), terms.C[i].setConstant(NAN);
     for (Vec6<double>& f : terms.f) f.setConstant(NAN);
-    rnea_derivatives(model, kin, Yc, pushed ? fext : std::vector<Vec6<double>>{}, terms);
+    rnea_derivatives<double>(model, kin, Yc, pushed ? fext : std::vector<Vec6<double>>{}, terms);
     Derivatives d{MatrixXd::Constant(model.nv, model.nv, NAN), MatrixXd::Constant(model.nv, model.nv, NAN)};
     unpack_tree(model, terms.dq_lower, terms.dq_upper, d.dq);
     unpack_tree(model, terms.dv_lower, terms.dv_upper, d.dv);

@@ -32,6 +32,33 @@ class Lifecycle : public testing::Test {
   VectorXd other;
 };
 
+// ---- forces by name -----------------------------------------------------------------------------------------------
+
+TEST_F(Lifecycle, AForceIsItsContacts) {
+  SceneData data(scene);
+  EXPECT_THROW((void)contact_force(scene, data, 0), std::logic_error);
+  solve_at(file.v, data);
+  int row = 0;
+  for (const auto& contact : scene.contacts) {
+    EXPECT_EQ(contact_force(scene, data, contact.name), data.f.segment(row, contact.rows()));
+    EXPECT_EQ(contact_force(scene, data, scene.contact_index.at(contact.name)), data.f.segment(row, contact.rows()));
+    row += contact.rows();
+  }
+  EXPECT_THROW((void)contact_force(scene, data, -1), std::invalid_argument);
+  EXPECT_THROW((void)contact_force(scene, data, static_cast<int>(scene.contacts.size())), std::invalid_argument);
+  try {
+    (void)contact_force(scene, data, "a_left_fot");
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("'a_left_foot'"), std::string::npos) << error.what();
+  }
+  data.active[1] = 0;
+  EXPECT_THROW((void)contact_force(scene, data, 0), std::logic_error);  // of another contact set
+  solve_at(file.v, data);
+  EXPECT_EQ(contact_force(scene, data, 2), data.f.segment(6, 6));
+  EXPECT_THROW((void)contact_force(scene, data, 1), std::logic_error);
+}
+
 // ---- stale derivatives ------------------------------------------------------------------------------------------
 
 TEST_F(Lifecycle, DerivativesOfAnEarlierSolutionAreNotHandedOut) {

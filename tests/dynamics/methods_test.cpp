@@ -92,7 +92,7 @@ class Methods : public testing::TestWithParam<std::string> {
 
 TEST_P(Methods, AgreeWithTheOracle) {
   const Reference rest(scene(), rest_, all_), moving(scene(), moving_, all_);
-  for (const Way& way : ways()) {
+  for (const Way& way : ways_here()) {
     SCOPED_TRACE(way.name);
     SceneData at_rest(scene(), way.options), in_motion(scene(), way.options);
     solve_at(scene(), rest_, at_rest);
@@ -106,7 +106,7 @@ TEST_P(Methods, AgreeWithTheOracle) {
 // Estimates of one number with different factors, each within a factor of three of it from below.
 TEST_P(Methods, AgreeOnTheCondition) {
   const Reference reference(scene(), moving_, all_);
-  for (const Way& way : ways()) {
+  for (const Way& way : ways_here()) {
     SCOPED_TRACE(way.name);
     SceneData data(scene(), way.options);
     solve_at(scene(), moving_, data);
@@ -191,7 +191,7 @@ TEST_P(Methods, AgreeWithTheOracleWithFewerContacts) {
   if (all_.empty()) GTEST_SKIP() << "no contacts";
   for (const std::vector<char>& active : {fewer(true), fewer(false)}) {
     const Reference reference(scene(), moving_, active);
-    for (const Way& way : ways()) {
+    for (const Way& way : ways_here()) {
       SCOPED_TRACE(way.name);
       SceneData data(scene(), way.options);
       data.active = active;
@@ -230,7 +230,7 @@ TEST(RandomScenes, MethodsAgreeWithTheOracle) {
     const Status status = solve(s.scene, s.q, s.v, s.u, oracle).status;
     const std::vector<double> condition = conditions(s.scene, oracle);
     ASSERT_NE(status, Status::kFailed);
-    for (const Way& way : ways()) {
+    for (const Way& way : ways_here()) {
       SCOPED_TRACE(way.name);
       SceneData data(s.scene, way.options);
       (void)solve(s.scene, s.q, s.v, s.u, data);

@@ -43,6 +43,32 @@ TEST(Islands, TheWorldAndLoopsJoinNothing) {
   EXPECT_EQ(find_islands(bodies({{0, -1}, {1, -1}, {2, 2}}), {1, 1, 1}).size(), 6u);
 }
 
+// A on the base of a robot that stands: the contact is of B's island, in which nothing of A's robot is.
+TEST(Islands, ABaseThatStandsJoinsNothing) {
+  Scene scene = bodies({{0, 1}, {3, -1}});
+  std::mt19937 rng(2);
+  const int arm = add_robot(scene, "arm", std::make_shared<Model>(random_model(rng, {.njoints = 3})));
+  for (int r : {1, 4}) {
+    Contact c;
+    c.name = "on " + std::to_string(r);
+    c.A = {arm, -1, {}};
+    c.B = {r, 0, {}};
+    add_contact(scene, c);
+  }
+  const std::vector<Island> islands = find_islands(scene, {1, 1, 1, 1});
+  ASSERT_EQ(islands.size(), 6u);
+  EXPECT_EQ(islands[0].robots, (Numbers{0, 1}));
+  EXPECT_EQ(islands[0].contacts, (Numbers{0, 2}));
+  EXPECT_EQ(islands[3].contacts, (Numbers{3}));
+  EXPECT_EQ(islands[5].robots, Numbers{arm});
+  EXPECT_EQ(islands[5].nc, 0);
+  for (const int c : {2, 3}) {
+    EXPECT_EQ(robot_of(scene.contacts[c]), scene.contacts[c].B.robot);
+    EXPECT_EQ(first_dof(islands[0], scene.contacts[c].A), 0);
+  }
+  EXPECT_EQ(first_dof(islands[0], scene.contacts[2].B), scene.robots[0].model->nv);
+}
+
 TEST(Islands, ContactsBetweenBodiesJoin) {
   const Scene scene = bodies({{4, 1}, {0, -1}, {1, 3}, {5, 2}, {3, 4}});
   const std::vector<Island> islands = find_islands(scene, {1, 1, 1, 1, 1});

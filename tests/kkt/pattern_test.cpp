@@ -123,23 +123,26 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
         const bool may_fail = order == Order::kContactsEarly && delta == 0;
         const double ratio =
             done < p.size() ? 0 : sparse::smallest_pivot_ratio(p.K, p.ldl, Kx, L.data(), D.data(), scale.data());
-        FactorScratch scratch;
-        const std::unique_ptr<Factor> factor = make_ldl_factor();
-        const Reason reason = factor->factorize(system.K, scratch);
-        EXPECT_EQ(reason == Reason::kNone, ratio >= 1e-11) << to_string(order);
-        if (may_fail && ratio < 1e-11) continue;
-        ASSERT_EQ(done, p.size()) << to_string(order);
-        EXPECT_GT(ratio, 1e-9) << to_string(order);
-        EXPECT_EQ(std::count_if(D.begin(), D.end(), [](double d) { return d > 0; }), p.nv) << to_string(order);
+        for (Method method : {Method::kSparseLdl, Method::kSuiteSparseLdl}) {
+          SCOPED_TRACE(to_string(method) + " " + to_string(order));
+          FactorScratch scratch;
+          const std::unique_ptr<Factor> factor = make_ldl_factor(method);
+          const Reason reason = factor->factorize(system.K, scratch);
+          EXPECT_EQ(reason == Reason::kNone, ratio >= 1e-11);
+          if (may_fail && ratio < 1e-11) continue;
+          ASSERT_EQ(done, p.size());
+          EXPECT_GT(ratio, 1e-9);
+          EXPECT_EQ(std::count_if(D.begin(), D.end(), [](double d) { return d > 0; }), p.nv);
 
-        const MatrixXd K = n.K(delta);
-        const VectorXd truth = random_vector(p.size(), rng), b = K * truth;
-        for (int k = 0; k < p.size(); ++k) system.v.b[k] = b[p.perm[k]];
-        const sparse::Refinement refinement = solve_refined(*factor, system.K, system.v, 5);
-        EXPECT_LE(refinement.backward_error, 1e-15) << to_string(order);
-        VectorXd x(p.size());
-        for (int k = 0; k < p.size(); ++k) x[p.perm[k]] = system.v.x[k];
-        EXPECT_LE(error_of(x, truth), 20 * kEps * condition_1(K)) << to_string(order);
+          const MatrixXd K = n.K(delta);
+          const VectorXd truth = random_vector(p.size(), rng), b = K * truth;
+          for (int k = 0; k < p.size(); ++k) system.v.b[k] = b[p.perm[k]];
+          const sparse::Refinement refinement = solve_refined(*factor, system.K, system.v, 5);
+          EXPECT_LE(refinement.backward_error, 1e-15);
+          VectorXd x(p.size());
+          for (int k = 0; k < p.size(); ++k) x[p.perm[k]] = system.v.x[k];
+          EXPECT_LE(error_of(x, truth), 20 * kEps * condition_1(K));
+        }
       }
 }
 
@@ -199,16 +202,18 @@ TEST_P(Patterns, AssembleAllocatesNothing) {
   const IslandNumbers& n = islands.back();
   System system = assembled(n, Order::kLeafToRoot, 0);
   FactorScratch scratch;
-  const std::unique_ptr<Factor> factor = make_ldl_factor();
-  ASSERT_EQ(factor->factorize(system.K, scratch), Reason::kNone);
-  Reason reason = Reason::kNone;
-  const auto count = allocations([&] {
-    assemble(n.M_spans, n.J_spans, 0, system.K);
-    reason = factor->factorize(system.K, scratch);
-    (void)solve_refined(*factor, system.K, system.v, 3);
-  });
-  EXPECT_EQ(count, 0u);
-  EXPECT_EQ(reason, Reason::kNone);
+  for (Method method : {Method::kSparseLdl, Method::kSuiteSparseLdl}) {
+    const std::unique_ptr<Factor> factor = make_ldl_factor(method);
+    ASSERT_EQ(factor->factorize(system.K, scratch), Reason::kNone);
+    Reason reason = Reason::kNone;
+    const auto count = allocations([&] {
+      assemble(n.M_spans, n.J_spans, 0, system.K);
+      reason = factor->factorize(system.K, scratch);
+      (void)solve_refined(*factor, system.K, system.v, 3);
+    });
+    EXPECT_EQ(count, 0u);
+    EXPECT_EQ(reason, Reason::kNone);
+  }
 }
 
 TEST(EmptyIsland, ARobotWithoutJointsHasNoEquations) {

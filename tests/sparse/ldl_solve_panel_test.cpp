@@ -1,4 +1,5 @@
-// Many right-hand sides at once against one by one, at every width: the kernels of all chunks of columns.
+// Many right-hand sides at once against one by one, at every width: the kernels of all chunks of columns, by LDL's
+// pattern and by a compiled schedule.
 
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 #include <numeric>
 
 #include "manycontact/sparse/ldl.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 
@@ -18,11 +20,15 @@ using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMa
 struct Factor {
   Symmetric A;
   sparse::LdlSymbolic symbolic;
+  sparse::LdlSchedule schedule;
   std::vector<double> L, D;
   std::vector<int> row;  // of the panel, which has one more
 
   Factor(int n, double density, std::mt19937& rng)
-      : A(random_positive(n, density, rng)), symbolic(sparse::ldl_analyze(A.pattern)), row(n) {
+      : A(random_positive(n, density, rng)),
+        symbolic(sparse::ldl_analyze(A.pattern)),
+        schedule(sparse::compile_ldl(A.pattern, symbolic)),
+        row(n) {
     for (int k = 0; k < n / 3; ++k) A.x[A.pattern.p[k + 1] - 1] *= -1;  // pivots of both signs
     sparse::LdlWorkspace work;
     L.resize(symbolic.nonzeros());
@@ -71,18 +77,25 @@ Panel poisoned(int rows, int ld, int first, int cols, std::mt19937& rng) {
   return X;
 }
 
-void expect_solved(const Factor& f, const Panel& given, int first, int cols, std::vector<char> nonzero) {
-  const std::vector<char> reached = f.reached(nonzero);
-  Panel X = given;
-  const int ld = static_cast<int>(X.cols());
-  sparse::ldl_solve_panel(f.symbolic, f.L.data(), f.D.data(), f.row.data(), X.data(), ld, first, cols, nonzero.data());
-  EXPECT_EQ(nonzero, reached);
+void expect_solved(const Factor& f, const Panel& given, int first, int cols, const std::vector<char>& nonzero) {
+  const int ld = static_cast<int>(given.cols());
   const Panel expected = f.one_by_one(given, first, cols);
-  EXPECT_LE(difference_of(X.middleCols(first, cols), expected.middleCols(first, cols)),
-            f.allowed(given.middleCols(first, cols)));
-  EXPECT_EQ(X.row(0).middleCols(first, cols), given.row(0).middleCols(first, cols)) << "a row of nobody's";
-  EXPECT_TRUE(X.leftCols(first).array().isNaN().all()) << "columns before";
-  EXPECT_TRUE(X.rightCols(ld - first - cols).array().isNaN().all()) << "columns behind";
+  for (bool scheduled : {false, true}) {
+    SCOPED_TRACE(scheduled ? "scheduled" : "by pattern");
+    Panel X = given;
+    std::vector<char> flags = nonzero;
+    const double *L = f.L.data(), *D = f.D.data();
+    if (scheduled)
+      sparse::ldl_scheduled_solve_panel(f.schedule, L, D, f.row.data(), X.data(), ld, first, cols, flags.data());
+    else
+      sparse::ldl_solve_panel(f.symbolic, L, D, f.row.data(), X.data(), ld, first, cols, flags.data());
+    EXPECT_EQ(flags, f.reached(nonzero));
+    EXPECT_LE(difference_of(X.middleCols(first, cols), expected.middleCols(first, cols)),
+              f.allowed(given.middleCols(first, cols)));
+    EXPECT_EQ(X.row(0).middleCols(first, cols), given.row(0).middleCols(first, cols)) << "a row of nobody's";
+    EXPECT_TRUE(X.leftCols(first).array().isNaN().all()) << "columns before";
+    EXPECT_TRUE(X.rightCols(ld - first - cols).array().isNaN().all()) << "columns behind";
+  }
 }
 
 TEST(LdlSolvePanel, EveryWidthEqualsColumnByColumn) {

@@ -159,12 +159,17 @@ std::string classes(const std::string& letters) {
 
 std::string Row::letters() const {
   std::string out;
-  for (const Cell& cell : cells) out += letter(cell.outcome);
+  for (std::size_t k = 0; k < table_ways().size(); ++k) out += letter(cells[k].outcome);
   return out;
 }
 
 const std::vector<Way>& table_ways() {
   static const std::vector<Way> all = ways(true);
+  return all;
+}
+
+const std::vector<Way>& judged_ways() {
+  static const std::vector<Way> all = ways_here(true);
   return all;
 }
 
@@ -205,7 +210,7 @@ Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const
 Row judge(const Case& which) {
   Row row;
   row.which = &which;
-  row.cells.resize(table_ways().size());
+  row.cells.resize(judged_ways().size());
   Problem p;
   try {
     p = which.make();
@@ -219,7 +224,7 @@ Row judge(const Case& which) {
   row.truth = truths.exists;
   row.derivatives = !truths.directions.empty();
   for (std::size_t k = 0; k < row.cells.size(); ++k) {
-    const Way& way = table_ways()[k];
+    const Way& way = judged_ways()[k];
     if (!which.small && (way.options.order || way.options.method == Method::kDense)) continue;
     try {
       SceneData data(p.scene, way.options);

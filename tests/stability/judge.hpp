@@ -44,13 +44,15 @@ struct Row {
   const Case* which = nullptr;
   bool truth = false;        // there is one
   bool derivatives = false;  // they are known too
-  std::vector<Cell> cells;   // as table_ways()
+  std::vector<Cell> cells;   // as judged_ways()
 
   std::string letters() const;
 };
 
-/// The columns.
+/// The columns of the page.
 const std::vector<Way>& table_ways();
+/// These, and sparse-ldl at each level of instructions that runs here: judged alike, but not on the page.
+const std::vector<Way>& judged_ways();
 
 Row judge(const Case& which);
 

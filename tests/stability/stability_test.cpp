@@ -61,14 +61,14 @@ TEST_P(Stability, NoWrongAnswers) {
   for (const Row& row : rows)
     for (std::size_t k = 0; k < row.cells.size(); ++k)
       EXPECT_LE(row.cells[k].beyond_bound, 1)
-          << row.which->name << " by " << table_ways()[k].name << " " << row.cells[k].note;
+          << row.which->name << " by " << judged_ways()[k].name << " " << row.cells[k].note;
   for (const Row& row : rows) {
     if (!row.which->demanded) continue;
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
-      if (table_ways()[k].options.method == Method::kDenseSchur) continue;
+      if (judged_ways()[k].options.method == Method::kDenseSchur) continue;
       EXPECT_TRUE(row.cells[k].answered && row.cells[k].outcome != Outcome::kRegularised)
-          << row.which->name << " by " << table_ways()[k].name << " " << row.cells[k].note;
-      EXPECT_LE(row.cells[k].error_a, 1e-9) << row.which->name << " by " << table_ways()[k].name;
+          << row.which->name << " by " << judged_ways()[k].name << " " << row.cells[k].note;
+      EXPECT_LE(row.cells[k].error_a, 1e-9) << row.which->name << " by " << judged_ways()[k].name;
     }
   }
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {

@@ -75,11 +75,11 @@ std::string text_table(const std::string& cause, const std::vector<Row>& rows) {
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
       const Cell& cell = row.cells[k];
       if (cell.outcome == Outcome::kWrong || cell.outcome == Outcome::kMislabelled)
-        out << "      " << kNames[static_cast<int>(cell.outcome)] << " " << table_ways()[k].name << ": a "
+        out << "      " << kNames[static_cast<int>(cell.outcome)] << " " << judged_ways()[k].name << ": a "
             << number(cell.error_a) << ", f " << number(cell.error_f) << ", derivatives " << number(cell.error_d)
             << ", allowed " << number(cell.allowed) << "; " << cell.note << "\n";
-      if (cell.outcome == Outcome::kRefused && row.truth && table_ways()[k].options.method != Method::kDenseSchur)
-        out << "      refused, yet there is an answer: " << table_ways()[k].name << ": " << cell.note << "\n";
+      if (cell.outcome == Outcome::kRefused && row.truth && judged_ways()[k].options.method != Method::kDenseSchur)
+        out << "      refused, yet there is an answer: " << judged_ways()[k].name << ": " << cell.note << "\n";
     }
   }
   out << "  " << counts(rows) << "\n";

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/kkt/options.hpp"
+#include "manycontact/dynamics/solve.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::test {
@@ -22,15 +22,25 @@ struct Way {
   Options options;
 };
 
-/// Each method, with each order where the method takes one; the oracle only if asked for.
+/// Each method, with each order where the method takes one, and sparse-ldl without lanes; the oracle only if asked
+/// for.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
   for (Method method : methods()) {
     if (method == Method::kDense && !with_oracle) continue;
     out.push_back({to_string(method), {method, {}}});
-    if (method != Method::kSparseLdl && method != Method::kSparseCholmod) continue;
+    if (!has_order(method)) continue;
     for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
   }
+  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}});
+  return out;
+}
+
+/// The same, and sparse-ldl at each level of instructions that runs here.
+inline std::vector<Way> ways_here(bool with_oracle = false) {
+  std::vector<Way> out = ways(with_oracle);
+  for (Lanes lanes : lanes_here())
+    out.push_back({"sparse-ldl in lanes " + to_string(lanes), {Method::kSparseLdl, {}, lanes}});
   return out;
 }
 

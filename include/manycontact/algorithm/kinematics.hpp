@@ -27,9 +27,9 @@ struct Kinematics {
 };
 
 /// Placements, motion subspaces and inertias. q: nq. base: the fixed base's placement in the world (a floating base
-/// has it in q).
-template <class S>
-void forward_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, Kinematics<S>& kin);
+/// has it in q), in doubles or, where robots stand side by side, in S.
+template <class S, class B = double>
+void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, Kinematics<S>& kin);
 
 /// Velocities and accelerations: v_i = v_p + S_i v, a_i = a_p + S_i qdd + v_i x S_i v, a_base = -g.
 /// v: nv; qdd: nv, or nullptr for zero (then kin.a is the bias acceleration).

@@ -20,21 +20,24 @@
 namespace manycontact {
 
 /// Packed like M (algorithm/crba.hpp): entry of row i and its d-th ancestor j.
-struct RneaDerivatives {
-  explicit RneaDerivatives(const Model& model);
+template <class S>
+struct RneaDerivativesOf {
+  explicit RneaDerivativesOf(const Model& model);
 
-  Mat6X<double> Psid, Psidd, Sv;           // 6 x nv: Psid, Psidd, Psid + Sd
-  std::vector<Vec3<double>> l;             // njoints: linear momentum of the subtree
-  std::vector<Mat3<double>> C;             // njoints: of 2B of the subtree
-  std::vector<Vec6<double>> f;             // njoints: force through the joint
-  std::vector<double> dq_lower, dv_lower;  // dtau_i/dq_j, dtau_i/dv_j
-  std::vector<double> dq_upper, dv_upper;  // dtau_j/dq_i, dtau_j/dv_i
+  Mat6X<S> Psid, Psidd, Sv;           // 6 x nv: Psid, Psidd, Psid + Sd
+  std::vector<Vec3<S>> l;             // njoints: linear momentum of the subtree
+  std::vector<Mat3<S>> C;             // njoints: of 2B of the subtree
+  std::vector<Vec6<S>> f;             // njoints: force through the joint
+  std::vector<S> dq_lower, dv_lower;  // dtau_i/dq_j, dtau_i/dv_j
+  std::vector<S> dq_upper, dv_upper;  // dtau_j/dq_i, dtau_j/dv_i
 };
+using RneaDerivatives = RneaDerivativesOf<double>;
 
 /// After forward_kinematics, forward_accelerations with qdd, and crba (Yc). fext: njoints external forces in the tree
 /// frame, each fixed to its body when the body moves, or empty.
-void rnea_derivatives(const Model& model, const Kinematics<double>& kin, std::span<const Inertia<double>> Yc,
-                      std::span<const Vec6<double>> fext, RneaDerivatives& d);
+template <class S>
+void rnea_derivatives(const Model& model, const Kinematics<S>& kin, const std::vector<Inertia<S>>& Yc,
+                      const std::vector<Vec6<S>>& fext, RneaDerivativesOf<S>& d);
 
 /// The dense nv x nv matrix of packed lower and upper entries.
 void unpack_tree(const Model& model, std::span<const double> lower, std::span<const double> upper,

@@ -9,32 +9,38 @@ namespace manycontact {
 
 /// Per body: how it and its motion change along a direction (tangent), or what a scalar's change per unit of each is
 /// (adjoint: forces).
-struct BodyVariation {
-  Vec6<double> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
+template <class S>
+struct BodyVariationOf {
+  Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
 };
+using BodyVariation = BodyVariationOf<double>;
 
 /// The tangent's forward pass: xi, v, a of every body along (dq, dv) with qdd held. kin: after forward_accelerations
 /// with qdd. dq, dv, qdd: nv. out: njoints.
-void tangent_motions(const Model& model, const Kinematics<double>& kin, const double* qdd, const double* dq,
-                     const double* dv, std::vector<BodyVariation>& out);
+template <class S>
+void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
+                     std::vector<BodyVariationOf<S>>& out);
 
 /// The tangent's backward pass: d tau = d ID. fext, dfext: njoints, external forces and their changes; f, df: njoints
 /// scratch. dtau: nv.
-void tangent_torques(const Model& model, const Kinematics<double>& kin, const std::vector<BodyVariation>& motion,
-                     const std::vector<Vec6<double>>& fext, const std::vector<Vec6<double>>& dfext,
-                     std::vector<Vec6<double>>& f, std::vector<Vec6<double>>& df, double* dtau);
+template <class S>
+void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
+                     const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,
+                     std::vector<Vec6<S>>& df, S* dtau);
 
 /// Virtual velocities u_i = sum of S_j w_j along the chain. w: nv. u: njoints.
-void virtual_velocities(const Model& model, const Kinematics<double>& kin, const double* w,
-                        std::vector<Vec6<double>>& u);
+template <class S>
+void virtual_velocities(const Model& model, const Kinematics<S>& kin, const S* w, std::vector<Vec6<S>>& u);
 
 /// Adds the gradients of w^T ID(q, v, qdd), without external forces, with respect to each body's xi, u, v, a.
-void add_body_adjoints(const Model& model, const Kinematics<double>& kin, const std::vector<Vec6<double>>& u,
-                       std::vector<BodyVariation>& adjoint);
+template <class S>
+void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
+                       std::vector<BodyVariationOf<S>>& adjoint);
 
 /// From gradients per body to gradients per coordinate: wq, wv (nv each), of a scalar that depends on q, v through the
 /// bodies' xi, u, v, a. qdd, and w inside u, are held. Overwrites `adjoint` with sums over subtrees.
-void pull_back(const Model& model, const Kinematics<double>& kin, const double* qdd, const std::vector<Vec6<double>>& u,
-               std::vector<BodyVariation>& adjoint, double* wq, double* wv);
+template <class S>
+void pull_back(const Model& model, const Kinematics<S>& kin, const S* qdd, const std::vector<Vec6<S>>& u,
+               std::vector<BodyVariationOf<S>>& adjoint, S* wq, S* wv);
 
 }  // namespace manycontact

@@ -15,9 +15,10 @@ struct Body {
 };
 Body body_of(const Attachment& attachment);
 
-/// "humanoid/left_sole", or "world": where attachments on one body are. The frame by which all of them were attached;
-/// where they differ or have none, of the body's frames the one nearest to the mean of their origins; a body without
-/// frames is called by its joint. Throws std::invalid_argument when there is none.
+/// "humanoid/left_sole", or "world": where attachments on one body are. The frame by which all of them were attached,
+/// a fixed base's too; where they differ or have none, "world" for what cannot move, else of the body's frames the one
+/// nearest to the mean of their origins; a body without frames is called by its joint. Throws std::invalid_argument
+/// when there is none.
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body);
 
 /// "a, b, beam", at most four names; more than three neighbours in the scene that share a model are "ring0 .. ring15".

@@ -22,31 +22,35 @@
 namespace manycontact {
 
 /// Numbers of one contact. Allocated once.
-struct ContactDerivatives {
-  ContactDerivatives() = default;  // of nothing
-  ContactDerivatives(const Scene& scene, const Contact& contact, const ContactSupport& support);
+template <class S>
+struct ContactDerivativesOf {
+  ContactDerivativesOf() = default;  // of nothing
+  ContactDerivativesOf(const Scene& scene, const Contact& contact, const ContactSupport& support);
 
-  std::vector<int> chain_a, chain_b;      // all coordinates above A and above B', ascending
-  Mat6X<double> dx_dq, dx_dv;             // 6 x cols: of x (without the turning of W)
-  Eigen::Matrix3Xd turn;                  // 3 x chain_a: th_i, where `turns`
-  Mat6X<double> S_b;                      // 6 x chain_b (between bodies): columns of B' in A's axes
-  Vec6<double> F = Vec6<double>::Zero();  // W^T f: force on A at its origin, in A's axes
-  Vec6<double> x = Vec6<double>::Zero();  // x at the accelerations of kin
-  bool turns = false;                     // the frame is world-aligned
+  std::vector<int> chain_a, chain_b;         // all coordinates above A and above B', ascending
+  Mat6X<S> dx_dq, dx_dv;                     // 6 x cols: of x (without the turning of W)
+  Eigen::Matrix<S, 3, Eigen::Dynamic> turn;  // 3 x chain_a: th_i, where `turns`
+  Mat6X<S> S_b;                              // 6 x chain_b (between bodies): columns of B' in A's axes
+  Vec6<S> F = Vec6<S>::Zero();               // W^T f: force on A at its origin, in A's axes
+  Vec6<S> x = Vec6<S>::Zero();               // x at the accelerations of kin
+  bool turns = false;                        // the frame is world-aligned
 };
+using ContactDerivatives = ContactDerivativesOf<double>;
 
 /// th x y on both parts of y: how a world-aligned frame's y turns when A turns by th (a column of `turn`).
-inline Vec6<double> turned(const Vec3<double>& th, const Vec6<double>& y) {
-  Vec6<double> out;
-  out << th.cross(y.head<3>()), th.cross(y.tail<3>());
+template <class S>
+Vec6<S> turned(const Vec3<S>& th, const Vec6<S>& y) {
+  Vec6<S> out;
+  out << th.cross(y.template head<3>()), th.cross(y.template tail<3>());
   return out;
 }
 
 /// Fills `d`. kinA, kinB: after forward_accelerations with the solution's accelerations; termsA, termsB: Psid, Psidd,
 /// Sv of the same robots; f: the contact's force in its own frame; data: by contact_rows at the same accelerations.
-void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<double>& kinA,
-                         const Kinematics<double>* kinB, const RneaDerivatives& termsA, const RneaDerivatives* termsB,
-                         const Eigen::Ref<const Eigen::VectorXd>& f, const ContactData<double>& data,
-                         ContactDerivatives& d);
+template <class S>
+void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
+                         const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,
+                         const RneaDerivativesOf<S>* termsB, const ConstVecRef<S>& f, const ContactData<S>& data,
+                         ContactDerivativesOf<S>& d);
 
 }  // namespace manycontact

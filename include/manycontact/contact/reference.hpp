@@ -13,6 +13,10 @@ namespace manycontact {
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact);
 
+/// The same for every contact of the scene, origin and axes: at q they all hold. What files leave out is resolved so.
+/// SceneData in use see the new places.
+void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
+
 /// The same for many contacts of one scene at one q, both of which must outlive it: the places of the two robots met
 /// last are kept.
 class ReferenceResolver {

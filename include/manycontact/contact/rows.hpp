@@ -54,6 +54,13 @@ template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
+/// The same with the frames' placements given, A's in the tree frame of its robot, B's in that of its own or in the
+/// world, and from_b: A's tree frame's origin as seen from B's. The contact's own placements are not read.
+template <class S>
+void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
+                          const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
+                          const Vec3<S>& from_b, ContactData<S>& data);
+
 /// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
 /// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a
 /// hundredth of the turning times the levers it was computed with. After contact_rows.
@@ -64,13 +71,13 @@ S motion_size(const Contact& contact, const ContactData<S>& data) {
   for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
     for (int i = 0; i < 6; ++i) {
       S& of = i < 3 ? largest : turning;
-      if (abs(data.Jl(i, j)) > of) of = abs(data.Jl(i, j));
+      of = larger(S(abs(data.Jl(i, j))), of);
     }
-  if (contact.type == ContactType::k6D) return turning > largest ? turning : largest;
-  S lever = data.aMA.p.cwiseAbs().maxCoeff() + S(contact.A.placement.p.cwiseAbs().maxCoeff());
-  if (contact.B.robot >= 0) lever += data.bMA.p.cwiseAbs().maxCoeff() + S(contact.B.placement.p.cwiseAbs().maxCoeff());
-  const S least = turning * lever / S(100);
-  return least > largest ? least : largest;
+  if (contact.type == ContactType::k6D) return larger(turning, largest);
+  const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
+  S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());
+  if (contact.B.robot >= 0) lever += reach(data.bMA.p) + S(contact.B.placement.p.cwiseAbs().maxCoeff());
+  return larger(S(turning * lever / S(100)), largest);
 }
 
 }  // namespace manycontact

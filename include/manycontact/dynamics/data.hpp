@@ -49,4 +49,11 @@ void prepare(const Scene& scene, SceneData& data);
 /// "left[0]" for each row of f. After prepare or solve.
 std::vector<std::string> force_names(const Scene& scene, const SceneData& data);
 
+/// The rows of f that are a contact's, by its name or number: what it exerts on A, in its reference frame [N, N m].
+/// Valid until the data's next call. Throws std::invalid_argument for a contact that does not exist, with the nearest
+/// name, std::logic_error for one that is not active and before the first solve.
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
+                                                        const std::string& contact);
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact);
+
 }  // namespace manycontact

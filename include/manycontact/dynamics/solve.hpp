@@ -22,6 +22,9 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 [[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
                                       const ConstVector& tau, SceneData& data);
 
+/// The levels of instructions for robots in SIMD lanes that are compiled in and run on this processor, widest first.
+std::vector<Lanes> lanes_here();
+
 /// After solve: the 1-norm condition number of each island's K, estimated by a few solves with the factor at hand
 /// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse
 /// used.

@@ -1,6 +1,7 @@
 #pragma once
 // What a solve leaves to be looked at, besides the answer. All throw std::logic_error where what they show was not
-// computed; references stay valid until the data's next call.
+// computed; references stay valid until the data's next call. Robots that stood in lanes (Options::lanes) leave nothing
+// but the answer, until `complete` is called.
 
 #include <span>
 
@@ -11,6 +12,10 @@
 #include "manycontact/kkt/matrix.hpp"
 
 namespace manycontact {
+
+/// After solve: computes what the solution's robots would have left had they not stood in lanes: motions, K, its
+/// factor. Throws as differentiate does.
+void complete(const Scene& scene, const SceneData& data);
 
 /// Whether the islands at hand are those of data.active and data.options.
 bool is_prepared(const SceneData& data);

@@ -18,9 +18,9 @@ namespace manycontact {
 struct UrdfOptions {
   bool floating_base = false;  // joint 0 is then "root", of type kFloating, carrying the root link
   double armature = 0;         // of every coordinate but the floating base's, kg m^2 (kg for prismatic)
-  std::map<std::string, std::vector<double>> joint_armature;  // overrides it; one number, or one per coordinate
-  std::map<std::string, double> locked;                       // joint frozen at this position; one-dof joints only
-  bool refuse_mimic = false;                                  // a moving joint with <mimic> is an InputError
+  std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
+  std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
+  bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
 
   bool operator==(const UrdfOptions&) const = default;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// Islands: robots joined by active contacts between bodies. Each has a KKT system of its own; the world joins nothing.
+// Islands: robots joined by active contacts between bodies that move. Each has a KKT system of its own; the world joins
+// nothing, nor does the base of a robot that stands.
 
 #include <vector>
 
@@ -18,6 +19,13 @@ struct Island {
   int size() const { return nv + nc; }
 };
 
+/// Whether an attachment's body moves: not the world, nor a fixed base.
+inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
+/// Whether a contact makes one island of two robots.
+inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
+/// The robot whose island a contact is part of: A's, or B's where A cannot move.
+inline int robot_of(const Contact& contact) { return moves(contact.A) ? contact.A.robot : contact.B.robot; }
+
 /// The islands of the scene with the given contacts active (one flag each), in the order of their first robots.
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active);
 
@@ -27,8 +35,10 @@ Island whole_scene(const Scene& scene, const std::vector<char>& active);
 /// Fills dof_offset, row_offset, nv and nc from robots and contacts.
 void number_island(const Scene& scene, Island& island);
 
-/// Position of a robot in island.robots.
+/// Position of a robot in island.robots, which it is one of.
 int local_robot(const Island& island, int robot);
+/// First coordinate in the island of the robot that a contact's end is on; 0 where that end cannot move.
+int first_dof(const Island& island, const Attachment& end);
 
 // The walk between an island's coordinates and the scene's, a robot or a contact at a time.
 

@@ -9,20 +9,23 @@ namespace manycontact {
 enum class Method {
   kDense,             // per island, rank-revealing: the oracle
   kDenseSchur,        // the whole scene as one island, LLT of M and of J M^-1 J^T, as Crocoddyl does: the baseline
-  kSparseLdl,         // SuiteSparse LDL on K, per island
+  kSparseLdl,         // LDL' of K by a compiled schedule (sparse/ldl_schedule.hpp), per island
+  kSuiteSparseLdl,    // the same by SuiteSparse's LDL: a second opinion, never taken by kAuto
   kSparseCholmod,     // CHOLMOD's simplicial LDL' on K, per island
   kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL' on the Schur complement, per island
   kSparseBodies,      // bodies' accelerations and joints' forces kept as unknowns, per island: linear in deep trees
   kAuto,              // per island, the sparse method and order of least predicted cost
 };
-inline constexpr Method kMethods[] = {Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,
-                                      Method::kSparseCholmod, Method::kSparseSupernodal, Method::kSparseBodies,
-                                      Method::kAuto};
+inline constexpr Method kMethods[] = {
+    Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,    Method::kSuiteSparseLdl,
+    Method::kSparseCholmod, Method::kSparseSupernodal, Method::kSparseBodies, Method::kAuto};
 std::string to_string(Method method);
 /// The method called `name`, as to_string writes it.
 std::optional<Method> method_from_string(const std::string& name);
 /// Whether a method eliminates K's rows in an order that can be chosen.
-constexpr bool has_order(Method m) { return m == Method::kSparseLdl || m == Method::kSparseCholmod; }
+constexpr bool has_order(Method m) {
+  return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
+}
 
 /// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
 enum class Order {
@@ -34,9 +37,23 @@ inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, O
 std::string to_string(Order order);
 std::optional<Order> order_from_string(const std::string& name);
 
+/// Instructions for robots side by side in SIMD lanes: islands of one robot by sparse-ldl, 2 (baseline), 4 (AVX2 and
+/// FMA) or 8 (AVX-512) of one model at a time. A level that is not compiled in, or does not run here, is as kOff.
+enum class Lanes {
+  kAuto,  // the widest that runs here
+  kOff,   // robot by robot
+  kBaseline,
+  kAvx2,
+  kAvx512,
+};
+inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, Lanes::kAvx2, Lanes::kAvx512};
+std::string to_string(Lanes lanes);
+std::optional<Lanes> lanes_from_string(const std::string& name);
+
 struct Options {
   Method method = Method::kAuto;
-  std::optional<Order> order;  // of sparse-ldl and sparse-cholmod; none: the order of least predicted cost
+  std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
+  Lanes lanes = Lanes::kAuto;
   bool operator==(const Options&) const = default;
 };
 

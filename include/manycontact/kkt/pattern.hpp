@@ -1,11 +1,13 @@
 #pragma once
 // The pattern of an island's KKT matrix, K = [M J^T; J -delta I], in an order of elimination.
 
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "manycontact/kkt/island.hpp"
 #include "manycontact/kkt/options.hpp"
-#include "manycontact/sparse/ldl.hpp"
+#include "manycontact/sparse/ldl_schedule.hpp"
 
 namespace manycontact {
 
@@ -15,6 +17,12 @@ struct IslandSupport {
   std::vector<std::vector<int>> columns;  // per contact: the same as columns of the island, a's first, then b's
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
+
+/// A schedule made when first asked for, by whichever thread.
+struct LazySchedule {
+  std::mutex mutex;
+  std::unique_ptr<const sparse::LdlSchedule> schedule;
+};
 
 /// Pattern of P K P^T, where every number goes, and the symbolic factorization. Constant; shared by alike islands.
 struct KktPattern {
@@ -26,7 +34,10 @@ struct KktPattern {
   std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact
   std::vector<int> diagonal_slot;  // slot of each contact row's diagonal
   sparse::LdlSymbolic ldl;
+  std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // for schedule()
 
+  /// The numeric LDL, compiled when first asked for and kept.
+  const sparse::LdlSchedule& schedule() const;
   int size() const { return nv + nc; }
 };
 

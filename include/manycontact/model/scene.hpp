@@ -47,7 +47,7 @@ struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
-  Attachment A, B;
+  Attachment A = {}, B = {};
   Vec3<double> axis = Vec3<double>::UnitZ();  // 1D: the component kept, in the reference frame; unit
   double alpha = 0, beta = 0;                 // stabilisation gains [1/s^2], [1/s]
   bool active = true;                         // at the start; data may switch it later

@@ -130,6 +130,12 @@ Mat6<S> Jlog6(const Vec6<S>& xi) {
   return Mat6<S>::Identity() + ad / S(2) + (k.alpha - t2 * k.dalpha) * ad2 - k.dalpha * (ad2 * ad2);
 }
 
+/// Jlog6 at log6(M): log6(M exp6(d)) = log6(M) + log6_derivative(M) d + O(d^2).
+template <class S>
+Mat6<S> log6_derivative(const SE3<S>& M) {
+  return Jlog6<S>(log6<S>(M));
+}
+
 /// Jexp6 (right Jacobian): exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)); the inverse of Jlog6.
 template <class S>
 Mat6<S> Jexp6(const Vec6<S>& m) {

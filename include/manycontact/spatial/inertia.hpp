@@ -24,12 +24,11 @@ struct Inertia {
   }
   /// Y a, the force (or momentum) of the motion a.
   template <class D>
-  Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
+  [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
     Vec6<S> f;
-    f.template head<3>() = m * v - h.cross(w);
-    f.template tail<3>().noalias() = I * w;
-    f.template tail<3>() += h.cross(v);
+    f.template head<3>() = m * v - cross(h, w);
+    f.template tail<3>() = times<S>(I, w) + cross(h, v);
     return f;
   }
   Mat6<S> matrix() const {
@@ -40,17 +39,22 @@ struct Inertia {
   }
   /// The same inertia in frame a, given in frame b, with aMb. No centre of mass is formed, so m = 0 is harmless.
   Inertia transformed(const SE3<S>& aMb) const {
-    const Vec3<S> Rh = aMb.R * h;
+    const Vec3<S> Rh = times<S>(aMb.R, h);
     const Vec3<S>& p = aMb.p;
     Inertia out;
     out.m = m;
     out.h = Rh + m * p;
     // I_a = R I R^T - ([p][Rh] + [Rh][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
-    const S d = S(2) * p.dot(Rh) + m * p.squaredNorm();
-    out.I.noalias() = aMb.R * I * aMb.R.transpose();
-    const Vec3<S> t = Rh + m * p;
-    out.I -= p * Rh.transpose() + t * p.transpose();
-    out.I.diagonal().array() += d;
+    const Vec3<S>& t = out.h;  // Rh + m p
+    const S d = dot(p, Rh) + dot(p, t);
+    out.I = congruent<S>(aMb.R, I);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        out.I(i, j) = multiply_add(S(-p[i]), Rh[j], multiply_add(S(-t[i]), p[j], out.I(i, j)));
+        out.I(j, i) = out.I(i, j);
+      }
+      out.I(i, i) += d;
+    }
     return out;
   }
   template <class T>

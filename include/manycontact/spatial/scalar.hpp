@@ -2,13 +2,19 @@
 // Scalars and fixed-size matrices.
 //
 // The forward path is templated on the scalar: double for use, quadruple precision as the truth that tests and
-// charts measure against. Its templates live in .cpp files, instantiated there for InstantiatedScalar; the library
-// manycontact_quad compiles the same files with MANYCONTACT_QUAD defined.
+// charts measure against, packs of doubles for robots side by side. Its templates live in .cpp files, instantiated
+// there for InstantiatedScalar; the library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined,
+// each level of src/dynamics/lanes with MANYCONTACT_LANES.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
+#ifdef MANYCONTACT_LANES
+#include "manycontact/spatial/pack.hpp"
+#else
 #include "manycontact/abi.hpp"
+#endif
 
 #ifdef MANYCONTACT_QUAD
 #include <boost/multiprecision/eigen.hpp>
@@ -20,6 +26,8 @@ namespace manycontact {
 #ifdef MANYCONTACT_QUAD
 using Quad = boost::multiprecision::number<boost::multiprecision::float128_backend, boost::multiprecision::et_off>;
 using InstantiatedScalar = Quad;
+#elif defined MANYCONTACT_LANES
+using InstantiatedScalar = Pack<MANYCONTACT_LANES>;
 #else
 using InstantiatedScalar = double;
 #endif
@@ -35,5 +43,23 @@ template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>>;
 // clang-format on
+
+/// Sine and cosine of an angle [rad].
+template <class S>
+void sin_cos(const S& angle, S& s, S& c) {
+  using std::cos;
+  using std::sin;
+  s = sin(angle);
+  c = cos(angle);
+}
+/// a b + c
+template <class S>
+S multiply_add(const S& a, const S& b, const S& c) {
+  return a * b + c;
+}
+template <class S>
+S larger(const S& a, const S& b) {
+  return a > b ? a : b;
+}
 
 }  // namespace manycontact

@@ -15,17 +15,17 @@ struct SE3 {
   const Vec3<S>& translation() const { return p; }
 
   /// aMc = aMb bMc
-  SE3 operator*(const SE3& o) const { return {R * o.R, p + R * o.p}; }
+  SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), p + times<S>(R, o.p)}; }
   /// bMa
-  SE3 inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
+  SE3 inverse() const { return {R.transpose(), -transpose_times<S>(R, p)}; }
 
   /// Motion in a from motion in b: X m.
   template <class D>
   Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
-    out.template tail<3>().noalias() = R * m.template tail<3>();
-    out.template head<3>().noalias() = R * m.template head<3>();
-    out.template head<3>() += p.cross(out.template tail<3>());
+    const Vec3<S> w = times<S>(R, m.template tail<3>());
+    out.template head<3>() = times<S>(R, m.template head<3>()) + cross(p, w);
+    out.template tail<3>() = w;
     return out;
   }
   /// Motion in b from motion in a: X^-1 m.
@@ -33,18 +33,18 @@ struct SE3 {
   Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
     const Vec3<S> w = m.template tail<3>();
-    const Vec3<S> v = m.template head<3>() - p.cross(w);
-    out.template head<3>().noalias() = R.transpose() * v;
-    out.template tail<3>().noalias() = R.transpose() * w;
+    const Vec3<S> v = m.template head<3>() - cross(p, w);
+    out.template head<3>() = transpose_times<S>(R, v);
+    out.template tail<3>() = transpose_times<S>(R, w);
     return out;
   }
   /// Force in a from force in b: X^-T f.
   template <class D>
   Vec6<S> act_force(const Eigen::MatrixBase<D>& f) const {
     Vec6<S> out;
-    out.template head<3>().noalias() = R * f.template head<3>();
-    out.template tail<3>().noalias() = R * f.template tail<3>();
-    out.template tail<3>() += p.cross(out.template head<3>());
+    const Vec3<S> force = times<S>(R, f.template head<3>());
+    out.template head<3>() = force;
+    out.template tail<3>() = times<S>(R, f.template tail<3>()) + cross(p, force);
     return out;
   }
   /// X, the 6x6 matrix of act.
@@ -62,9 +62,8 @@ struct SE3 {
 /// Rotation by `angle` about the unit vector `axis` (Rodrigues).
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
-  using std::cos;
-  using std::sin;
-  const S c = cos(angle), s = sin(angle);
+  S c, s;
+  sin_cos(angle, s, c);
   return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
 }
 

@@ -19,8 +19,8 @@ constexpr double kBand = 0.13;                 // of a panel's height: for failu
 const char* const kPanelTitles[] = {"Accelerations", "Contact forces", "Derivatives"};
 
 // Okabe and Ito's colours, then Tol's; auto is black.
-const char* const kColours[] = {"#CC79A7", "#E69F00", "#0072B2", "#009E73", "#D55E00",
-                                "#56B4E9", "#882255", "#999933", "#44AA99", "#AA4499"};
+const char* const kColours[] = {"#CC79A7", "#E69F00", "#0072B2", "#56B4E9", "#009E73",
+                                "#D55E00", "#882255", "#999933", "#44AA99", "#AA4499"};
 // gnuplot's point types, filled and open: circle where there is no order; triangle, square, diamond, ...
 constexpr int kFilled[] = {7, 9, 5, 13, 11, 15}, kOpen[] = {6, 8, 4, 12, 10, 14};
 

@@ -9,14 +9,14 @@ namespace manycontact::cli {
 
 namespace fs = std::filesystem;
 
-int run_beside(const std::string& name, const std::string& command, const std::vector<std::string>& words) {
+int run_beside(const std::string& name, const std::string& command, const std::vector<std::string>& words,
+               const std::string& how) {
   const std::string path = (fs::read_symlink("/proc/self/exe").parent_path() / name).string();
   std::vector<char*> argv{const_cast<char*>(path.c_str()), const_cast<char*>(command.c_str())};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   execv(path.c_str(), argv.data());
-  throw std::runtime_error(command + " is done by another program, " + path +
-                           ", which cannot be run: `./run build` makes it");
+  throw std::runtime_error(command + " is done by another program, " + path + ", which cannot be run: " + how);
 }
 
 }  // namespace manycontact::cli

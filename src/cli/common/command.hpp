@@ -17,13 +17,15 @@ struct Command {
   std::string operands;  // what it takes besides options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
-  std::string help;              // after the options
-  int (*run)(const Arguments&);  // null: the program manycontact-chart does
+  std::string help;                  // after the options
+  int (*run)(const Arguments&);      // null: the program manycontact-chart does
+  bool (*by_processes)() = nullptr;  // whether the program manycontact-mpi does it this time
 };
 
 const Command& solve_command();
 const Command& inspect_command();
 const Command& simulate_command();
+const Command& batch_command();
 
 /// Commands of the program manycontact-chart, which needs more packages and time to build; their `run` is null here.
 const Command& chart_command();

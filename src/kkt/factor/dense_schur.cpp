@@ -67,6 +67,10 @@ class DenseSchurFactor final : public Factor {
     panel = product;
   }
   bool panel_is_like_solve() const override { return false; }
+  void release_panels() override {
+    inverted_ = false;
+    inverse_ = Eigen::MatrixXd();
+  }
 
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
@@ -114,7 +118,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
     case Method::kSparseSupernodal:
       return make_schur_factor(std::move(shape));
     default:
-      return make_ldl_factor();
+      return make_ldl_factor(method);
   }
 }
 

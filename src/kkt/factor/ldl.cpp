@@ -1,4 +1,5 @@
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -7,27 +8,42 @@ namespace {
 
 class LdlFactor final : public Factor {
  public:
-  Method method() const override { return Method::kSparseLdl; }
+  explicit LdlFactor(Method method) : method_(method) {}
+  Method method() const override { return method_; }
 
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
-    pattern_ = K.pattern;
-    const sparse::LdlSymbolic& symbolic = pattern_->ldl;
-    L_.resize(symbolic.nonzeros());
-    D_.resize(K.size());
-    scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
+    if (pattern_ != K.pattern) take(K.pattern);
+    if (scratch.scale.size() < D_.size()) scratch.scale.resize(D_.size());
     const double* Kx = K.values.data();
-    if (sparse::ldl_factor(pattern_->K, symbolic, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
-      return Reason::kZeroPivot;
-    const double ratio =
-        sparse::smallest_pivot_ratio(pattern_->K, symbolic, Kx, L_.data(), D_.data(), scratch.scale.data());
-    growth_ = internal::growth_of(K, scratch.scale.data());
-    return internal::judge_pivots(*pattern_, D_.data(), ratio);
+    double* scale = scratch.scale.data();
+    double ratio = 0;
+    if (schedule_) {
+      sparse::ldl_scheduled_factor(*schedule_, Kx, L_.data(), D_.data(), scale);
+      ratio = sparse::smallest_pivot_ratio(K.size(), D_.data(), scale);
+    } else {
+      if (sparse::ldl_factor(pattern_->K, pattern_->ldl, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
+        return Reason::kZeroPivot;
+      ratio = sparse::smallest_pivot_ratio(pattern_->K, pattern_->ldl, Kx, L_.data(), D_.data(), scale);
+    }
+    growth_ = internal::growth_of(K, scale);
+    const Reason reason = internal::judge_pivots(*pattern_, D_.data(), ratio);
+    // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
+    return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }
 
-  void solve(double* x) override { sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x); }
+  void solve(double* x) override {
+    if (schedule_)
+      sparse::ldl_scheduled_solve(*schedule_, L_.data(), D_.data(), x);
+    else
+      sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
+  }
 
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
-    sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), pattern_->perm.data(), X, ld, first, cols, nonzero);
+    const int* perm = pattern_->perm.data();
+    if (schedule_)
+      sparse::ldl_scheduled_solve_panel(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    else
+      sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
   }
 
   double growth() const override { return growth_; }
@@ -35,13 +51,24 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
+  void take(const std::shared_ptr<const KktPattern>& pattern) {
+    pattern_ = nullptr;  // should memory run out
+    const sparse::LdlSchedule* schedule = method_ == Method::kSparseLdl ? &pattern->schedule() : nullptr;
+    L_.resize(pattern->ldl.nonzeros());
+    D_.resize(pattern->size());
+    schedule_ = schedule && schedule->compiled ? schedule : nullptr;
+    pattern_ = pattern;
+  }
+
+  Method method_;
   std::shared_ptr<const KktPattern> pattern_;
+  const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
   std::vector<double> L_, D_;
   double growth_ = 1;
 };
 
 }  // namespace
 
-std::unique_ptr<Factor> make_ldl_factor() { return std::make_unique<LdlFactor>(); }
+std::unique_ptr<Factor> make_ldl_factor(Method method) { return std::make_unique<LdlFactor>(method); }
 
 }  // namespace manycontact

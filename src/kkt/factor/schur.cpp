@@ -1,6 +1,8 @@
 #include "manycontact/kkt/schur.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "columns.hpp"
@@ -32,7 +34,21 @@ class SchurFactor final : public Factor {
     growth_ = std::max(1.0, largest_S / largest_K);
     if (!cholmod_) cholmod_.emplace(shape_->cholmod_schur());
     if (!cholmod_->factorize(data_.Sx.data())) return Reason::kSmallPivot;
-    return cholmod_->rcond() < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
+    if (K.damping == 0 && K.nc() > K.nv()) return Reason::kSmallPivot;  // whatever rounding makes of it
+    return cholmod_->rcond() < tolerance::kPivotLeft * inertia_spread() ? Reason::kSmallPivot : Reason::kNone;
+  }
+
+  // sqrt(largest / smallest pivot of M): S = Z^T Z is formed of D^-1/2 L^-T J^T, whose rounding grows by about as much.
+  double inertia_spread() const {
+    double least = std::numeric_limits<double>::infinity(), largest = 0;
+    for (std::size_t r = 0; r < data_.L.size(); ++r) {
+      const Model& model = *shape_->scene().robots[r].model;
+      for (int i = 0; i < model.nv; ++i) {
+        least = std::min(least, data_.L[r][model.M_begin[i]]);
+        largest = std::max(largest, data_.L[r][model.M_begin[i]]);
+      }
+    }
+    return std::sqrt(largest / least);
   }
 
   void solve(double* x) override;

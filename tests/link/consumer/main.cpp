@@ -1,7 +1,6 @@
 #include <iostream>
 
-#include "manycontact/dynamics/solve.hpp"
-#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/manycontact.hpp"
 
 int main(int, char** argv) {
   const manycontact::SceneFile file = manycontact::load_scene(argv[1]);

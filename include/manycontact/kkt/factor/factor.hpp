@@ -29,6 +29,9 @@ class Factor {
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
+  /// Gives back what memory only solve_panel needs, until that is called again.
+  virtual void release_panels() {}
+
   /// Of J.
   virtual int rank() const = 0;
   /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.

@@ -7,9 +7,10 @@
 
 namespace manycontact {
 
-/// K = L D L^T by SuiteSparse's LDL, in K's order. Refused: pivots that are zero, of the wrong sign, or lost in
+/// K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or by SuiteSparse's LDL (kSuiteSparseLdl, and
+/// patterns whose schedule would take too much memory). Refused: pivots that are zero, of the wrong sign, or lost in
 /// cancellation.
-std::unique_ptr<Factor> make_ldl_factor();
+std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// The same, damping 0, where rows of J may depend on each other: those that do are dropped
 /// (sparse/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.

@@ -47,5 +47,7 @@ void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double
 /// pivot is noise. scale: n, scratch.
 double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx,
                             const double* D, double* scale);
+/// The same of pivots and their terms; 0 where one is not finite.
+double smallest_pivot_ratio(int n, const double* D, const double* scale);
 
 }  // namespace manycontact::sparse

@@ -17,7 +17,8 @@ inline constexpr double kPivotLeft = 1e-11;
 /// Of a row of J, beside the largest motion its contact is picked from (motion_size [J's units], contact/rows.hpp):
 /// smaller rows, or parts of rows orthogonal to the others, are rounding. The same margin over rounding as kPivotLeft,
 /// and for the same reason; here lengths are compared, not squares.
-/// Used by: the dense oracle's rank; rows of J that vanish; `nothing` of ldl_factor_dependent; least_norm_solution.
+/// Used by: the dense oracle's rank; rows of J that vanish; `nothing` of ldl_factor_dependent; least_norm_solution;
+/// analysis/ranks.
 inline constexpr double kRank = 1e-11;
 
 /// Units of eps of the scalar at hand (double or quadruple precision): what a sum of six to eight products may be wrong

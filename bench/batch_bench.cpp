@@ -1,0 +1,53 @@
+// Batches of 64 states in one and two threads: the time that passes, not that of one thread's processor.
+
+#include <benchmark/benchmark.h>
+
+#include "manycontact/dynamics/batch.hpp"
+#include "scenes.hpp"
+
+namespace manycontact::bench {
+namespace {
+
+enum class Work { kSolve, kDifferentiate, kVjp };
+
+void batch_of_states(benchmark::State& state, int robots, Work work, int threads) {
+  constexpr int kStates = 64;
+  const SceneFile s = humanoids(robots, false);
+  const Scene& scene = s.scene;
+  const auto repeated = [](const Eigen::VectorXd& x) -> BatchMatrix { return x.transpose().replicate(kStates, 1); };
+  const BatchMatrix q = repeated(s.q), v = repeated(s.v), u = repeated(s.u);
+  BatchData batch(scene, threads);
+  const int nf = force_rows(scene, batch);
+  BatchMatrix A = v, F = BatchMatrix::Zero(kStates, nf), WA = v, WF = F, WQ = v, WV = v, WU = u, D;
+  if (work == Work::kDifferentiate) D.resize(kStates, (scene.nv + nf) * (2 * scene.nv + scene.nu));
+  std::vector<Status> status(kStates);
+  const auto once = [&] {
+    if (work == Work::kSolve) solve_batch(scene, {q, v, u}, batch, A, F, status);
+    if (work == Work::kDifferentiate) differentiate_batch(scene, {q, v, u}, batch, A, F, D, status);
+    if (work == Work::kVjp) vjp_batch(scene, {q, v, u}, WA, WF, batch, WQ, WV, WU, status);
+    benchmark::ClobberMemory();
+  };
+  once();
+  for (auto _ : state) once();
+  state.counters["us_per_robot"] = benchmark::Counter(
+      robots * kStates * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+const bool registered = [] {
+  const std::pair<Work, const char*> works[] = {
+      {Work::kSolve, "solve"}, {Work::kDifferentiate, "differentiate"}, {Work::kVjp, "vjp"}};
+  for (const auto& [work, name] : works)
+    for (int robots : {1, 4})
+      for (int threads : {1, 2}) {
+        const std::string full = std::string("batch/") + name + "/separate/" + std::to_string(robots) +
+                                 "/threads:" + std::to_string(threads);
+        benchmark::RegisterBenchmark(full.c_str(),
+                                     [=, w = work](benchmark::State& s) { batch_of_states(s, robots, w, threads); })
+            ->Unit(benchmark::kMicrosecond)
+            ->UseRealTime();
+      }
+  return true;
+}();
+
+}  // namespace
+}  // namespace manycontact::bench

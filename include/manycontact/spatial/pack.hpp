@@ -1,0 +1,219 @@
+#pragma once
+// W doubles side by side, one of each of W robots: a scalar for the forward path's templates. Operations are element by
+// element, in the order they are written, so a robot's numbers are the same to the last bit whatever W is and whoever
+// stands in the other lanes; a Pack of 1 is for the robot that stands alone. Compile with -ffp-contract=off, or the
+// compiler fuses products and sums as it likes; `multiply_add` is fused where the processor can.
+// Vectors of GCC's and clang's, of the size that the level of instructions has.
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
+
+#include <Eigen/Core>
+
+#ifndef MANYCONTACT_LANES  // whose memory stays its own
+#include "manycontact/abi.hpp"
+#endif
+
+namespace manycontact {
+
+namespace detail {
+template <int W>
+struct PackOf {
+  typedef double Real __attribute__((vector_size(8 * W)));
+  typedef std::int64_t Int __attribute__((vector_size(8 * W)));
+};
+template <>
+struct PackOf<1> {
+  using Real = double;
+  using Int = std::int64_t;
+};
+}  // namespace detail
+
+template <int W>
+struct Pack {
+  static constexpr int width = W;
+  using Real = typename detail::PackOf<W>::Real;
+  using Int = typename detail::PackOf<W>::Int;
+  /// What a comparison gives: all bits set where it holds, or 0.
+  struct Mask {
+    Int bits;
+    bool operator[](int lane) const { return reinterpret_cast<const std::int64_t*>(&bits)[lane] != 0; }
+    friend Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
+    friend Mask operator|(Mask a, Mask b) { return {a.bits | b.bits}; }
+    friend Mask operator!(Mask a) { return {~a.bits}; }
+    bool any() const {
+      std::int64_t all = 0;
+      for (int l = 0; l < W; ++l) all |= reinterpret_cast<const std::int64_t*>(&bits)[l];
+      return all != 0;
+    }
+  };
+
+  Real v;
+
+  Pack() = default;
+  Pack(double x) : v(Real{} + x) {}  // NOLINT: implicit, as a number's conversion is
+  static Pack of(Real x) {
+    Pack p;
+    p.v = x;
+    return p;
+  }
+  double operator[](int lane) const { return reinterpret_cast<const double*>(&v)[lane]; }
+  void set(int lane, double x) { reinterpret_cast<double*>(&v)[lane] = x; }
+
+  Pack& operator+=(Pack b) { return v += b.v, *this; }
+  Pack& operator-=(Pack b) { return v -= b.v, *this; }
+  Pack& operator*=(Pack b) { return v *= b.v, *this; }
+  Pack& operator/=(Pack b) { return v /= b.v, *this; }
+  [[gnu::always_inline]] friend Pack operator+(Pack a, Pack b) { return of(a.v + b.v); }
+  [[gnu::always_inline]] friend Pack operator-(Pack a, Pack b) { return of(a.v - b.v); }
+  [[gnu::always_inline]] friend Pack operator*(Pack a, Pack b) { return of(a.v * b.v); }
+  [[gnu::always_inline]] friend Pack operator/(Pack a, Pack b) { return of(a.v / b.v); }
+  [[gnu::always_inline]] friend Pack operator-(Pack a) { return of(-a.v); }
+
+  friend Mask operator<(Pack a, Pack b) { return mask(a.v < b.v); }
+  friend Mask operator<=(Pack a, Pack b) { return mask(a.v <= b.v); }
+  friend Mask operator>(Pack a, Pack b) { return mask(a.v > b.v); }
+  friend Mask operator>=(Pack a, Pack b) { return mask(a.v >= b.v); }
+
+  friend Pack select(Mask m, Pack a, Pack b) {
+    if constexpr (W == 1)
+      return m.bits ? a : b;
+    else
+      return of(m.bits ? a.v : b.v);
+  }
+  friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + INT64_MAX))); }
+  friend Pack abs(Pack a) { return absolute(a); }
+  /// The larger; b where they do not compare.
+  friend Pack larger(Pack a, Pack b) { return select(a > b, a, b); }
+
+  /// a b + c
+  [[gnu::always_inline]] friend Pack multiply_add(Pack a, Pack b, Pack c) {
+#ifdef __FMA__
+    if constexpr (W == 1) return of(__builtin_fma(a.v, b.v, c.v));
+    if constexpr (W == 2) return of((Real)_mm_fmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+    if constexpr (W == 4) return of((Real)_mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+#ifdef __AVX512F__
+    if constexpr (W == 8) return of((Real)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+#endif
+#endif
+    return of(a.v * b.v + c.v);
+  }
+
+  static Int to_bits(Real x) {
+    Int bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    return bits;
+  }
+  static Real from_bits(Int bits) {
+    Real x;
+    std::memcpy(&x, &bits, sizeof x);
+    return x;
+  }
+
+ private:
+  template <class Compared>
+  static Mask mask(Compared holds) {
+    if constexpr (W == 1)
+      return {holds ? std::int64_t(-1) : std::int64_t(0)};
+    else
+      return {(Int)holds};
+  }
+};
+
+namespace detail {
+/// One step of a transposition: of blocks of H x H among 2H x 2H, the off-diagonal ones change places.
+template <int W, int H>
+inline void exchange(Pack<W>* x) {
+  typename Pack<W>::Int low, high;
+  for (int l = 0; l < W; ++l) {
+    low[l] = (l & H) ? W + l - H : l;
+    high[l] = (l & H) ? W + l : l + H;
+  }
+  for (int k = 0; k < W; ++k) {
+    if (k & H) continue;
+    const auto a = x[k].v, b = x[k + H].v;
+    x[k].v = __builtin_shuffle(a, b, low);
+    x[k + H].v = __builtin_shuffle(a, b, high);
+  }
+  if constexpr (H > 1) exchange<W, H / 2>(x);
+}
+}  // namespace detail
+
+/// x[k] lane l <-> x[l] lane k, of W packs.
+template <int W>
+inline void transpose(Pack<W>* x) {
+  if constexpr (W > 1) detail::exchange<W, W / 2>(x);
+}
+
+/// Angles up to which sin_cos is good to one unit in the last place; beyond, it gives NaN.
+inline constexpr double kLargestAngle = 1e6;
+
+/// Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun, 1993), without branches.
+template <int W>
+[[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
+  using P = Pack<W>;
+  using Int = typename P::Int;
+  // n = round(2 angle/pi), in the low bits of a number shifted past its last place; angle - n pi/2 = y + tail
+  const P shift = 6755399441055744.0;  // 1.5 * 2^52
+  const P shifted = angle * P(6.36619772367581382433e-01) + shift;
+  const P n = shifted - shift;
+  const Int quadrant = P::to_bits(shifted.v);
+  const P t = angle - n * P(1.57079632673412561417e+00);  // 33 bits of pi/2: exact, as is the next
+  P w = n * P(6.07710050630396597660e-11);
+  const P r = t - w;
+  w = n * P(2.02226624879595063154e-21) - ((t - r) - w);
+  const P y = r - w, tail = (r - y) - w;
+
+  const P z = y * y, h = P(0.5) * z;
+  const P ps = P(8.33333333332248946124e-03) +
+               z * (P(-1.98412698298579493134e-04) +
+                    z * (P(2.75573137070700676789e-06) +
+                         z * (P(-2.50507602534068634195e-08) + z * P(1.58969099521155010221e-10))));
+  const P v = z * y;
+  const P sine = y - ((z * (P(0.5) * tail - v * ps) - tail) - v * P(-1.66666666666666324348e-01));
+  const P pc = z * (P(4.16666666666666019037e-02) +
+                    z * (P(-1.38888888888741095749e-03) +
+                         z * (P(2.48015872894767294178e-05) +
+                              z * (P(-2.75573143513906633035e-07) +
+                                   z * (P(2.08757232129817482790e-09) + z * P(-1.13596475577881948265e-11))))));
+  const P one_less_h = P(1) - h;
+  const P cosine = one_less_h + (((P(1) - one_less_h) - h) + (z * pc - y * tail));
+
+  const auto where = [&quadrant](std::int64_t bit) {
+    if constexpr (W == 1)
+      return typename P::Mask{(quadrant & bit) ? std::int64_t(-1) : std::int64_t(0)};
+    else
+      return typename P::Mask{(Int)((quadrant & bit) != 0)};
+  };
+  const auto swapped = where(1);
+  const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
+  s = select(where(2), -sq, sq);
+  c = select(where(2), -cq, cq);
+  c = select(swapped, -c, c);
+  const auto known = absolute(angle) <= P(kLargestAngle);
+  s = select(known, s, P(std::nan("")));
+  c = select(known, c, P(std::nan("")));
+}
+
+}  // namespace manycontact
+
+template <int W>
+struct Eigen::NumTraits<manycontact::Pack<W>> : Eigen::GenericNumTraits<double> {
+  using Real = manycontact::Pack<W>;
+  using NonInteger = Real;
+  using Literal = Real;
+  using Nested = Real;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
+};

@@ -1,0 +1,398 @@
+#pragma once
+// A = L D L^T by a compiled schedule, and solves with it, for any value V: a double, or a pack of doubles that belong
+// to as many matrices of one pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), and multiply_add(a, b, c) =
+// a b + c rounded as that of double is, absolute(a), found by its namespace.
+//
+// Every lane of a pack sees the same operations in the same order as a double does: a matrix has the same factor, bit
+// for bit, alone and among others. Doubles are worked on several rows of a column at a time.
+//
+// Compiled for several instruction levels too: templates only, plain memory, no other library.
+
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
+
+#include "manycontact/sparse/ldl_schedule.hpp"
+
+namespace manycontact::sparse {
+
+/// a b + c: fused where the machine at hand fuses.
+inline double multiply_add(double a, double b, double c) {
+#ifdef __FMA__
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+inline double absolute(double x) { return __builtin_fabs(x); }
+
+namespace kernel {
+
+/// N values in registers.
+template <class V, int N>
+struct Tile {
+  V v[N];
+
+  static Tile load(const V* x) {
+    Tile t;
+    for (int k = 0; k < N; ++k) t.v[k] = x[k];
+    return t;
+  }
+  void store(V* x) const {
+    for (int k = 0; k < N; ++k) x[k] = v[k];
+  }
+  void add(const V& l, const V* x) {  // += l x
+    for (int k = 0; k < N; ++k) v[k] = multiply_add(l, x[k], v[k]);
+  }
+  void add(const Tile& a, const Tile& b) {  // += a b
+    for (int k = 0; k < N; ++k) v[k] = multiply_add(a.v[k], b.v[k], v[k]);
+  }
+  Tile times(const V& s) const {
+    Tile t;
+    for (int k = 0; k < N; ++k) t.v[k] = v[k] * s;
+    return t;
+  }
+};
+
+#if defined(__AVX512F__)
+constexpr int kRegister = 8;
+#elif defined(__AVX__)
+constexpr int kRegister = 4;
+#else
+constexpr int kRegister = 2;
+#endif
+
+template <int N>
+struct Register;
+template <>
+struct Register<2> {
+  typedef double Vector __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <>
+struct Register<4> {
+  typedef double Vector __attribute__((vector_size(32), aligned(8), may_alias));
+};
+template <>
+struct Register<8> {
+  typedef double Vector __attribute__((vector_size(64), aligned(8), may_alias));
+};
+
+/// Doubles in the machine's own vectors.
+template <int N>
+requires(N > 1) struct Tile<double, N> {
+  // Few rows are read again soon, a row further: registers of eight would wait for two stores then.
+  static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
+  static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
+  using Vector = typename Register<kWidth>::Vector;
+  Vector v[kVectors];
+
+  static Vector fused(Vector a, Vector b, Vector c) {
+#ifdef __FMA__
+    if constexpr (kWidth == 2) return (Vector)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+    if constexpr (kWidth == 4) return (Vector)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+#ifdef __AVX512F__
+    if constexpr (kWidth == 8) return (Vector)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#endif
+#endif
+    return a * b + c;
+  }
+  static Vector at(const double* x, int k) { return *reinterpret_cast<const Vector*>(x + kWidth * k); }
+  static Vector all(double s) {
+    Vector v = {};
+    for (int i = 0; i < kWidth; ++i) v[i] = s;
+    return v;
+  }
+
+  static Tile load(const double* x) {
+    Tile t;
+    for (int k = 0; k < kVectors; ++k) t.v[k] = at(x, k);
+    return t;
+  }
+  void store(double* x) const {
+    for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
+  }
+  void add(double l, const double* x) {
+    const Vector s = all(l);
+    for (int k = 0; k < kVectors; ++k) v[k] = fused(s, at(x, k), v[k]);
+  }
+  void add(const Tile& a, const Tile& b) {
+    for (int k = 0; k < kVectors; ++k) v[k] = fused(a.v[k], b.v[k], v[k]);
+  }
+  Tile times(double s) const {
+    Tile t;
+    for (int k = 0; k < kVectors; ++k) t.v[k] = v[k] * s;
+    return t;
+  }
+};
+
+/// Rows at a time; the remainder by halves.
+template <class V>
+inline constexpr int kRows = 4;
+template <>
+inline constexpr int kRows<double> = 8;
+
+/// Calls f(first, Tile size as an integral constant) for chunks of 0 ... count-1.
+template <int N>
+struct Size {
+  static constexpr int value = N;
+};
+template <int N, class F>
+inline void in_chunks(int begin, int end, F&& f) {
+  for (; end - begin >= N; begin += N) f(begin, Size<N>{});
+  if constexpr (N > 1) in_chunks<N / 2>(begin, end, f);
+}
+
+/// t += sum over columns c of u[c stride] times the rows at x: of column c + 1 they stand `step - c` behind column c's.
+template <class V, int N>
+inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
+  for (int c = 0; c < columns; ++c, u += stride) {
+    t.add(*u, x);
+    x += step - c;
+  }
+}
+
+/// The columns of a block among themselves, each by those before it.
+template <class V>
+void factor_block(int width, int below, V* L, V* D, V* scale) {
+  V u[LdlSchedule::kWidest];  // -L_ac D_c
+  const int step = width + below - 2;
+  V* column = L;
+  for (int a = 0; a < width; ++a) {
+    V d = D[a], s = scale[a];
+    const V* l = L + a - 1;  // L_ac
+    for (int c = 0; c < a; ++c) {
+      u[c] = -(*l * D[c]);
+      d = multiply_add(*l, u[c], d);
+      s = multiply_add(absolute(*l), absolute(u[c]), s);
+      l += step - c;
+    }
+    D[a] = d;
+    scale[a] = s;
+    const V inverse = V(1.0) / d;
+    const int count = width + below - a - 1;
+    in_chunks<kRows<V>>(0, count, [&](int i, auto size) {
+      auto t = Tile<V, size.value>::load(column + i);
+      accumulate(t, L + a + i, step, u, 1, a);
+      t.times(inverse).store(column + i);
+    });
+    column += count;
+  }
+}
+
+/// What a block takes from columns of another one: N of them, which are rows a ... a+N-1 below it.
+template <int N, class V>
+inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
+                           const V* L, const V* D, V* Lx, V* D_all, V* scale) {
+  V u[LdlSchedule::kWidest * N];  // -L_ac D_c
+  const int step = width + below - 2;
+  const int row = run.row + a - run.begin;
+  auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);
+  const V* x = L + width - 1;  // first row below
+  for (int c = 0; c < width; ++c) {
+    const V* l = x + a + c * step - c * (c - 1) / 2;
+    const auto l_a = Tile<V, N>::load(l);
+    const auto u_a = l_a.times(-D[c]);
+    u_a.store(u + N * c);
+    d.add(l_a, u_a);
+    s.add(l_a, l_a.times(absolute(D[c])));
+  }
+  d.store(D_all + row);
+  s.store(scale + row);
+  const LdlSchedule::Target* targets = schedule.targets.data();
+  const int* Lp = schedule.Lp.data();
+  for (int i = 0; i < N; ++i) {
+    V* column = Lx + Lp[row + i] - (row + i - run.first) - 1;
+    for (int k = run.target; k < run.target_end; ++k) {
+      const LdlSchedule::Target& target = targets[k];
+      V* y = column + target.shift;
+      in_chunks<kRows<V>>(target.begin > a + i ? target.begin : a + i + 1, target.end, [&](int b, auto size) {
+        auto t = Tile<V, size.value>::load(y + b);
+        accumulate(t, x + b, step, u + i, N, width);
+        t.store(y + b);
+      });
+    }
+  }
+}
+
+/// A block of x = L \ x. own: the block's rows of x.
+template <class V>
+inline void forward(int width, int below, const V* L, const LdlSchedule::Run* run, const LdlSchedule::Run* end, V* own,
+                    V* x) {
+  V u[LdlSchedule::kWidest];  // -x_c
+  const int step = width + below - 2;
+  for (int a = 0; a < width; ++a) {
+    V x_a = own[a];
+    const V* l = L + a - 1;
+    for (int c = 0; c < a; ++c) {
+      x_a = multiply_add(*l, u[c], x_a);
+      l += step - c;
+    }
+    own[a] = x_a;
+    u[a] = -x_a;
+  }
+  for (; run != end; ++run)
+    in_chunks<kRows<V>>(run->begin, run->end, [&](int b, auto size) {
+      V* y = x + run->row + b - run->begin;
+      auto t = Tile<V, size.value>::load(y);
+      accumulate(t, L + width - 1 + b, step, u, 1, width);
+      t.store(y);
+    });
+}
+
+/// A block of x = L^T \ (D \ x): the rows below it four at a time, then its own, the last one last.
+template <class V>
+inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
+                     const LdlSchedule::Run* end, V* own, const V* x) {
+  const int step = width + below - 2;
+  const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
+  for (int c = width - 1; c >= 0; --c) {  // column: row c + 1 of column c
+    const V* l = column + width - 1 - c;  // first row below
+    const V zeros[4] = {};
+    auto four = Tile<V, 4>::load(zeros);
+    V rest{};
+    for (const LdlSchedule::Run* r = run; r != end; ++r) {
+      const V* y = x + r->row - r->begin;
+      int b = r->begin;
+      for (; b + 4 <= r->end; b += 4) four.add(Tile<V, 4>::load(l + b), Tile<V, 4>::load(y + b));
+      for (; b < r->end; ++b) rest = multiply_add(l[b], y[b], rest);
+    }
+    V sums[4];
+    four.store(sums);
+    V x_c = own[c] / D[c] - ((sums[0] + sums[1]) + (sums[2] + sums[3]) + rest);
+    for (int a = width - 1; a > c; --a) x_c = multiply_add(-column[a - c - 1], own[a], x_c);
+    own[c] = x_c;
+    column -= step - c + 2;
+  }
+}
+
+/// Columns of a panel at a time, as many as registers hold.
+template <class V>
+inline constexpr int kColumns = 4;
+template <>
+inline constexpr int kColumns<double> = 8 * kRegister;
+
+/// One chunk of N columns of ldl_scheduled_solve_panel.
+template <int N, class V>
+void sweep(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, long ld, const char* nonzero) {
+  const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
+  const LdlSchedule::Run* runs = schedule.runs.data();
+  const auto at = [&](int k) { return X + row[k] * ld; };
+  V* own[LdlSchedule::kWidest];
+  for (int k = 0; k < schedule.blocks(); ++k) {  // X = L \ X
+    const int first = block[k], width = block[k + 1] - first;
+    const int step = width + Lp[block[k + 1]] - Lp[block[k + 1] - 1] - 2;
+    int zeros = 0;  // the block's first rows
+    while (zeros < width && !nonzero[first + zeros]) ++zeros;
+    for (int c = zeros; c < width; ++c) own[c] = at(first + c);
+    const auto subtract_from = [&](V* y, int local, int columns) {
+      auto t = Tile<V, N>::load(y);
+      const V* l = Lx + Lp[first] + local - 1 + zeros * step - zeros * (zeros - 1) / 2;
+      for (int c = zeros; c < columns; l += step - c, ++c) t.add(-*l, own[c]);
+      t.store(y);
+    };
+    for (int a = zeros + 1; a < width; ++a) subtract_from(own[a], a, a);
+    if (zeros == width) continue;
+    for (int r = run[k]; r < run[k + 1]; ++r)
+      for (int b = runs[r].begin; b < runs[r].end; ++b)
+        subtract_from(at(runs[r].row + b - runs[r].begin), width + b, width);
+  }
+  for (int k = schedule.blocks() - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
+    const int first = block[k], width = block[k + 1] - first;
+    for (int c = width - 1; c >= 0; --c) {
+      own[c] = at(first + c);
+      auto t = Tile<V, N>::load(own[c]).times(V(1.0) / D[first + c]);
+      const V* l = Lx + Lp[first + c];
+      for (int a = c + 1; a < width; ++a) t.add(-*l++, own[a]);
+      for (int r = run[k]; r < run[k + 1]; ++r)
+        for (int b = runs[r].begin; b < runs[r].end; ++b) t.add(-*l++, at(runs[r].row + b - runs[r].begin));
+      t.store(own[c]);
+    }
+  }
+}
+
+}  // namespace kernel
+
+/// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
+/// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale.
+template <class V>
+void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D, V* scale) {
+  const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
+  const LdlSchedule::Run* runs = schedule.runs.data();
+  for (int k = 0; k < Lp[schedule.n]; ++k) Lx[k] = V{};
+  const int *from = schedule.from.data(), *to = schedule.to.data();
+  const int entries = static_cast<int>(schedule.to.size());
+  for (int k = 0; k < entries; ++k) Lx[to[k]] = Ax[from[k]];
+  for (int k = 0; k < schedule.n; ++k) {
+    D[k] = Ax[schedule.diagonal.data()[k]];
+    scale[k] = absolute(D[k]);
+  }
+  for (int k = 0; k < schedule.blocks(); ++k) {
+    const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
+    V* L = Lx + Lp[first];
+    kernel::factor_block(width, below, L, D + first, scale + first);
+    for (int r = run[k]; r < run[k + 1]; ++r)
+      kernel::in_chunks<4>(runs[r].begin, runs[r].end, [&](int a, auto size) {
+        kernel::update_columns<size.value>(schedule, runs[r], a, width, below, L, D + first, Lx, D, scale);
+      });
+  }
+}
+
+/// x <- A^-1 x.
+template <class V>
+void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
+  const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
+  const LdlSchedule::Run* runs = schedule.runs.data();
+  for (int k = 0; k < schedule.blocks(); ++k) {  // x = L \ x
+    const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
+    kernel::forward(width, below, Lx + Lp[first], runs + run[k], runs + run[k + 1], x + first, x);
+  }
+  for (int k = schedule.blocks() - 1; k >= 0; --k) {  // x = L^T \ (D \ x)
+    const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
+    kernel::backward(width, below, Lx + Lp[first], D + first, runs + run[k], runs + run[k + 1], x + first, x);
+  }
+}
+
+/// X <- A^-1 X for a panel, as ldl_solve_panel: columns first ... first+cols-1, of V each, row stride ld in V; row k of
+/// A is row row[k] of X. nonzero: n flags, set where a row of X is not zero in any lane; overwritten.
+template <class V>
+void ldl_scheduled_solve_panel(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, int ld,
+                               int first, int cols, char* nonzero) {
+  for (int k = 0; k < schedule.blocks(); ++k) {  // the rows the forward sweep reaches
+    char any = 0;
+    for (int i = schedule.block.data()[k]; i < schedule.block.data()[k + 1]; ++i) nonzero[i] = any |= nonzero[i];
+    for (int r = schedule.run.data()[k]; any && r < schedule.run.data()[k + 1]; ++r) {
+      const LdlSchedule::Run& run = schedule.runs.data()[r];
+      for (int i = 0; i < run.end - run.begin; ++i) nonzero[run.row + i] = 1;
+    }
+  }
+  kernel::in_chunks<kernel::kColumns<V>>(first, first + cols, [&](int c, auto size) {
+    kernel::sweep<size.value>(schedule, Lx, D, row, X + c, ld, nonzero);
+  });
+}
+
+/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual. All of length A.n.
+template <class V>
+void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, V* scale) {
+  const int *p = A.p.data(), *row = A.i.data();
+  for (int k = 0; k < A.n; ++k) {
+    r[k] = b[k];
+    scale[k] = absolute(b[k]);
+  }
+  for (int j = 0; j < A.n; ++j) {
+    const int last = p[j + 1] - 1;  // the diagonal
+    const V x_j = x[j], size_j = absolute(x_j);
+    V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
+    for (int k = p[j]; k < last; ++k) {
+      const int i = row[k];
+      const V a = -Ax[k], size = absolute(a);
+      r[i] = multiply_add(a, x_j, r[i]);
+      scale[i] = multiply_add(size, size_j, scale[i]);
+      r_j = multiply_add(a, x[i], r_j);
+      scale_j = multiply_add(size, absolute(x[i]), scale_j);
+    }
+    r[j] = r_j;
+    scale[j] = scale_j;
+  }
+}
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,83 @@
+#include "part.hpp"
+
+#include <algorithm>
+
+namespace manycontact::cli {
+
+namespace {
+
+void append(std::vector<Segment>& list, int whole, int own, int count) {
+  if (count == 0) return;
+  if (!list.empty() && list.back().whole + list.back().count == whole && list.back().own + list.back().count == own)
+    list.back().count += count;
+  else
+    list.push_back({whole, own, count});
+}
+
+// Robots and active contacts of the islands, ascending.
+struct Members {
+  std::vector<int> robots, contacts;
+};
+Members members_of(const std::vector<Island>& islands, int number, int parts) {
+  std::int64_t total = 0, before = 0;
+  for (const Island& island : islands) total += island.size();
+  Members out;
+  for (const Island& island : islands) {
+    // the part in which the island's middle lies
+    const std::int64_t middle = 2 * before + island.size();
+    if (total > 0 && std::min<std::int64_t>(middle * parts / (2 * total), parts - 1) == number) {
+      out.robots.insert(out.robots.end(), island.robots.begin(), island.robots.end());
+      out.contacts.insert(out.contacts.end(), island.contacts.begin(), island.contacts.end());
+    }
+    before += island.size();
+  }
+  std::sort(out.robots.begin(), out.robots.end());
+  std::sort(out.contacts.begin(), out.contacts.end());
+  return out;
+}
+
+}  // namespace
+
+ScenePart part_of(const Scene& scene, int number, int parts) {
+  std::vector<char> active;
+  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  const Members members = members_of(find_islands(scene, active), number, parts);
+  ScenePart part;
+  part.scene.name = scene.name;
+  part.scene.gravity = scene.gravity;
+  part.scene.damping = scene.damping;
+  std::vector<int> own_robot(scene.robots.size(), -1);
+  for (int r : members.robots) {
+    const Robot& robot = scene.robots[r];
+    const int own = own_robot[r] = add_robot(part.scene, robot.name, robot.model, robot.base);
+    const Robot& copy = part.scene.robots[own];
+    append(part.q, robot.idx_q, copy.idx_q, robot.model->nq);
+    append(part.v, robot.idx_v, copy.idx_v, robot.model->nv);
+    append(part.u, robot.idx_u, copy.idx_u, robot.model->nu());
+  }
+  std::vector<int> first_row(scene.contacts.size());
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    first_row[c] = part.nf;
+    part.nf += active[c] ? scene.contacts[c].rows() : 0;
+  }
+  for (int c : members.contacts) {  // as they are: add_contact would normalise axes again
+    Contact contact = scene.contacts[c];
+    contact.A.robot = own_robot[contact.A.robot];
+    if (contact.B.robot >= 0) contact.B.robot = own_robot[contact.B.robot];
+    append(part.f, first_row[c], part.own_nf, contact.rows());
+    part.own_nf += contact.rows();
+    part.scene.contact_index[contact.name] = static_cast<int>(part.scene.contacts.size());
+    part.scene.contacts.push_back(std::move(contact));
+  }
+  part.nq = scene.nq, part.nv = scene.nv, part.nu = scene.nu;
+  return part;
+}
+
+void take(const std::vector<Segment>& segments, const double* whole, double* own) {
+  for (const Segment& s : segments) std::copy_n(whole + s.whole, s.count, own + s.own);
+}
+void put(const std::vector<Segment>& segments, const double* own, double* whole) {
+  for (const Segment& s : segments) std::copy_n(own + s.own, s.count, whole + s.whole);
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,54 @@
+#pragma once
+// Parts of the right-hand sides -dr of an island's derivatives: what robots and contacts write into blocks of columns
+// that belong to q or to v, one column per coordinate of the island. For doubles, and for packs of robots side by side.
+
+#include "manycontact/contact/derivatives.hpp"
+
+namespace manycontact::internal {
+
+/// -dID/dq or -dID/dv (packed like M) into a robot's diagonal block.
+template <class S, class Block>
+void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X) {
+  for (int i = 0; i < model.nv; ++i) {
+    int at = model.M_begin[i];
+    for (int j = i; j >= 0; j = model.dof_parent[j], ++at) {
+      X(j, i) = -upper[at];
+      X(i, j) = -lower[at];
+    }
+  }
+}
+
+/// -W dx of a contact's coordinates (columns of the island) into its rows X. dx: dx_dq or dx_dv.
+template <class S, class Block>
+void contact_columns(const ContactData<S>& rows, const Mat6X<S>& dx, const std::vector<int>& columns, Block&& X) {
+  for (std::size_t k = 0; k < columns.size(); ++k) X.col(columns[k]).noalias() -= rows.W * dx.col(k);
+}
+
+/// -dW/dq x into a contact's rows X: how a world-aligned frame turns. oA: first coordinate of A's robot.
+template <class S, class Block>
+void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, int oA, Block&& X) {
+  if (!d.turns) return;
+  for (std::size_t i = 0; i < d.chain_a.size(); ++i) {
+    const Vec6<S> dx = turned<S>(d.turn.col(i), d.x);
+    X.col(oA + d.chain_a[i]).noalias() -= rows.W * dx;
+  }
+}
+
+/// Adds to -dr1/dq of an island (nv x nv) what a contact's force does beyond a force fixed to its bodies: B's half
+/// moves with A, and a world-aligned frame does not turn. columns: of the contact; oA, oB: first coordinates of its
+/// robots.
+template <class S, class Block>
+void force_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, const std::vector<int>& columns,
+                   int oA, int oB, Block&& X) {
+  for (std::size_t k = 0; k < columns.size() && !d.chain_b.empty(); ++k) {
+    const Vec6<S> dF = cross_force(rows.Jl.col(k), d.F);
+    for (std::size_t j = 0; j < d.chain_b.size(); ++j) X(oB + d.chain_b[j], columns[k]) -= d.S_b.col(j).dot(dF);
+  }
+  if (!d.turns) return;
+  for (std::size_t i = 0; i < d.chain_a.size(); ++i) {
+    const Vec6<S> dF = turned<S>(d.turn.col(i), d.F);
+    for (std::size_t k = 0; k < columns.size(); ++k) X(columns[k], oA + d.chain_a[i]) -= rows.Jl.col(k).dot(dF);
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,96 @@
+// The kernels of one level of instructions: the forward path once more, in packs. Compiled once per level with that
+// level's flags, MANYCONTACT_LEVEL (its name) and MANYCONTACT_LANES (its width); nothing of it but the Level is seen by
+// the linker (src/lanes.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
+// taken from here and meet a processor without these instructions.
+
+#include "../../algorithm/crba.cpp"
+#include "../../algorithm/kinematics.cpp"
+#include "../../algorithm/rnea.cpp"
+#include "../../algorithm/rnea_derivatives.cpp"
+#include "../../algorithm/rnea_products.cpp"
+#include "manycontact/spatial/explog.hpp"
+#include "side_by_side.hpp"
+
+namespace manycontact {
+
+// These have branches, so lane by lane.
+template <int W, class Function>
+auto lane_by_lane(const SE3<Pack<W>>& M, Function&& function) {
+  SE3<double> of_lane;
+  using Result = decltype(function(of_lane));
+  Eigen::Matrix<Pack<W>, Result::RowsAtCompileTime, Result::ColsAtCompileTime> out;
+  for (int l = 0; l < W; ++l) {
+    for (int i = 0; i < 9; ++i) of_lane.R.data()[i] = M.R.data()[i][l];
+    for (int i = 0; i < 3; ++i) of_lane.p[i] = M.p[i][l];
+    const Result x = function(of_lane);
+    for (Eigen::Index i = 0; i < x.size(); ++i) out.data()[i].set(l, x.data()[i]);
+  }
+  return out;
+}
+template <int W>
+Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
+  return lane_by_lane(M, [](const SE3<double>& m) { return log6<double>(m); });
+}
+template <int W>
+Mat6<Pack<W>> log6_derivative(const SE3<Pack<W>>& M) {
+  return lane_by_lane(M, [](const SE3<double>& m) { return log6_derivative<double>(m); });
+}
+
+}  // namespace manycontact
+
+#include "../../contact/derivatives.cpp"
+#include "../../contact/products.cpp"
+#include "../../contact/rows.cpp"
+
+namespace manycontact::lanes {
+
+namespace {
+
+class LevelKernel final : public Kernel {
+ public:
+  LevelKernel(const Scene& scene, const Island& island, const IslandSupport& support,
+              std::shared_ptr<const KktPattern> pattern)
+      : alone_(scene, island, support, pattern), together_(scene, island, support, pattern) {}
+  void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) override {
+    with(islands, [&](auto& robots) { robots.solve(job, islands, answers); });
+  }
+  void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+                     std::span<const Panel> panels) override {
+    with(islands, [&](auto& robots) { robots.differentiate(job, islands, panels); });
+  }
+  void jvp(const ProductJob& job, std::span<const Island* const> islands) override {
+    with(islands, [&](auto& robots) { robots.jvp(job, islands); });
+  }
+  void vjp(const ProductJob& job, std::span<const Island* const> islands) override {
+    with(islands, [&](auto& robots) { robots.vjp(job, islands); });
+  }
+
+ private:
+  template <class Work>
+  void with(std::span<const Island* const> islands, Work&& work) {
+    if (islands.size() == 1)
+      work(alone_);
+    else
+      work(together_);
+  }
+
+  SideBySide<Pack<1>> alone_;
+  SideBySide<Pack<MANYCONTACT_LANES>> together_;
+};
+
+std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const IslandSupport& support,
+                             std::shared_ptr<const KktPattern> pattern) {
+  return std::make_unique<LevelKernel>(scene, island, support, std::move(pattern));
+}
+
+}  // namespace
+
+#define MANYCONTACT_NAME_OF(level) #level
+#define MANYCONTACT_NAME(level) MANYCONTACT_NAME_OF(level)
+#define MANYCONTACT_LEVEL_OF(level) level_##level
+#define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
+
+extern const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
+const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL), MANYCONTACT_LANES, make};
+
+}  // namespace manycontact::lanes

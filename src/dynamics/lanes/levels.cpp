@@ -1,0 +1,76 @@
+#include <array>
+
+#include "lanes.hpp"
+
+namespace manycontact {
+namespace lanes {
+
+extern const Level level_baseline, level_avx2, level_avx512;
+
+std::span<const Level* const> levels() {
+  static const std::span<const Level* const> here = [] {
+    static std::array<const Level*, 3> list;
+    std::size_t count = 0;
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+#endif
+#ifdef MANYCONTACT_LEVEL_avx512
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("fma"))
+      list[count++] = &level_avx512;
+#endif
+#ifdef MANYCONTACT_LEVEL_avx2
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list[count++] = &level_avx2;
+#endif
+    list[count++] = &level_baseline;
+    return std::span<const Level* const>(list.data(), count);
+  }();
+  return here;
+}
+
+const Level* level_of(Lanes lanes) {
+  if (lanes == Lanes::kOff) return nullptr;
+  if (lanes == Lanes::kAuto) return levels().front();
+  for (const Level* level : levels())
+    if (level->name == to_string(lanes)) return level;
+  return nullptr;
+}
+
+}  // namespace lanes
+
+std::vector<Lanes> lanes_here() {
+  std::vector<Lanes> out;
+  for (const lanes::Level* level : lanes::levels()) out.push_back(*lanes_from_string(level->name));
+  return out;
+}
+
+namespace lanes {
+
+namespace {
+constexpr int kLargest = 400;  // rows of K: the scratch memory of W robots side by side stays in the processor's caches
+
+bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p == y.p; }
+}  // namespace
+
+bool fits(const Scene& scene, const Island& island) {
+  if (island.robots.size() != 1 || island.nv == 0 || island.size() > kLargest) return false;
+  for (int c : island.contacts)
+    if (scene.contacts[c].A.joint < 0 || (scene.contacts[c].B.robot >= 0 && scene.contacts[c].B.joint < 0))
+      return false;
+  return true;
+}
+
+bool alike(const Scene& scene, const Island& x, const Island& y) {
+  for (std::size_t k = 0; k < x.contacts.size(); ++k) {
+    const Contact& c = scene.contacts[x.contacts[k]];
+    const Contact& d = scene.contacts[y.contacts[k]];
+    if (c.type != d.type || c.reference_frame != d.reference_frame || c.alpha != d.alpha || c.beta != d.beta ||
+        c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) || c.B.joint != d.B.joint || c.axis != d.axis ||
+        !same(c.A.placement, d.A.placement) || (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace lanes
+}  // namespace manycontact

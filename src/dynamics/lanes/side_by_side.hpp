@@ -1,0 +1,631 @@
+#pragma once
+// W islands of one robot each, side by side in the lanes of S = Pack<W>: the steps of a solve (dynamics/evaluate.cpp,
+// kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all lanes at once.
+
+#include <algorithm>
+#include <limits>
+
+#include "../derivative_columns.hpp"
+#include "lanes.hpp"
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/contact/products.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+/// One robot alone is a double's business to the sparse kernels, which then take several rows of a column at a time.
+inline double* numbers(Pack<1>* x) { return &x->v; }
+inline const double* numbers(const Pack<1>* x) { return &x->v; }
+template <int W>
+Pack<W>* numbers(Pack<W>* x) {
+  return x;
+}
+template <int W>
+const Pack<W>* numbers(const Pack<W>* x) {
+  return x;
+}
+
+template <class S>
+class SideBySide {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+
+  SideBySide(const Scene& scene, const Island& island, const IslandSupport& support,
+             std::shared_ptr<const KktPattern> pattern);
+  void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers);
+  void differentiate(const DerivativeJob& job, std::span<const Island* const> islands, std::span<const Panel> panels);
+  void jvp(const ProductJob& job, std::span<const Island* const> islands);
+  void vjp(const ProductJob& job, std::span<const Island* const> islands);
+
+ private:
+  using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  void load(const Job& job, std::span<const Island* const> islands);
+  void find_reach(const Island& island);
+  void load_places(const Scene& scene, std::span<const Island* const> islands);
+  void evaluate(const Scene& scene, const Island& island);
+  void evaluate_rows(const Scene& scene, const Island& island);
+  void drop_rounding();
+  void assemble(double damping);
+  void assemble_right_side(const Island& island);
+  Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
+  Mask believable_pivots() const;
+  S residual();
+  void refine();
+  void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
+  void factor();
+  template <class Job>
+  void load_solution(const Job& job, std::span<const Island* const> islands);
+  void linearise(const Scene& scene, const Island& island);
+  void derivative_terms(const Scene& scene, const Island& island);
+  void solve_once_refined();
+  BodyVariationOf<S> body(const Attachment& at) const;
+  template <class Fill>
+  void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
+                     std::span<const Panel> panels, Fill&& fill);
+
+  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const KktPattern> pattern_;
+  std::vector<ContactSupport> supports_;
+
+  VecX<S> q_, v_, tau_, h_;
+  SE3<S> base_;
+  std::vector<SE3<S>> bMB_;  // per contact, where B is the world: its placement
+  Mask usable_;              // q, v, tau are finite, quaternions of unit length
+
+  Kinematics<S> kin_;
+  std::vector<Inertia<S>> Yc_;
+  std::vector<Vec6<S>> f_;
+  std::vector<ContactData<S>> contacts_;
+
+  std::vector<S> M_;          // packed
+  std::vector<S> K_, L_, D_;  // as KktMatrix, LdlSymbolic have them
+  std::vector<S> pivot_terms_, b_, x_, r_, scale_, correction_;
+  S steps_, backward_error_, first_error_;
+
+  // of derivatives
+  VecX<S> a_;
+  std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
+  std::vector<Vec6<S>> fext_;
+  RneaDerivativesOf<S> rnea_;
+  std::vector<ContactDerivativesOf<S>> contact_terms_;
+  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
+  std::vector<std::vector<int>> reach_;    // per coordinate: rows of K that its columns of q and v are not zero in
+  std::vector<std::vector<int>> itself_;   // per coordinate: its own row
+  std::vector<BodyVariationOf<S>> body_;   // products: tangents, or adjoints
+  std::vector<Vec6<S>> u_, dfext_, df_;
+  std::vector<S> dq_, dv_, w_;
+  Columns X_;  // size x nv: one block of columns
+  std::vector<char> nonzero_;
+};
+
+template <class S>
+SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const IslandSupport& support,
+                          std::shared_ptr<const KktPattern> pattern)
+    : model_(scene.robots[island.robots.front()].model),
+      pattern_(std::move(pattern)),
+      supports_(support.contacts),
+      q_(model_->nq),
+      v_(model_->nv),
+      tau_(model_->nv),
+      h_(model_->nv),
+      bMB_(island.contacts.size()),
+      kin_(*model_),
+      Yc_(model_->njoints()),
+      f_(model_->njoints()),
+      M_(model_->M_begin[model_->nv]),
+      K_(pattern_->K.nonzeros()),
+      L_(pattern_->ldl.nonzeros()),
+      D_(pattern_->size()),
+      pivot_terms_(pattern_->size()),
+      b_(pattern_->size()),
+      x_(pattern_->size()),
+      r_(pattern_->size()),
+      scale_(pattern_->size()),
+      correction_(pattern_->size()),
+      a_(model_->nv),
+      fext_(model_->njoints()),
+      rnea_(*model_),
+      columns_(support.columns),
+      reach_(model_->nv),
+      itself_(model_->nv),
+      body_(model_->njoints()),
+      u_(model_->njoints()),
+      dfext_(model_->njoints()),
+      df_(model_->njoints()),
+      dq_(model_->nv),
+      dv_(model_->nv),
+      w_(model_->nv),
+      X_(Columns::Zero(pattern_->size(), model_->nv)),
+      nonzero_(pattern_->size()) {
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    contacts_.emplace_back(contact, supports_[k]);
+    contact_terms_.emplace_back(scene, contact, supports_[k]);
+    contact_f_.emplace_back(contact.rows());
+    contact_scratch_.emplace_back(contact.rows());
+  }
+  find_reach(island);
+}
+
+/// A coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
+template <class S>
+void SideBySide<S>::find_reach(const Island& island) {
+  const int nv = model_->nv;
+  for (int i = 0; i < nv; ++i) {
+    itself_[i] = {pattern_->iperm[i]};
+    for (int j = i; j >= 0; j = model_->dof_parent[j]) {
+      reach_[i].push_back(pattern_->iperm[j]);
+      if (j != i) reach_[j].push_back(pattern_->iperm[i]);
+    }
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    std::vector<int> rows;
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i)
+      rows.push_back(pattern_->iperm[nv + island.row_offset[k] + i]);
+    const ContactDerivativesOf<S>& terms = contact_terms_[k];
+    for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
+      for (int i : *chain) {
+        reach_[i].insert(reach_[i].end(), rows.begin(), rows.end());
+        // a force on one of two bodies moves with the other
+        for (const std::vector<int>* other : {&terms.chain_a, &terms.chain_b})
+          for (int j : *other) reach_[i].push_back(pattern_->iperm[j]);
+      }
+  }
+}
+
+template <class S>
+void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  load(job, islands);
+  evaluate(scene, first);
+  assemble(scene.damping);
+  assemble_right_side(first);
+  factor();
+  usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
+  refine();
+  store(job, islands, answers);
+}
+
+/// Lanes without an island of their own repeat the last one.
+template <class S>
+void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands) {
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const Robot& robot = job.scene.robots[island.robots.front()];
+    for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
+    for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
+    for (int i = 0; i < model_->nv; ++i) tau_[i].set(l, job.tau[robot.idx_v + i]);
+  }
+  load_places(job.scene, islands);
+  // finite numbers times zero are zero
+  S sum(0);
+  for (const VecX<S>* x : {&q_, &v_, &tau_})
+    for (Eigen::Index i = 0; i < x->size(); ++i) sum += (*x)[i] * S(0);
+  usable_ = sum <= S(0);
+  for (const Joint& joint : model_->joints) {
+    if (joint.type != JointType::kFloating) continue;
+    const S norm2 = q_.template segment<4>(joint.idx_q + 3).squaredNorm();
+    usable_ = usable_ & (abs(norm2 - S(1)) <= S(tolerance::kQuaternion));
+  }
+}
+
+template <class S>
+void SideBySide<S>::load_places(const Scene& scene, std::span<const Island* const> islands) {
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const auto place = [l](const SE3<double>& from, SE3<S>& to) {
+      for (int i = 0; i < 9; ++i) to.R.data()[i].set(l, from.R.data()[i]);
+      for (int i = 0; i < 3; ++i) to.p[i].set(l, from.p[i]);
+    };
+    if (!model_->floating_base) place(scene.robots[island.robots.front()].base, base_);
+    for (std::size_t k = 0; k < bMB_.size(); ++k) place(scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
+  }
+}
+
+template <class S>
+void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
+  forward_kinematics<S>(*model_, base_, q_, kin_);
+  forward_accelerations<S>(*model_, v_, nullptr, scene.gravity, kin_);
+  inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
+  crba<S>(*model_, kin_, Yc_, M_.data());
+  drop_rounding();
+  evaluate_rows(scene, island);
+}
+
+template <class S>
+void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const SE3<S> aMA = kin_.oMi[contact.A.joint] * contact.A.placement.cast<S>();
+    if (contact.B.robot < 0)
+      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, nullptr, bMB_[k], kin_.origin,
+                              contacts_[k]);
+    else
+      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, &kin_,
+                              kin_.oMi[contact.B.joint] * contact.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()),
+                              contacts_[k]);
+  }
+}
+
+template <class S>
+void SideBySide<S>::drop_rounding() {
+  const S rounding(tolerance::kRounding * std::numeric_limits<double>::epsilon());
+  for (int i = 0; i < model_->nv; ++i) {
+    const Inertia<S>& Y = Yc_[model_->dof_joint[i]];
+    const auto J = kin_.J.col(i);
+    S& m = M_[model_->M_begin[i]];
+    const S terms = J.template head<3>().squaredNorm() * Y.m + J.template tail<3>().squaredNorm() * Y.I.trace();
+    m = select(abs(m) <= rounding * terms, S(0), m);
+  }
+}
+
+template <class S>
+void SideBySide<S>::assemble(double damping) {
+  const KktPattern& p = *pattern_;
+  for (std::size_t k = 0; k < M_.size(); ++k) K_[p.M_slot[k]] = M_[k];
+  const int* slot = p.J_slot.data();
+  for (const ContactData<S>& rows : contacts_)
+    for (Eigen::Index k = 0; k < rows.J.size(); ++k) K_[*slot++] = rows.J.data()[k];
+  for (int k : p.diagonal_slot) K_[k] = S(-damping);
+}
+
+/// b = [tau - h; -a0]
+template <class S>
+void SideBySide<S>::assemble_right_side(const Island& island) {
+  const KktPattern& p = *pattern_;
+  for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const int* to = p.iperm.data() + island.nv + island.row_offset[k];
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[to[i]] = -contacts_[k].a0[i];
+  }
+}
+
+template <class S>
+void SideBySide<S>::factor() {
+  sparse::ldl_scheduled_factor(pattern_->schedule(), numbers(K_.data()), numbers(L_.data()), numbers(D_.data()),
+                               numbers(pivot_terms_.data()));
+}
+
+/// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
+template <class S>
+typename S::Mask SideBySide<S>::believable_rows(const Scene& scene, const Island& island, double damping) const {
+  S smallest(std::numeric_limits<double>::infinity()), motion(0);
+  if (damping > 0 || contacts_.empty()) return smallest > motion;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const ContactData<S>& rows = contacts_[k];
+    motion = larger(motion_size(scene.contacts[island.contacts[k]], rows), motion);
+    for (Eigen::Index i = 0; i < rows.J.rows(); ++i) {
+      S size(0);
+      for (Eigen::Index j = 0; j < rows.J.cols(); ++j) size = larger(abs(rows.J(i, j)), size);
+      smallest = -larger(-size, -smallest);
+    }
+  }
+  return smallest > S(tolerance::kRank) * motion;
+}
+
+/// K's inertia is (nv, nc, 0), and no pivot was lost in cancellation.
+template <class S>
+typename S::Mask SideBySide<S>::believable_pivots() const {
+  const S largest(std::numeric_limits<double>::max());
+  S positive(0);
+  Mask good = abs(D_[0]) <= largest;
+  for (std::size_t k = 0; k < D_.size(); ++k) {
+    positive += select(D_[k] > S(0), S(1), S(0));
+    const S size = abs(D_[k]);
+    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * pivot_terms_[k]) &
+           (pivot_terms_[k] <= largest);
+  }
+  const S nv(pattern_->nv);
+  return good & (positive >= nv) & (positive <= nv);
+}
+
+/// r = b - K x, scale = |b| + |K| |x|, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
+template <class S>
+S SideBySide<S>::residual() {
+  sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
+                                 numbers(r_.data()), numbers(scale_.data()));
+  S largest(0), sum(0);
+  for (const S& s : scale_) largest = larger(s, largest);
+  const S floor = largest * S(std::numeric_limits<double>::epsilon());
+  S error(0);
+  for (std::size_t k = 0; k < r_.size(); ++k) {
+    const S bound = larger(scale_[k], floor), size = abs(r_[k]);
+    sum += size + bound;
+    error = larger(select(size > S(0), size / bound, S(0)), error);
+  }
+  return error + sum * S(0);
+}
+
+/// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
+template <class S>
+void SideBySide<S>::refine() {
+  const sparse::LdlSchedule& schedule = pattern_->schedule();
+  x_ = b_;
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
+  steps_ = S(0);
+  backward_error_ = first_error_ = residual();
+  Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
+  for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
+    correction_ = r_;
+    sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
+    for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+    steps_ += select(open, S(1), S(0));
+    const S before = backward_error_;
+    backward_error_ = residual();
+    open = open & (backward_error_ < S(0.5) * before) & (backward_error_ > S(tolerance::kRefined));
+  }
+  usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
+}
+
+template <class S>
+void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const {
+  const KktPattern& p = *pattern_;
+  // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
+  S r[2] = {0, 0}, scale[2] = {0, job.scene.gravity.norm()};
+  for (int k = 0; k < p.size(); ++k) {
+    const int row = p.perm[k] >= p.nv;
+    r[row] = larger(abs(r_[k]), r[row]);
+    scale[row] = larger(scale_[k], scale[row]);
+  }
+  // Growth of K's entries (kkt/factor/pivots.hpp), and the error before refinement.
+  S terms(0), diagonal(0);
+  for (int k = 0; k < p.size(); ++k) {
+    terms = larger(pivot_terms_[k], terms);
+    diagonal = larger(abs(K_[p.K.p[k + 1] - 1]), diagonal);
+  }
+  const Mask safe = (terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal) &
+                    (first_error_ <= S(tolerance::kRefinePanel));
+  const S growth = select(diagonal > S(0), terms / diagonal, S(1));
+  const Mask sound = usable_ & (growth <= S(std::numeric_limits<double>::max()));
+  for (std::size_t l = 0; l < islands.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    Answer& answer = answers[l];
+    answer.sound = sound[lane];
+    if (!answer.sound) continue;
+    answer.panel_is_safe = safe[lane];
+    answer.refinement_steps = static_cast<int>(steps_[lane]);
+    answer.backward_error = backward_error_[lane];
+    answer.residual_dynamics = r[0][lane] == 0 ? 0 : r[0][lane] / scale[0][lane];
+    answer.residual_contact = r[1][lane] == 0 ? 0 : r[1][lane] / scale[1][lane];
+    const Island& island = *islands[l];
+    double* a = job.a + job.scene.robots[island.robots.front()].idx_v;
+    for (int i = 0; i < island.nv; ++i) a[i] = x_[p.iperm[i]][lane];
+    for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+      double* f = job.f + job.f_offset[island.contacts[k]];
+      const int* from = p.iperm.data() + island.nv + island.row_offset[k];
+      for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) f[i] = -x_[from[i]][lane];  // x = [a; -f]
+    }
+  }
+}
+
+// ---- derivatives: dynamics/differentiate.cpp for all lanes at once -----------------------------------------------
+
+template <class S>
+void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+                                  std::span<const Panel> panels) {
+  const Island& first = *islands.front();
+  const int nv = model_->nv, nc = static_cast<int>(pattern_->nc);
+  load_solution(job, islands);
+  linearise(job.scene, first);
+  derivative_terms(job.scene, first);
+  const auto rows = [&](std::size_t k) { return X_.middleRows(nv + first.row_offset[k], contacts_[k].a0.size()); };
+  if (job.request.q)
+    solve_columns(job.q_first, nv, reach_, nc, panels, [&] {
+      internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), X_.topRows(nv));
+      for (std::size_t k = 0; k < contacts_.size(); ++k) {
+        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k));
+        internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k));
+        internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, X_.topRows(nv));
+      }
+    });
+  if (job.request.v)
+    solve_columns(job.v_first, nv, reach_, nc, panels, [&] {
+      internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X_.topRows(nv));
+      for (std::size_t k = 0; k < contacts_.size(); ++k)
+        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k));
+    });
+  if (job.request.u) {
+    const int none = job.request.tau ? 0 : model_->first_actuated();
+    solve_columns(job.u_first, nv - none, itself_, nc, panels, [&] {
+      for (int i = none; i < nv; ++i) X_(i, i - none) = S(1);
+    });
+  }
+}
+
+template <class S>
+template <class Job>
+void SideBySide<S>::load_solution(const Job& job, std::span<const Island* const> islands) {
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const Robot& robot = job.scene.robots[island.robots.front()];
+    for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
+    for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
+    for (int i = 0; i < model_->nv; ++i) a_[i].set(l, job.a[robot.idx_v + i]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
+        contact_f_[k][i].set(l, job.f[job.f_offset[island.contacts[k]] + i]);
+  }
+  load_places(job.scene, islands);
+}
+
+/// Motions and contact rows at the solution, K and its factor.
+template <class S>
+void SideBySide<S>::linearise(const Scene& scene, const Island& island) {
+  forward_kinematics<S>(*model_, base_, q_, kin_);
+  forward_accelerations<S>(*model_, v_, a_.data(), scene.gravity, kin_);
+  crba<S>(*model_, kin_, Yc_, M_.data());
+  drop_rounding();
+  evaluate_rows(scene, island);
+  assemble(scene.damping);
+  factor();
+}
+
+/// Contact forces on the bodies, and the terms of -dr.
+template <class S>
+void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
+  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const Vec6<S> F = contacts_[k].W.transpose() * contact_f_[k];
+    fext_[contact.A.joint] += contacts_[k].aMA.act_force(F);
+    if (contact.B.robot >= 0) fext_[contact.B.joint] -= contacts_[k].bMA.act_force(F);
+  }
+  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const bool between = contact.B.robot >= 0;
+    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
+                           contact_f_[k], contacts_[k], contact_terms_[k]);
+  }
+}
+
+/// Columns first ... first+count-1 of the panels: filled, solved, stored as [da; df].
+template <class S>
+template <class Fill>
+void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
+                                  std::span<const Panel> panels, Fill&& fill) {
+  constexpr int kChunk = W == 1 ? 4 * sparse::kernel::kRegister : sparse::kernel::kColumns<S>;
+  const int nv = model_->nv, ld = nv, skipped = nv - count;
+  X_.setZero();
+  fill();
+  for (int c = 0; c < count; c += kChunk) {
+    const int cols = std::min(kChunk, count - c);
+    std::fill(nonzero_.begin(), nonzero_.end(), 0);
+    for (int k = c; k < c + cols; ++k)
+      for (int row : reach[k + skipped]) nonzero_[row] = 1;
+    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
+                                      pattern_->perm.data(), numbers(X_.data()), ld, c, cols, nonzero_.data());
+  }
+  for (int r = 0; r < nv + nc; ++r) {
+    const S* from = X_.data() + static_cast<std::ptrdiff_t>(r) * ld;
+    const double sign = r < nv ? 1 : -1;
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(r);
+    int c = 0;
+    for (; c + W <= count; c += W) {  // W columns of W islands
+      S block[W];
+      for (int k = 0; k < W; ++k) block[k] = from[c + k] * S(sign);
+      transpose(block);
+      for (std::size_t l = 0; l < panels.size(); ++l)
+        std::memcpy(panels[l].X + row * panels[l].ld + first + c, &block[l], sizeof(S));
+    }
+    for (; c < count; ++c)
+      for (std::size_t l = 0; l < panels.size(); ++l)
+        panels[l].X[row * panels[l].ld + first + c] = sign * from[c][static_cast<int>(l)];
+  }
+}
+
+// ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------
+
+/// x = K^-1 b, refined once as solve_refined with one step does.
+template <class S>
+void SideBySide<S>::solve_once_refined() {
+  const sparse::LdlSchedule& schedule = pattern_->schedule();
+  x_ = b_;
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
+  const Mask open = residual() > S(tolerance::kRefined);
+  if (!open.any()) return;
+  correction_ = r_;
+  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
+  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+}
+
+template <class S>
+BodyVariationOf<S> SideBySide<S>::body(const Attachment& at) const {
+  const Vec6<S> zero = Vec6<S>::Zero();
+  return at.robot < 0 ? BodyVariationOf<S>{zero, zero, zero, zero} : body_[at.joint];
+}
+
+template <class S>
+void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> islands) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  const KktPattern& p = *pattern_;
+  const int nv = model_->nv, none = model_->first_actuated();
+  load_solution(job, islands);
+  linearise(scene, first);
+  std::fill(w_.begin(), w_.end(), S(0));
+  for (int l = 0; l < W; ++l) {
+    const Robot& robot = scene.robots[islands[std::min<std::size_t>(l, islands.size() - 1)]->robots.front()];
+    for (int i = 0; i < nv; ++i) dq_[i].set(l, job.in[0][robot.idx_v + i]);
+    for (int i = 0; i < nv; ++i) dv_[i].set(l, job.in[1][robot.idx_v + i]);
+    for (int i = none; i < nv; ++i) w_[i].set(l, job.in[2][robot.idx_u + i - none]);
+  }
+  tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
+  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    const ContactData<S>& rows = contacts_[k];
+    VecX<S>& dr2 = contact_scratch_[k];
+    Vec6<S> dF;
+    contact_tangent<S>(contact, rows, body(contact.A), body(contact.B), contact_f_[k], dr2, dF);
+    const Vec6<S> F = rows.W.transpose() * contact_f_[k];
+    fext_[contact.A.joint] += rows.aMA.act_force(F);
+    dfext_[contact.A.joint] += rows.aMA.act_force(dF);
+    if (contact.B.robot >= 0) {
+      fext_[contact.B.joint] -= rows.bMA.act_force(F);
+      dfext_[contact.B.joint] -= rows.bMA.act_force(dF);
+    }
+    for (Eigen::Index i = 0; i < dr2.size(); ++i) b_[p.iperm[nv + first.row_offset[k] + i]] = -dr2[i];
+  }
+  tangent_torques<S>(*model_, kin_, body_, fext_, dfext_, f_, df_, dq_.data());
+  for (int i = 0; i < nv; ++i) b_[p.iperm[i]] = w_[i] - dq_[i];
+  solve_once_refined();
+  for (std::size_t l = 0; l < islands.size(); ++l) {
+    const Island& island = *islands[l];
+    double* da = job.out[0] + scene.robots[island.robots.front()].idx_v;
+    for (int i = 0; i < nv; ++i) da[i] = x_[p.iperm[i]][static_cast<int>(l)];
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)  // x = [da; -df]
+        job.out[1][job.f_offset[island.contacts[k]] + i] =
+            -x_[p.iperm[nv + first.row_offset[k] + i]][static_cast<int>(l)];
+  }
+}
+
+template <class S>
+void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> islands) {
+  const Scene& scene = job.scene;
+  const Island& first = *islands.front();
+  const KktPattern& p = *pattern_;
+  const int nv = model_->nv, none = model_->first_actuated();
+  load_solution(job, islands);
+  linearise(scene, first);
+  for (int l = 0; l < W; ++l) {
+    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const double* wa = job.in[0] + scene.robots[island.robots.front()].idx_v;
+    for (int i = 0; i < nv; ++i) b_[p.iperm[i]].set(l, wa[i]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
+        b_[p.iperm[nv + first.row_offset[k] + i]].set(l, -job.in[1][job.f_offset[island.contacts[k]] + i]);
+  }
+  solve_once_refined();  // l = K^-1 [wa; -wf]
+  for (int i = 0; i < nv; ++i) w_[i] = x_[p.iperm[i]];
+  virtual_velocities<S>(*model_, kin_, w_.data(), u_);
+  const Vec6<S> zero = Vec6<S>::Zero();
+  std::fill(body_.begin(), body_.end(), BodyVariationOf<S>{zero, zero, zero, zero});
+  add_body_adjoints<S>(*model_, kin_, u_, body_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = scene.contacts[first.contacts[k]];
+    VecX<S>& l = contact_scratch_[k];
+    for (Eigen::Index i = 0; i < l.size(); ++i) l[i] = x_[p.iperm[nv + first.row_offset[k] + i]];
+    BodyVariationOf<S> nobody{zero, zero, zero, zero};
+    const bool between = contact.B.robot >= 0;
+    contact_adjoint<S>(contact, contacts_[k], u_[contact.A.joint], between ? u_[contact.B.joint] : zero, contact_f_[k],
+                       l, body_[contact.A.joint], between ? body_[contact.B.joint] : nobody);
+  }
+  pull_back<S>(*model_, kin_, a_.data(), u_, body_, dq_.data(), dv_.data());
+  for (std::size_t l = 0; l < islands.size(); ++l) {
+    const Robot& robot = scene.robots[islands[l]->robots.front()];
+    const int lane = static_cast<int>(l);
+    for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
+    for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
+    for (int i = none; i < nv; ++i) job.out[2][robot.idx_u + i - none] = w_[i][lane];
+  }
+}
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,52 @@
+// Compiled with OpenMP where there is one, and alone: Eigen compiled so would start threads of its own.
+
+#include "parallel.hpp"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace manycontact::internal {
+
+#ifdef _OPENMP
+
+int default_threads() { return omp_get_max_threads(); }
+
+// The thread sanitizer does not see how libgomp's threads wait for each other; it is told.
+#ifdef __SANITIZE_THREAD__
+#define BEFORE(place) __tsan_release(place)
+#define AFTER(place) __tsan_acquire(place)
+__attribute__((no_sanitize("thread")))
+#else
+#define BEFORE(place) (void)(place)
+#define AFTER(place) (void)(place)
+#endif
+void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context) {
+  const int levels = omp_get_max_active_levels();
+  omp_set_max_active_levels(omp_get_active_level() + (threads > 1 ? 1 : 0));
+  BEFORE(context);
+#pragma omp parallel num_threads(threads)
+  {
+    AFTER(context);
+#pragma omp for schedule(static, 1) nowait
+    for (std::ptrdiff_t item = 0; item < count; ++item) work(context, item, omp_get_thread_num());
+    BEFORE(context);
+  }
+  AFTER(context);
+  omp_set_max_active_levels(levels);
+}
+
+#else
+
+int default_threads() { return 1; }
+
+void run_items(int, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context) {
+  for (std::ptrdiff_t item = 0; item < count; ++item) work(context, item, 0);
+}
+
+#endif
+
+}  // namespace manycontact::internal

@@ -1,0 +1,288 @@
+// Robots in SIMD lanes: the same bits wherever a robot stands and whoever stands beside it, at every level of
+// instructions; lanes that fall out, alone.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct Herd {
+  Scene scene;
+  VectorXd q, v, u;
+};
+
+// `count` robots of one random model, floating or fixed, each with the same contacts on its bodies (to the world and
+// among its own), in states of their own.
+Herd any_herd(std::mt19937& rng, int count, bool floating, double damping) {
+  Herd h;
+  ModelOptions options;
+  options.njoints = 14;
+  options.branching = 0.1;
+  options.floating_base = floating;
+  const auto model = std::make_shared<const Model>(random_model(rng, options));
+  std::vector<Contact> contacts;
+  for (int k = 0; k < 3; ++k) {
+    Contact c;
+    c.type = k == 0 ? ContactType::k6D : k == 1 ? ContactType::k3D : ContactType::k1D;
+    c.reference_frame = static_cast<ReferenceFrame>(k);
+    c.A = {0, 8 + 2 * k, random_placement(rng)};
+    if (k == 2) c.B = {0, 2, random_placement(rng)};  // a loop
+    c.axis = random_vector(3, rng);
+    c.alpha = k == 1 ? 0 : 20;
+    c.beta = 7;
+    contacts.push_back(c);
+  }
+  h.scene.damping = damping;
+  for (int r = 0; r < count; ++r) add_robot(h.scene, "r" + std::to_string(r), model, random_placement(rng));
+  for (int r = 0; r < count; ++r)
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      Contact c = contacts[k];
+      c.name = "c" + std::to_string(r) + "_" + std::to_string(k);
+      c.A.robot = r;
+      if (c.B.robot >= 0)
+        c.B.robot = r;
+      else
+        c.B.placement = random_placement(rng);
+      add_contact(h.scene, c);
+    }
+  h.q.resize(h.scene.nq);
+  for (const Robot& r : h.scene.robots) h.q.segment(r.idx_q, model->nq) = random_configuration(*model, rng);
+  h.v = random_vector(h.scene.nv, rng);
+  h.u = random_vector(h.scene.nu, rng, 5);
+  return h;
+}
+
+// One whose contacts are independent.
+Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0) {
+  for (;;) {
+    Herd h = any_herd(rng, count, floating, damping);
+    SceneData data(h.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    if (solve(h.scene, h.q, h.v, h.u, data).status == Status::kOk) return h;
+  }
+}
+
+// The herd's robots `which`, in that order, as a scene of their own.
+Herd part_of(const Herd& h, const std::vector<int>& which) {
+  Herd p;
+  p.scene.damping = h.scene.damping;
+  for (int r : which) add_robot(p.scene, h.scene.robots[r].name, h.scene.robots[r].model, h.scene.robots[r].base);
+  const std::size_t each = h.scene.contacts.size() / h.scene.robots.size();
+  for (std::size_t k = 0; k < which.size(); ++k)
+    for (std::size_t c = which[k] * each; c < (which[k] + 1) * each; ++c) {
+      Contact contact = h.scene.contacts[c];
+      contact.A.robot = static_cast<int>(k);
+      if (contact.B.robot >= 0) contact.B.robot = static_cast<int>(k);
+      const int number = add_contact(p.scene, contact);
+      p.scene.contacts[number].axis = contact.axis;  // not normalised twice
+    }
+  p.q.resize(p.scene.nq), p.v.resize(p.scene.nv), p.u.resize(p.scene.nu);
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const Robot &from = h.scene.robots[which[k]], &to = p.scene.robots[k];
+    const Model& model = *from.model;
+    p.q.segment(to.idx_q, model.nq) = h.q.segment(from.idx_q, model.nq);
+    p.v.segment(to.idx_v, model.nv) = h.v.segment(from.idx_v, model.nv);
+    p.u.segment(to.idx_u, model.nu()) = h.u.segment(from.idx_u, model.nu());
+  }
+  return p;
+}
+
+struct Answer {
+  VectorXd a, f;
+  std::vector<IslandDerivatives::Panel> X;
+  Report report;
+};
+Answer answer(const Herd& h, Lanes lanes) {
+  SceneData data(h.scene, {Method::kSparseLdl, {}, lanes});
+  (void)solve(h.scene, h.q, h.v, h.u, data);
+  differentiate(h.scene, data);
+  Answer out{data.a, data.f, {}, data.report};
+  for (const IslandDerivatives& island : derivatives(data).islands) out.X.push_back(island.X);
+  return out;
+}
+
+bool same(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  return ((x.array() == y.array()) || (x.array().isNaN() && y.array().isNaN())).all();
+}
+
+// Robot `number` of x gave the same bits as robot 0 of y.
+void expect_same(const Herd& h, const Answer& x, int number, const Answer& y) {
+  const int nv = h.scene.robots[0].model->nv;
+  const Eigen::Index nf = y.f.size();
+  EXPECT_TRUE(same(x.a.segment(number * nv, nv), y.a)) << number;
+  EXPECT_TRUE(same(x.f.segment(number * nf, nf), y.f)) << number;
+  EXPECT_TRUE(same(x.X[number], y.X[0])) << number;
+  EXPECT_EQ(x.report.islands[number].status, y.report.islands[0].status) << number;
+  EXPECT_EQ(x.report.islands[number].backward_error, y.report.islands[0].backward_error) << number;
+}
+
+class InLanes : public testing::TestWithParam<Lanes> {};
+
+TEST_P(InLanes, ARobotsBitsAreItsOwn) {
+  std::mt19937 rng(11);
+  for (const bool floating : {true, false})
+    for (const double damping : {0.0, 1e-3}) {
+      const Herd herd = random_herd(rng, 19, floating, damping);
+      const Answer all = answer(herd, GetParam());
+      ASSERT_EQ(all.report.status, Status::kOk);
+      std::vector<int> backwards;
+      for (int r = 18; r >= 0; --r) backwards.push_back(r);
+      const Answer reversed = answer(part_of(herd, backwards), GetParam());
+      for (int r = 0; r < 19; ++r) {
+        const Answer alone = answer(part_of(herd, {r}), GetParam());
+        expect_same(herd, all, r, alone);
+        expect_same(herd, reversed, 18 - r, alone);
+      }
+    }
+}
+
+TEST_P(InLanes, LevelsAgreeToRounding) {
+  std::mt19937 rng(12);
+  for (int k = 0; k < 6; ++k) {
+    const Herd herd = random_herd(rng, 9, k % 2, k < 3 ? 0 : 1e-4);
+    SceneData data(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
+    estimate_condition(herd.scene, data);
+    const Answer off = answer(herd, Lanes::kOff), on = answer(herd, GetParam());
+    const int nv = herd.scene.robots[0].model->nv;
+    for (int r = 0; r < 9; ++r) {
+      const double allowed = std::max(1e-12, 100 * 2.2e-16 * data.report.islands[r].condition);
+      const VectorXd a = off.a.segment(r * nv, nv);
+      EXPECT_LE((on.a.segment(r * nv, nv) - a).lpNorm<Eigen::Infinity>(), allowed * a.lpNorm<Eigen::Infinity>());
+      EXPECT_LE((on.X[r] - off.X[r]).lpNorm<Eigen::Infinity>(), 10 * allowed * off.X[r].lpNorm<Eigen::Infinity>());
+      EXPECT_EQ(on.report.islands[r].rank, off.report.islands[r].rank);
+      EXPECT_EQ(on.report.islands[r].factor_nonzeros, off.report.islands[r].factor_nonzeros);
+      EXPECT_LE(on.report.islands[r].residual_dynamics, 1e-14);
+      EXPECT_LE(on.report.islands[r].residual_contact, 1e-14);
+    }
+  }
+}
+
+// One lane falls out, for one reason or another; the others' bits stay.
+TEST_P(InLanes, ALaneFallsOutAlone) {
+  std::mt19937 rng(13);
+  Herd herd = random_herd(rng, 11, true);
+  const Model& model = *herd.scene.robots[0].model;
+  int angle = -1;
+  for (const Joint& joint : model.joints)
+    if (joint.type == JointType::kRevolute) angle = joint.idx_q;
+  ASSERT_GE(angle, 0);
+  const Answer before = answer(herd, GetParam());
+  const auto at = [&](int r) -> Eigen::Ref<VectorXd> { return herd.q.segment(herd.scene.robots[r].idx_q, model.nq); };
+  at(2)[angle] = kNaN;
+  at(4)[3] = 7;                                          // no unit quaternion
+  at(5)[angle] = std::remainder(at(5)[angle], 1) + 3e7;  // an angle past what lanes take
+  herd.v[herd.scene.robots[7].idx_v] = 1e200;            // overflows
+  herd.u[herd.scene.robots[9].idx_u] = std::numeric_limits<double>::infinity();
+  const Answer after = answer(herd, GetParam());
+  const Answer off = answer(herd, Lanes::kOff);
+  const int nv = model.nv;
+  for (int r = 0; r < 11; ++r) {
+    if (r == 2 || r == 4 || r == 5 || r == 7 || r == 9) {
+      EXPECT_EQ(after.report.islands[r].status, off.report.islands[r].status) << r;
+      EXPECT_EQ(after.report.islands[r].reason, off.report.islands[r].reason) << r;
+      EXPECT_TRUE(same(after.a.segment(r * nv, nv), off.a.segment(r * nv, nv))) << r;
+      EXPECT_TRUE(same(after.X[r], off.X[r])) << r;
+    } else {
+      EXPECT_TRUE(same(after.a.segment(r * nv, nv), before.a.segment(r * nv, nv))) << r;
+      EXPECT_TRUE(same(after.X[r], before.X[r])) << r;
+    }
+  }
+  EXPECT_EQ(after.report.islands[5].status, Status::kOk);
+  EXPECT_EQ(after.report.islands[2].reason, Reason::kNotFinite);
+  EXPECT_EQ(after.report.islands[4].reason, Reason::kBadQuaternion);
+}
+
+// Contacts that depend on each other in one robot's posture only, and vanish again.
+TEST_P(InLanes, DependentRowsAnswerByAnotherWay) {
+  std::mt19937 rng(14);
+  const auto model = [&] {
+    ModelOptions options;
+    options.njoints = 8;
+    options.types = {JointType::kRevolute};
+    options.branching = 0;
+    return std::make_shared<const Model>(random_model(rng, options));
+  }();
+  Herd h;
+  for (int r = 0; r < 6; ++r) {
+    add_robot(h.scene, "r" + std::to_string(r), model);
+    for (int k = 0; k < 2; ++k) {
+      Contact c;
+      c.name = "c" + std::to_string(2 * r + k);
+      c.type = ContactType::k1D;
+      c.A = {r, 7, {Mat3<double>::Identity(), {0, 0, 0.1 * k}}};
+      c.reference_frame = ReferenceFrame::kWorld;
+      add_contact(h.scene, c);
+    }
+  }
+  h.q.resize(h.scene.nq);
+  for (const Robot& r : h.scene.robots) h.q.segment(r.idx_q, model->nq) = random_configuration(*model, rng);
+  h.v = random_vector(h.scene.nv, rng);
+  h.u = random_vector(h.scene.nu, rng);
+  const Answer before = answer(h, GetParam());
+  EXPECT_EQ(before.report.status, Status::kOk);
+  SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()});
+  // The points move along one line when both contacts stand on the same point: placements of A may not change, so the
+  // scene is made again with robot 3's second contact on the first one's point.
+  Herd twice = h;
+  twice.scene.contacts[7].A.placement = twice.scene.contacts[6].A.placement;
+  const Answer on = answer(twice, GetParam()), off = answer(twice, Lanes::kOff);
+  EXPECT_EQ(on.report.islands[3].rank, 1);
+  EXPECT_TRUE(same(on.a.segment(24, 8), off.a.segment(24, 8)));
+  EXPECT_TRUE(same(on.X[3], off.X[3]));
+  for (int r : {0, 1, 2, 4, 5}) EXPECT_TRUE(same(on.X[r], before.X[r])) << r;
+}
+
+TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
+  std::mt19937 rng(15);
+  const Herd h = random_herd(rng, 3, true);
+  SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()}), off(h.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  (void)solve(h.scene, h.q, h.v, h.u, data);
+  (void)solve(h.scene, h.q, h.v, h.u, off);
+  EXPECT_THROW((void)kinematics_of(data, 0), std::logic_error);
+  EXPECT_THROW((void)matrix_of(data, 0), std::logic_error);
+  const VectorXd a = data.a;
+  complete(h.scene, data);
+  EXPECT_TRUE(same(data.a, a));
+  for (int r = 0; r < 3; ++r) {
+    EXPECT_TRUE(same(kinematics_of(data, r).J, kinematics_of(off, r).J));
+    EXPECT_EQ(matrix_of(data, r).values, matrix_of(off, r).values);
+  }
+  differentiate(h.scene, data);
+  EXPECT_NO_THROW((void)contact_at_solution(data, 0));
+  (void)solve(h.scene, h.q, h.v, h.u, data);
+  differentiate(h.scene, data);
+  EXPECT_THROW((void)contact_at_solution(data, 0), std::logic_error);
+}
+
+TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
+  std::mt19937 rng(16);
+  const Herd h = random_herd(rng, 5, true);
+  SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()});
+  (void)solve(h.scene, h.q, h.v, h.u, data);
+  const auto all = dense_derivatives(h.scene, (differentiate(h.scene, data, {.tau = true}), data));
+  for (int k = 0; k < 7; ++k) {
+    const DerivativeRequest request{.q = bool(k & 1), .v = bool(k & 2), .u = bool(k & 4), .tau = true};
+    const auto some = dense_derivatives(h.scene, (differentiate(h.scene, data, request), data));
+    EXPECT_TRUE(!request.q || same(some.da_dq, all.da_dq));
+    EXPECT_TRUE(!request.v || same(some.da_dv, all.da_dv));
+    EXPECT_TRUE(!request.u || same(some.da_du, all.da_du));
+    EXPECT_TRUE(!request.u || same(some.dforces_du, all.dforces_du));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, InLanes, testing::ValuesIn(lanes_here()),
+                         [](const auto& level) { return to_string(level.param); });
+
+}  // namespace
+}  // namespace manycontact::test
