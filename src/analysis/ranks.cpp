@@ -195,6 +195,8 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, shape_of(data, number)->support()};
   IslandRanks out;
+  for (int c : island.contacts)
+    if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return out;  // too deep for joint space
   for (const auto& [bodies, positions] : sort_by_bodies(scene, island)) out.pairs.push_back(examine(x, positions));
   std::sort(out.pairs.begin(), out.pairs.end(),
             [](const BodyPair& p, const BodyPair& q) { return p.contacts[0] < q.contacts[0]; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "manycontact/contact/body_rows.hpp"
@@ -33,9 +34,10 @@ void evaluate_rows(const Scene& scene, Workspace& w, const IslandWork& d, BodyFo
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[d.island.contacts[k]];
     ContactData<double>& rows = w.contacts[d.island.contacts[k]];
-    const auto kin = [&](int robot) { return &form.kin[local_robot(d.island, robot)]; };
-    body_rows(scene, contact, *kin(contact.A.robot), contact.B.robot < 0 ? nullptr : kin(contact.B.robot), none, none,
-              rows);
+    body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B), none,
+              none, rows);
+    rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
+    rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
     const int first = d.island.row_offset[k];
     for (int i = 0; i < contact.rows(); ++i) {
       const V6 unit = rows.W.row(i).transpose();
@@ -102,6 +104,10 @@ bool all_finite(const BodyVectors& x) {
 
 }  // namespace
 
+const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at) {
+  return moves(at) ? &form.kin[local_robot(island, at.robot)] : nullptr;
+}
+
 bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
                      IslandReport& report) {
   BodyForm& form = *d.bodies;
@@ -150,7 +156,7 @@ void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
   }
 }
 
-void joint_space_terms(const Scene& scene, SceneData& data, IslandWork& d, const char* function) {
+void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function) {
   if (!by_bodies(d) || data.workspace->robots[d.island.robots.front()].known) return;
   if (joint_space_size(*d.shape) > kMostJointSpace)
     throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +

@@ -33,11 +33,14 @@ inline bool by_bodies(const IslandWork& d) { return d.bodies && d.factor == &d.b
 bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
                      IslandReport& report);
 
+/// Of an attachment's robot; nullptr where its body cannot move.
+const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at);
+
 /// Memory for the joint-space K of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Joint-space terms of an island at the last solve, where sparse-bodies answered that without them. Throws
 /// std::length_error, in the name of `function`, where they are more than kMostJointSpace.
-void joint_space_terms(const Scene& scene, SceneData& data, IslandWork& d, const char* function);
+void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function);
 
 /// report.error_acceleration and error_forces, as estimate_errors has them.
 void bound_by_bodies(IslandWork& d, IslandReport& report);

@@ -1,3 +1,4 @@
+#include "bodies.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -121,6 +122,8 @@ namespace internal {
 
 void complete(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
+  for (std::unique_ptr<IslandWork>& d : w.islands)
+    if (by_bodies(*d) && joint_space_size(*d->shape) <= kMostJointSpace) joint_space_terms(scene, data, *d, "complete");
   if (w.kinematics_known) return;
   for (std::unique_ptr<IslandWork>& d : w.islands)
     if (d->in_lanes) complete_island(scene, data, *d);

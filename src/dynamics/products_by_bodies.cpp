@@ -51,13 +51,12 @@ void begin_products(const Scene& scene, const Workspace& w, const IslandWork& d,
   const V6 none = V6::Zero();
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[d.island.contacts[k]];
-    const auto kin = [&](int robot) { return &form.kin[local_robot(d.island, robot)]; };
     const auto a = [&](const Attachment& at) -> const V6& {
       const int node = node_of(form, d.island, at);
       return node < 0 ? none : form.solution.x.motion[node];
     };
-    body_rows(scene, contact, *kin(contact.A.robot), contact.B.robot < 0 ? nullptr : kin(contact.B.robot), a(contact.A),
-              a(contact.B), form.contacts[k]);
+    body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B),
+              a(contact.A), a(contact.B), form.contacts[k]);
   }
   (void)w;
 }
@@ -102,7 +101,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, const IslandWor
     const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
-    contact_tangent(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
+    contact_tangent<double>(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
                     data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
     if (A >= 0) b.force[A] -= rows.aMA.act_force(dF);
     if (B >= 0) b.force[B] += rows.bMA.act_force(dF);
@@ -131,7 +130,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, const IslandWor
     const Contact& contact = scene.contacts[c];
     const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
     BodyVariation nobody = kRest;
-    contact_adjoint(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
+    contact_adjoint<double>(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
                     data.f.segment(data.f_offset[c], contact.rows()),
                     x.rows.segment(d.island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
                     B < 0 ? nobody : form.body[B]);

@@ -104,7 +104,7 @@ bool is_finalized(const Model& model) {
   const auto n = static_cast<std::size_t>(nv);
   return model.nq == nq && model.nv == nv && model.dof_parent.size() == n && model.dof_joint.size() == n &&
          model.dof_depth.size() == n && model.subtree_end.size() == model.joints.size() &&
-         (model.M_begin.size() == n + 1 || model.M_begin.empty()) && model.armature.size() == nv;
+         (model.M_begin.size() == n + 1 || (model.M_begin.empty() && n > 0)) && model.armature.size() == nv;
 }
 
 Eigen::VectorXd neutral(const Model& model) {
