@@ -32,8 +32,8 @@ void ReferenceResolver::resolve(bool position, bool orientation, Contact& contac
 
 namespace {
 std::invalid_argument wrong_size(const Eigen::Ref<const Eigen::VectorXd>& q, const Scene& scene) {
-  return std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) +
-                               " numbers, the scene expects " + std::to_string(scene.nq));
+  return std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) + " numbers, the scene expects " +
+                               std::to_string(scene.nq));
 }
 }  // namespace
 

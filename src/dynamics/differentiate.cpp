@@ -77,7 +77,11 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
       all_linearised = false;
     } else {
       if (w.islands[i]->in_lanes) internal::complete_island(scene, data, *w.islands[i]);
-      internal::differentiate_island(scene, data, i, w.derivatives.islands[i]);
+      IslandDerivatives& out = w.derivatives.islands[i];
+      internal::differentiate_island(scene, data, i, out);
+      if (internal::by_bodies(*w.islands[i]) && out.X.hasNaN() &&  // joint space may do better
+          internal::climb_ladder(scene, data, w.scratch, *w.islands[i], w.spare_report))
+        internal::differentiate_island(scene, data, i, out);
     }
     w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }

@@ -102,7 +102,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, const IslandWor
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
     contact_tangent<double>(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
-                    data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
+                            data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
     if (A >= 0) b.force[A] -= rows.aMA.act_force(dF);
     if (B >= 0) b.force[B] += rows.bMA.act_force(dF);
     b.rows.segment(d.island.row_offset[k], contact.rows()) = -dr2;
@@ -131,9 +131,9 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, const IslandWor
     const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
     BodyVariation nobody = kRest;
     contact_adjoint<double>(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
-                    data.f.segment(data.f_offset[c], contact.rows()),
-                    x.rows.segment(d.island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
-                    B < 0 ? nobody : form.body[B]);
+                            data.f.segment(data.f_offset[c], contact.rows()),
+                            x.rows.segment(d.island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
+                            B < 0 ? nobody : form.body[B]);
   }
 }
 

@@ -61,11 +61,11 @@ struct IslandWork {
   bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
   bool panel_is_safe = false;                   // and its derivatives may come from there too
   bool served_in_lanes() const { return in_lanes && panel_is_safe; }
-  double first_error = 0;                       // backward error before refinement
-  double last_error = 0;                        // and after it
-  bool contradiction = false;                   // the contacts contradict each other: least squares
-  bool was_dependent = false;                   // the last solve found rows dependent
-  std::vector<int> dependent;                   // scratch: rows of J
+  double first_error = 0;      // backward error before refinement
+  double last_error = 0;       // and after it
+  bool contradiction = false;  // the contacts contradict each other: least squares
+  bool was_dependent = false;  // the last solve found rows dependent
+  std::vector<int> dependent;  // scratch: rows of J
 
   // by differentiate, jvp, vjp
   IslandDerivatives derivatives;               // while on the shelf; else in Workspace::derivatives

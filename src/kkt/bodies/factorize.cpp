@@ -135,7 +135,9 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   for (int k = 0; k < N; ++k) {
     const double moved = S.col(k).cwiseAbs2().dot(size) + system.armature[first + k];
     D(k, k) += system.armature[first + k];
-    if (!(D(k, k) > tolerance::kPivotLeft * moved)) return false;
+    if (!(D(k, k) > std::max(tolerance::kPivotLeft * moved, tolerance::kVanishing))) return false;
+    d.least_inertia = std::min(d.least_inertia, D(k, k));
+    d.most_inertia = std::max(d.most_inertia, D(k, k));
   }
   if constexpr (N == 1) {
     Dinv(0, 0) = 1 / D(0, 0);
@@ -183,6 +185,13 @@ double compliance(const V6& G, const V6& P) {
   return sum;
 }
 
+// Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
+// rounding of what they took away grows with its square; what joints gave it grows with the spread of their inertias.
+double least_left(const BodyLdl& d) {
+  const double spread = d.most_inertia / d.least_inertia;
+  return std::min(tolerance::kPivotLeft * std::max(d.growth * d.growth, spread), 1e-5);
+}
+
 // Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 diagonal = d.P[i].diagonal();
@@ -194,7 +203,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (!s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > tolerance::kPivotLeft * d.reach[at.row[k]];
+      const bool left = E > least_left(d) * d.reach[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], diagonal) : 0;
       if (ratio > most) most = ratio, best = k;
     }
@@ -240,7 +249,7 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
     double most = -1;
     for (int k = done; k < at.m; ++k)
       if (const double ratio = at.e(k, k) / d.reach[at.row[k]]; ratio > most) most = ratio, best = k;
-    if (!(most > tolerance::kPivotLeft)) return false;
+    if (!(most > least_left(d))) return false;
     std::swap(at.row[done], at.row[best]);
     for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
     for (int k = 0; k < at.m; ++k) std::swap(at.e(k, done), at.e(k, best));
@@ -269,6 +278,8 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
   std::fill(d.reach.begin(), d.reach.end(), system.delta);
   std::fill(d.place.begin(), d.place.end(), -1);
   d.growth = 1;
+  d.least_inertia = std::numeric_limits<double>::infinity();
+  d.most_inertia = 0;
   for (int i = s.nodes - 1; i >= 0; --i) {
     if (s.end[i] == i + 1) set(system.Y[i], d.P[i]);
     V6 size = diagonal_of(system.Y[i]);
@@ -281,6 +292,9 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
     gather_rows(system, d, i);
     Rows at = rows_of(s, d, i);
     d.gone[i] = 0;
+    const V6 diagonal = d.P[i].diagonal();
+    for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free
+      if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.reach[at.row[k]] += compliance(at.G[k], diagonal);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
                           : s.ndof[i] == 3 ? eliminate_joint<3>(system, d, i, size, at, P)

@@ -36,6 +36,7 @@ struct BodyLdl {
   std::vector<double> base_E;      // as E
   std::vector<double> reach;       // per row: sum of what joints gave E_kk
   double growth = 1;               // of P
+  double least_inertia = 0, most_inertia = 0;  // of joints, rows held before them included
 
   // by solve_bodies
   std::vector<Vec6<double>> p;  // per node
