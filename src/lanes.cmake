@@ -37,7 +37,7 @@ function(add_lanes target)
       continue()
     endif()
     # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
-    target_compile_options(${objects} PRIVATE -fno-gnu-unique -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
+    target_compile_options(${objects} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
                            -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64)
     set(alone ${PROJECT_BINARY_DIR}/lanes_${level}.o)
     add_custom_command(OUTPUT ${alone}

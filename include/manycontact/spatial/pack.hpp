@@ -136,8 +136,15 @@ inline void exchange(Pack<W>* x) {
   for (int k = 0; k < W; ++k) {
     if (k & H) continue;
     const auto a = x[k].v, b = x[k + H].v;
+#ifdef __clang__
+    for (int l = 0; l < W; ++l) {
+      x[k].v[l] = low[l] < W ? a[low[l]] : b[low[l] - W];
+      x[k + H].v[l] = high[l] < W ? a[high[l]] : b[high[l] - W];
+    }
+#else
     x[k].v = __builtin_shuffle(a, b, low);
     x[k + H].v = __builtin_shuffle(a, b, high);
+#endif
   }
   if constexpr (H > 1) exchange<W, H / 2>(x);
 }

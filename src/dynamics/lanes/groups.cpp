@@ -24,6 +24,7 @@ void regroup(const Scene& scene, Workspace& w) {
       group.model = model;
       group.kernel = g.level->make(scene, d.island, d.shape->support(), pattern);
     }
+    if (!group.islands.empty()) group.kernel->widen(scene, d.island, d.shape->support(), pattern);
     group.islands.push_back(static_cast<int>(i));
   }
 }

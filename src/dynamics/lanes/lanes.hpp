@@ -56,7 +56,11 @@ struct Answer {
 class Kernel {
  public:
   virtual ~Kernel() = default;
-  /// islands: as many as fit side by side at most, alike to the first (`alike`). By LDL of K in the pattern's order.
+  /// Memory for islands side by side, from then on: one that stands alone needs none. The arguments of Level::make.
+  virtual void widen(const Scene& scene, const Island& island, const IslandSupport& support,
+                     std::shared_ptr<const KktPattern> pattern) = 0;
+  /// islands: one, or after `widen` as many as fit side by side, alike to the first (`alike`). By LDL of K in the
+  /// pattern's order.
   virtual void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) = 0;
   /// The islands' derivatives, of answers that were sound and whose panels are safe.
   virtual void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,

@@ -3,6 +3,8 @@
 // the linker (src/lanes.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
 // taken from here and meet a processor without these instructions.
 
+#include <optional>
+
 #include "../../algorithm/crba.cpp"
 #include "../../algorithm/kinematics.cpp"
 #include "../../algorithm/rnea.cpp"
@@ -50,7 +52,11 @@ class LevelKernel final : public Kernel {
  public:
   LevelKernel(const Scene& scene, const Island& island, const IslandSupport& support,
               std::shared_ptr<const KktPattern> pattern)
-      : alone_(scene, island, support, pattern), together_(scene, island, support, pattern) {}
+      : alone_(scene, island, support, pattern) {}
+  void widen(const Scene& scene, const Island& island, const IslandSupport& support,
+             std::shared_ptr<const KktPattern> pattern) override {
+    if (!together_) together_.emplace(scene, island, support, std::move(pattern));
+  }
   void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) override {
     with(islands, [&](auto& robots) { robots.solve(job, islands, answers); });
   }
@@ -71,11 +77,11 @@ class LevelKernel final : public Kernel {
     if (islands.size() == 1)
       work(alone_);
     else
-      work(together_);
+      work(*together_);
   }
 
   SideBySide<Pack<1>> alone_;
-  SideBySide<Pack<MANYCONTACT_LANES>> together_;
+  std::optional<SideBySide<Pack<MANYCONTACT_LANES>>> together_;
 };
 
 std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const IslandSupport& support,
