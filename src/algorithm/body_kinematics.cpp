@@ -1,5 +1,7 @@
 #include "manycontact/algorithm/body_kinematics.hpp"
 
+#include "move_frame.hpp"
+
 namespace manycontact {
 
 template <class S>
@@ -8,45 +10,23 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// R <- R Rot(e_k, angle): mixes two columns.
-template <class S>
-void turn_columns(Mat3<S>& R, int k, const S& c, const S& s) {
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const Vec3<S> ci = R.col(i), cj = R.col(j);
-  R.col(i) = c * ci + s * cj;
-  R.col(j) = c * cj - s * ci;
-}
-
 // R, r come as the joint frame's; J's columns are about the child frame's origin. Zeros in J stay from the beginning.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
-  using std::cos;
-  using std::sin;
-  const int iq = joint.idx_q, iv = joint.idx_v;
+  const int iv = joint.idx_v;
+  move_frame<S>(joint, q, R, r);
   switch (joint.type) {
     case JointType::kRevolute:
-      if (joint.axis_kind < 3) {
-        turn_columns<S>(R, joint.axis_kind, S(cos(q[iq])), S(sin(q[iq])));
-        J.col(iv).template tail<3>() = R.col(joint.axis_kind);
-      } else {
-        const Vec3<S> u = joint.axis.cast<S>();
-        R = Mat3<S>(R * rotation_about<S>(u, q[iq]));
-        J.col(iv).template tail<3>() = R * u;
-      }
+      J.col(iv).template tail<3>() = axis_of<S>(joint, R);
       break;
     case JointType::kPrismatic:
-      J.col(iv).template head<3>() = R * joint.axis.cast<S>();
-      r += q[iq] * J.col(iv).template head<3>();
+      J.col(iv).template head<3>() = axis_of<S>(joint, R);
       break;
     case JointType::kFloating:
-      r += R * q.template segment<3>(iq);
-      R = Mat3<S>(R * rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
       J.template block<3, 3>(0, iv) = R;
       J.template block<3, 3>(3, iv + 3) = R;
       break;
     case JointType::kPlanar:
-      r += R.col(0) * q[iq] + R.col(1) * q[iq + 1];
-      turn_columns<S>(R, 2, S(cos(q[iq + 2])), S(sin(q[iq + 2])));
       J.col(iv).template head<3>() = R.col(0);
       J.col(iv + 1).template head<3>() = R.col(1);
       J.col(iv + 2).template tail<3>() = R.col(2);
@@ -59,17 +39,6 @@ template <class S>
 Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const ConstVecRef<S>& v) {
   Vec6<S> out = J.col(joint.idx_v) * v[joint.idx_v];
   for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv(); ++k) out += J.col(k) * v[k];
-  return out;
-}
-
-// R Y R^T.
-template <class S>
-Inertia<S> turned(const Inertia<S>& Y, const Mat3<S>& R) {
-  Inertia<S> out;
-  out.m = Y.m;
-  out.h.noalias() = R * Y.h;
-  const Mat3<S> RI = R * Y.I;
-  out.I.noalias() = RI * R.transpose();
   return out;
 }
 
@@ -104,7 +73,7 @@ void body_kinematics(const Model& model, const SE3<double>& base, const ConstVec
       move_body<S>(joint, q, R, r, terms.S_i);
     }
     kin.p[i] = (root ? none : kin.p[joint.parent]) + r;
-    const Inertia<S>& Y = terms.Y[i] = turned<S>(joint.inertia.template cast<S>(), R);
+    const Inertia<S>& Y = terms.Y[i] = joint.inertia.template cast<S>().turned(R);
     const Vec6<S> vJ = joint_motion<S>(joint, terms.S_i, v);
     if (root) {
       kin.v[i] = vJ;

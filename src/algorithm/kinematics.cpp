@@ -1,5 +1,7 @@
 #include "manycontact/algorithm/kinematics.hpp"
 
+#include "move_frame.hpp"
+
 namespace manycontact {
 
 template <class S>
@@ -14,56 +16,26 @@ Kinematics<S>::Kinematics(const Model& model)
 
 namespace {
 
-// R <- R Rot(e_k, angle): mixes two columns.
-template <class S>
-inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
-  const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
-  for (int k = 0; k < 3; ++k) {
-    const S x = R(k, i), y = R(k, j);
-    R(k, i) = multiply_add(s, y, S(c * x));
-    R(k, j) = multiply_add(S(-s), x, S(c * y));
-  }
-}
-
 // Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
 template <class S>
 inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, Mat6X<S>& J) {
-  const int iq = joint.idx_q, iv = joint.idx_v;
+  const int iv = joint.idx_v;
+  move_frame<S>(joint, q, M.R, M.p);
   switch (joint.type) {
     case JointType::kRevolute: {
-      Vec3<S> axis;
-      if (joint.axis_kind < 3) {
-        S c, s;
-        sin_cos(q[iq], s, c);
-        rotate_columns<S>(M.R, joint.axis_kind, c, s);
-        axis = M.R.col(joint.axis_kind);
-      } else {
-        const Vec3<S> u = joint.axis.cast<S>();
-        M.R = times<S>(M.R, rotation_about<S>(u, q[iq]));
-        axis = times<S>(M.R, u);
-      }
+      const Vec3<S> axis = axis_of<S>(joint, M.R);
       J.col(iv).template head<3>() = cross(M.p, axis);
       J.col(iv).template tail<3>() = axis;
       break;
     }
-    case JointType::kPrismatic: {
-      const Vec3<S> axis = times<S>(M.R, joint.axis.cast<S>());
-      M.p += q[iq] * axis;
-      J.col(iv).template head<3>() = axis;
+    case JointType::kPrismatic:
+      J.col(iv).template head<3>() = axis_of<S>(joint, M.R);
       J.col(iv).template tail<3>().setZero();
       break;
-    }
-    case JointType::kFloating: {
-      M.p += M.R * q.template segment<3>(iq);
-      M.R = times<S>(M.R, rotation_of_quaternion<S>(q[iq + 3], q[iq + 4], q[iq + 5], q[iq + 6]));
+    case JointType::kFloating:
       J.template middleCols<6>(iv) = M.action();
       break;
-    }
     case JointType::kPlanar: {
-      M.p += M.R.col(0) * q[iq] + M.R.col(1) * q[iq + 1];
-      S c, s;
-      sin_cos(q[iq + 2], s, c);
-      rotate_columns<S>(M.R, 2, c, s);
       const Vec3<S> normal = M.R.col(2);
       J.template block<3, 1>(0, iv) = M.R.col(0);
       J.template block<3, 1>(0, iv + 1) = M.R.col(1);

@@ -53,14 +53,12 @@ void evaluate_bodies(const Scene& scene, const ConstVector& q, const ConstVector
   BodySystem& s = form.factor.system;
   BodyVectors& b = form.solution.b;
   s.delta = scene.damping;
-  remake(data.workspace->q, scene.nq);
   V6 base = V6::Zero();  // what bases accelerate with
   base.head<3>() = -scene.gravity;
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
     const Model& model = *robot.model;
     data.workspace->robots[d.island.robots[k]].known = false;
-    data.workspace->q.segment(robot.idx_q, model.nq) = q.segment(robot.idx_q, model.nq);
     BodyKinematics<double>& kin = form.kin[k];
     const int o = s.pattern->node_offset[k], first = d.island.dof_offset[k];
     body_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv), kin,

@@ -1,28 +1,8 @@
-#include <cmath>
-#include <limits>
-
-#include "manycontact/algorithm/crba.hpp"
+#include "drop_rounding.hpp"
 #include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {
-
-namespace {
-
-// A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis, has
-// none. No pivot shows that: it may have nothing to cancel with.
-void drop_rounding(const Model& model, RobotData& r) {
-  constexpr double kRounding = tolerance::kRounding * std::numeric_limits<double>::epsilon();
-  for (int i = 0; i < model.nv; ++i) {
-    const Inertia<double>& Y = r.Yc[model.dof_joint[i]];
-    const auto S = r.kin.J.col(i);
-    double& m = r.M[model.M_begin[i]];
-    if (std::abs(m) <= kRounding * (S.head<3>().squaredNorm() * Y.m + S.tail<3>().squaredNorm() * Y.I.trace())) m = 0;
-  }
-}
-
-}  // namespace
 
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, const Island& island) {
   for (int i : island.robots) {
@@ -33,7 +13,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
     inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
     crba<double>(model, r.kin, r.Yc, r.M.data());
-    drop_rounding(model, r);
+    drop_rounding<double>(model, r.kin, r.Yc, r.M.data());
     r.known = true;
   }
   for (int c : island.contacts) {

@@ -21,6 +21,32 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   d.panel_is_safe = answer.panel_is_safe;
 }
 
+// use(kernel), with w.lanes.islands and numbers, for as many islands at a time as stand side by side, of those that
+// `wanted` holds for.
+template <class Wanted, class Use>
+void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
+  lanes::Groups& g = w.lanes;
+  for (auto& [key, group] : g.groups) {
+    const auto use_those_at_hand = [&] {
+      if (g.islands.empty()) return;
+      use(*group.kernel);
+      g.islands.clear();
+      g.numbers.clear();
+    };
+    for (int i : group.islands) {
+      const IslandWork& d = *w.islands[i];
+      if (!wanted(d)) continue;
+      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) use_those_at_hand();
+      g.islands.push_back(&d.island);
+      g.numbers.push_back(i);
+      if (static_cast<int>(g.islands.size()) == g.level->width) use_those_at_hand();
+    }
+    use_those_at_hand();
+  }
+}
+
+bool served(const IslandWork& d) { return d.served_in_lanes(); }
+
 }  // namespace
 
 void solve_in_lanes(const Scene& scene, SceneData& data) {
@@ -29,68 +55,30 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
   const lanes::Job job{scene, w.q.data(), data.v.data(), data.tau.data(), data.f_offset, data.a.data(), data.f.data()};
-  for (auto& [key, group] : g.groups) {
-    const auto solve_those_at_hand = [&] {
-      if (g.islands.empty()) return;
-      group.kernel->solve(job, g.islands, {g.answers.data(), g.islands.size()});
-      for (std::size_t k = 0; k < g.islands.size(); ++k)
-        if (g.answers[k].sound)
-          report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
-      g.islands.clear();
-      g.numbers.clear();
-    };
-    for (int i : group.islands) {
-      const IslandWork& d = *w.islands[i];
-      if (d.was_dependent) continue;  // and mostly still is: another way answers
-      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) solve_those_at_hand();
-      g.islands.push_back(&d.island);
-      g.numbers.push_back(i);
-      if (static_cast<int>(g.islands.size()) == g.level->width) solve_those_at_hand();
-    }
-    solve_those_at_hand();
-  }
+  each_in_lanes(
+      scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
+      [&](lanes::Kernel& kernel) {
+        kernel.solve(job, g.islands, {g.answers.data(), g.islands.size()});
+        for (std::size_t k = 0; k < g.islands.size(); ++k)
+          if (g.answers[k].sound)
+            report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
+      });
 }
-
-namespace {
-
-// use(group, those at hand) for as many islands at a time as stand side by side, of those answered in lanes.
-template <class Take, class Use>
-void each_in_lanes(const Scene& scene, Workspace& w, Take&& take, Use&& use) {
-  lanes::Groups& g = w.lanes;
-  for (auto& [key, group] : g.groups) {
-    const auto use_those_at_hand = [&] {
-      if (g.islands.empty()) return;
-      use(*group.kernel);
-      g.islands.clear();
-      g.panels.clear();
-    };
-    for (int i : group.islands) {
-      const IslandWork& d = *w.islands[i];
-      if (!d.in_lanes || !d.panel_is_safe) continue;
-      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) use_those_at_hand();
-      g.islands.push_back(&d.island);
-      take(i);
-      if (static_cast<int>(g.islands.size()) == g.level->width) use_those_at_hand();
-    }
-    use_those_at_hand();
-  }
-}
-
-}  // namespace
 
 void differentiate_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
-  each_in_lanes(
-      scene, w,
-      [&](int i) {
-        IslandDerivatives& out = w.derivatives.islands[i];
-        job.request = out.request;
-        job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
-        out.X.rightCols(out.X.cols() - out.cols).setZero();  // all was NaN after a failure
-        w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
-      },
-      [&](lanes::Kernel& kernel) { kernel.differentiate(job, w.lanes.islands, w.lanes.panels); });
+  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) {
+    w.lanes.panels.clear();
+    for (int i : w.lanes.numbers) {
+      IslandDerivatives& out = w.derivatives.islands[i];
+      job.request = out.request;
+      job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
+      out.X.rightCols(out.X.cols() - out.cols).setZero();  // all was NaN after a failure
+      w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
+    }
+    kernel.differentiate(job, w.lanes.islands, w.lanes.panels);
+  });
 }
 
 void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
@@ -98,8 +86,7 @@ void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const d
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du},  {da, df, nullptr}};
-  each_in_lanes(
-      scene, w, [](int) {}, [&](lanes::Kernel& kernel) { kernel.jvp(job, w.lanes.islands); });
+  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.jvp(job, w.lanes.islands); });
 }
 
 void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -107,18 +94,8 @@ void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const d
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(),     data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
-  each_in_lanes(
-      scene, w, [](int) {}, [&](lanes::Kernel& kernel) { kernel.vjp(job, w.lanes.islands); });
+  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.vjp(job, w.lanes.islands); });
 }
-
-}  // namespace internal
-
-void complete(const Scene& scene, const SceneData& data) {
-  internal::check_solved(scene, data, "complete");
-  internal::complete(scene, data);
-}
-
-namespace internal {
 
 void complete(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
@@ -138,5 +115,10 @@ void complete_island(const Scene& scene, const SceneData& data, IslandWork& d) {
 }
 
 }  // namespace internal
+
+void complete(const Scene& scene, const SceneData& data) {
+  internal::check_solved(scene, data, "complete");
+  internal::complete(scene, data);
+}
 
 }  // namespace manycontact

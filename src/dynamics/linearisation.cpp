@@ -10,7 +10,7 @@ namespace manycontact {
 Linearisation::Place::Place(const Model& model)
     : a(model.njoints(), Vec6<double>::Zero()), rnea(model), fext(model.njoints(), Vec6<double>::Zero()) {}
 
-Linearisation::Linearisation(const Scene& scene, const Workspace& w) {
+Linearisation::Linearisation(const Scene& scene) {
   std::map<const Model*, int> numbers;
   for (const Robot& robot : scene.robots)
     model.push_back(numbers.try_emplace(robot.model.get(), static_cast<int>(numbers.size())).first->second);
@@ -20,7 +20,6 @@ Linearisation::Linearisation(const Scene& scene, const Workspace& w) {
   for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport{});
   derivatives.resize(scene.contacts.size());
   ready.assign(scene.contacts.size(), 0);
-  (void)w;
 }
 
 void Linearisation::assign(const Scene& scene, const Workspace& w, const Island& island) {
@@ -74,7 +73,7 @@ namespace internal {
 
 Linearisation& linearisation_of(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  if (!w.linearisation) w.linearisation = std::make_unique<Linearisation>(scene, w);
+  if (!w.linearisation) w.linearisation = std::make_unique<Linearisation>(scene);
   return *w.linearisation;
 }
 

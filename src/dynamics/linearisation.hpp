@@ -16,7 +16,7 @@ struct IslandWork;
 /// Robots of one model take turns in the places of a pool, islands being linearised one after the other, so that these
 /// stay in the cache.
 struct Linearisation {
-  explicit Linearisation(const Scene& scene, const Workspace& work);
+  explicit Linearisation(const Scene& scene);
 
   struct Place {
     explicit Place(const Model& model);

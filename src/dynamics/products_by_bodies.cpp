@@ -42,7 +42,7 @@ void each_node(const BodyForm& form, Use&& use) {
 }
 
 // Memory, and the contacts at the solution's accelerations.
-void begin_products(const Scene& scene, const Workspace& w, const IslandWork& d, BodyForm& form) {
+void begin_products(const Scene& scene, const IslandWork& d, BodyForm& form) {
   const BodyPattern& p = *form.factor.system.pattern;
   form.body.resize(p.nodes);
   form.products.resize(p);
@@ -58,7 +58,6 @@ void begin_products(const Scene& scene, const Workspace& w, const IslandWork& d,
     body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B),
               a(contact.A), a(contact.B), form.contacts[k]);
   }
-  (void)w;
 }
 
 // Displacements and velocities along (dq, dv), and what these do to the equations: d(S qdd + c), d(Y a + p), S^T f.
@@ -172,7 +171,7 @@ void jvp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const Con
                    const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
   BodyForm& form = *d.bodies;
   BodySolve& w = form.products;
-  begin_products(scene, *data.workspace, d, form);
+  begin_products(scene, d, form);
   BodyVectors& in = w.dx;  // dq, dv of the island, until dx is needed
   BodyVectors& in2 = w.residual.r;
   each_velocity_block(scene, d.island, [&](int from, int to, int n) {
@@ -197,7 +196,7 @@ void vjp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const Con
                    Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
   BodyForm& form = *d.bodies;
   BodySolve& w = form.products;
-  begin_products(scene, *data.workspace, d, form);
+  begin_products(scene, d, form);
   w.b.set_zero();
   each_velocity_block(scene, d.island,
                       [&](int from, int to, int n) { w.b.joints.segment(to, n) = wa.segment(from, n); });

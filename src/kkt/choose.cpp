@@ -27,10 +27,24 @@ double predicted_cost_supernodal(IslandShape& shape) {
   return 33000 + 2.2 * flops + 0.4 * nc * nc + 42.0 * p.S.nonzeros();
 }
 
-double predicted_cost_bodies(IslandShape& shape) {
-  const BodyPattern& p = *shape.bodies();
-  return 600.0 * p.nodes + 200.0 * p.nc + 1.5 * p.flops;
+namespace {
+
+// Without the analysis.
+double bodies_at_least(const IslandShape& shape) {
+  double nodes = 0;
+  for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
+  return 600 * nodes + 200.0 * shape.island().nc;
 }
+
+// Than a way of that cost. Most islands are shallow, and need no analysis to know.
+bool bodies_are_cheaper(IslandShape& shape, double cost) {
+  const double most = tolerance::kCheaper * cost;
+  return bodies_at_least(shape) < most && predicted_cost_bodies(shape) < most;
+}
+
+}  // namespace
+
+double predicted_cost_bodies(IslandShape& shape) { return bodies_at_least(shape) + 1.5 * shape.bodies()->flops; }
 
 namespace {
 
@@ -63,7 +77,7 @@ double least_cost_ldl(const IslandShape& shape) {
   return 17.0 * shape.island().size() + 7 * nonzeros + flops;
 }
 
-bool is_deep(IslandShape& shape) { return predicted_cost_bodies(shape) < tolerance::kCheaper * least_cost_ldl(shape); }
+bool is_deep(IslandShape& shape) { return bodies_are_cheaper(shape, least_cost_ldl(shape)); }
 
 double predicted_cost_dense(int nv, int nc) {
   const double n = nv, m = nc;
@@ -110,7 +124,7 @@ Choice choose(IslandShape& shape, const Options& options) {
     choice.method = Method::kSparseSupernodal;
   const double least = choice.method == Method::kSparseLdl ? predicted_cost_ldl(*shape.pattern(choice.order))
                                                            : predicted_cost_supernodal(shape);
-  if (!options.order && predicted_cost_bodies(shape) < tolerance::kCheaper * least) return {Method::kSparseBodies};
+  if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
   return choice;
 }
 

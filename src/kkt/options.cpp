@@ -52,22 +52,17 @@ std::string to_string(Lanes lanes) {
   return "?";
 }
 
-std::optional<Method> method_from_string(const std::string& name) {
-  for (Method m : kMethods)
-    if (to_string(m) == name) return m;
+namespace {
+template <class T, std::size_t N>
+std::optional<T> called(const std::string& name, const T (&all)[N]) {
+  for (T x : all)
+    if (to_string(x) == name) return x;
   return std::nullopt;
 }
+}  // namespace
 
-std::optional<Order> order_from_string(const std::string& name) {
-  for (Order o : kOrders)
-    if (to_string(o) == name) return o;
-  return std::nullopt;
-}
-
-std::optional<Lanes> lanes_from_string(const std::string& name) {
-  for (Lanes l : kLanes)
-    if (to_string(l) == name) return l;
-  return std::nullopt;
-}
+std::optional<Method> method_from_string(const std::string& name) { return called(name, kMethods); }
+std::optional<Order> order_from_string(const std::string& name) { return called(name, kOrders); }
+std::optional<Lanes> lanes_from_string(const std::string& name) { return called(name, kLanes); }
 
 }  // namespace manycontact

@@ -49,6 +49,7 @@ TEST(Joints, Pendulum) {
 TEST(Joints, PrismaticWithArmature) {
   OneJoint joint(JointType::kPrismatic);
   joint.s.model.joints[0].axis = Vec3<double>(1, 2, -2) / 3;
+  finalize(joint.s.model);
   joint.s.model.armature[0] = 0.4;
   const double along = joint.m * joint.s.gravity.dot(joint.s.model.joints[0].axis);
   EXPECT_NEAR(joint.qdd()[0], (joint.s.tau[0] + along) / (joint.m + 0.4), kTight);

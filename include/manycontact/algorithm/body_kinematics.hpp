@@ -16,18 +16,14 @@ namespace manycontact {
 template <class A, class S>
 Vec6<S> motion_at(const Eigen::MatrixBase<A>& m, const Vec3<S>& r) {
   Vec6<S> out = m;
-  out[0] += m[4] * r[2] - m[5] * r[1];
-  out[1] += m[5] * r[0] - m[3] * r[2];
-  out[2] += m[3] * r[1] - m[4] * r[0];
+  out.template head<3>() += cross(m.template tail<3>(), r);
   return out;
 }
 /// A force that acts at r, about the origin.
 template <class A, class S>
 Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   Vec6<S> out = f;
-  out[3] += r[1] * f[2] - r[2] * f[1];
-  out[4] += r[2] * f[0] - r[0] * f[2];
-  out[5] += r[0] * f[1] - r[1] * f[0];
+  out.template tail<3>() += cross(r, f.template head<3>());
   return out;
 }
 

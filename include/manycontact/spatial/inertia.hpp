@@ -37,17 +37,17 @@ struct Inertia {
     Y << m * Mat3<S>::Identity(), -H, H, I;
     return Y;
   }
+  /// The same inertia in axes turned by R, about the same origin.
+  Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
   /// The same inertia in frame a, given in frame b, with aMb. No centre of mass is formed, so m = 0 is harmless.
   Inertia transformed(const SE3<S>& aMb) const {
-    const Vec3<S> Rh = times<S>(aMb.R, h);
+    Inertia out = turned(aMb.R);
+    const Vec3<S> Rh = out.h;
     const Vec3<S>& p = aMb.p;
-    Inertia out;
-    out.m = m;
     out.h = Rh + m * p;
     // I_a = R I R^T - ([p][Rh] + [Rh][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
     const Vec3<S>& t = out.h;  // Rh + m p
     const S d = dot(p, Rh) + dot(p, t);
-    out.I = congruent<S>(aMb.R, I);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j <= i; ++j) {
         out.I(i, j) = multiply_add(S(-p[i]), Rh[j], multiply_add(S(-t[i]), p[j], out.I(i, j)));

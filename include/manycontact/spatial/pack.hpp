@@ -43,8 +43,6 @@ struct Pack {
     Int bits;
     bool operator[](int lane) const { return reinterpret_cast<const std::int64_t*>(&bits)[lane] != 0; }
     friend Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
-    friend Mask operator|(Mask a, Mask b) { return {a.bits | b.bits}; }
-    friend Mask operator!(Mask a) { return {~a.bits}; }
     bool any() const {
       std::int64_t all = 0;
       for (int l = 0; l < W; ++l) all |= reinterpret_cast<const std::int64_t*>(&bits)[l];

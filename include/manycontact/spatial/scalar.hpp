@@ -57,6 +57,16 @@ template <class S>
 S multiply_add(const S& a, const S& b, const S& c) {
   return a * b + c;
 }
+/// a where it holds, else b.
+template <class S>
+S select(bool holds, const S& a, const S& b) {
+  return holds ? a : b;
+}
+template <class S>
+S absolute(const S& x) {
+  using std::abs;
+  return abs(x);
+}
 template <class S>
 S larger(const S& a, const S& b) {
   return a > b ? a : b;

@@ -7,7 +7,7 @@
 
 namespace manycontact::cli {
 
-/// One process, which has nobody to talk to. With MPI: mpi/main.cpp.
+/// One process, which has nobody to talk to. With MPI: mpi_main.cpp.
 class Team {
  public:
   virtual ~Team() = default;

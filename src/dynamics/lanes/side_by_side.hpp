@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "../derivative_columns.hpp"
+#include "../drop_rounding.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
@@ -27,6 +28,27 @@ const Pack<W>* numbers(const Pack<W>* x) {
   return x;
 }
 
+/// Lanes without an island of their own repeat the last one.
+inline const Island& in_lane(std::span<const Island* const> islands, int lane) {
+  return *islands[std::min<std::size_t>(lane, islands.size() - 1)];
+}
+template <class To>
+void load_lane(int lane, const double* from, To& to) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(to.size()); ++i) to[i].set(lane, from[i]);
+}
+template <class S>
+void load_lane(int lane, const SE3<double>& from, SE3<S>& to) {
+  for (int i = 0; i < 9; ++i) to.R.data()[i].set(lane, from.R.data()[i]);
+  for (int i = 0; i < 3; ++i) to.p[i].set(lane, from.p[i]);
+}
+
+/// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
+template <class S>
+void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, std::vector<Vec6<S>>& fext) {
+  fext[contact.A.joint] += rows.aMA.act_force(F);
+  if (contact.B.robot >= 0) fext[contact.B.joint] -= rows.bMA.act_force(F);
+}
+
 template <class S>
 class SideBySide {
  public:
@@ -43,33 +65,41 @@ class SideBySide {
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  void find_reach();
+  template <class Job>
+  void load_state(const Job& job, std::span<const Island* const> islands);
   void load(const Job& job, std::span<const Island* const> islands);
-  void find_reach(const Island& island);
-  void load_places(const Scene& scene, std::span<const Island* const> islands);
+  template <class Job>
+  void load_solution(const Job& job, std::span<const Island* const> islands);
   void evaluate(const Scene& scene, const Island& island);
   void evaluate_rows(const Scene& scene, const Island& island);
-  void drop_rounding();
   void assemble(double damping);
-  void assemble_right_side(const Island& island);
+  void assemble_right_side();
+  void factor();
+  void apply_inverse(std::vector<S>& x) const;
+  void correct(Mask open);
   Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
   Mask believable_pivots() const;
   S residual();
   void refine();
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
-  void factor();
-  template <class Job>
-  void load_solution(const Job& job, std::span<const Island* const> islands);
+  void scatter(const Scene& scene, const std::vector<int>& f_offset, const Island& island, int lane, double* a,
+               double* f) const;
   void linearise(const Scene& scene, const Island& island);
   void derivative_terms(const Scene& scene, const Island& island);
   void solve_once_refined();
   BodyVariationOf<S> body(const Attachment& at) const;
   template <class Fill>
-  void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
-                     std::span<const Panel> panels, Fill&& fill);
+  void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, std::span<const Panel> panels,
+                     Fill&& fill);
+
+  /// Where the rows of a contact stand in K.
+  const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
 
   std::shared_ptr<const Model> model_;
   std::shared_ptr<const KktPattern> pattern_;
   std::vector<ContactSupport> supports_;
+  std::vector<int> row_offset_;  // per contact
 
   VecX<S> q_, v_, tau_, h_;
   SE3<S> base_;
@@ -108,6 +138,7 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
     : model_(scene.robots[island.robots.front()].model),
       pattern_(std::move(pattern)),
       supports_(support.contacts),
+      row_offset_(island.row_offset),
       q_(model_->nq),
       v_(model_->nv),
       tau_(model_->nv),
@@ -148,12 +179,12 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
     contact_f_.emplace_back(contact.rows());
     contact_scratch_.emplace_back(contact.rows());
   }
-  find_reach(island);
+  find_reach();
 }
 
 /// A coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
 template <class S>
-void SideBySide<S>::find_reach(const Island& island) {
+void SideBySide<S>::find_reach() {
   const int nv = model_->nv;
   for (int i = 0; i < nv; ++i) {
     itself_[i] = {pattern_->iperm[i]};
@@ -163,9 +194,7 @@ void SideBySide<S>::find_reach(const Island& island) {
     }
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    std::vector<int> rows;
-    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i)
-      rows.push_back(pattern_->iperm[nv + island.row_offset[k] + i]);
+    const std::vector<int> rows(rows_of(k), rows_of(k) + contacts_[k].a0.size());
     const ContactDerivativesOf<S>& terms = contact_terms_[k];
     for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
       for (int i : *chain) {
@@ -184,24 +213,31 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   load(job, islands);
   evaluate(scene, first);
   assemble(scene.damping);
-  assemble_right_side(first);
+  assemble_right_side();
   factor();
   usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
   refine();
   store(job, islands, answers);
 }
 
-/// Lanes without an island of their own repeat the last one.
+template <class S>
+template <class Job>
+void SideBySide<S>::load_state(const Job& job, std::span<const Island* const> islands) {
+  for (int l = 0; l < W; ++l) {
+    const Island& island = in_lane(islands, l);
+    const Robot& robot = job.scene.robots[island.robots.front()];
+    load_lane(l, job.q + robot.idx_q, q_);
+    load_lane(l, job.v + robot.idx_v, v_);
+    if (!model_->floating_base) load_lane(l, robot.base, base_);
+    for (std::size_t k = 0; k < bMB_.size(); ++k)
+      load_lane(l, job.scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
+  }
+}
+
 template <class S>
 void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands) {
-  for (int l = 0; l < W; ++l) {
-    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
-    const Robot& robot = job.scene.robots[island.robots.front()];
-    for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
-    for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
-    for (int i = 0; i < model_->nv; ++i) tau_[i].set(l, job.tau[robot.idx_v + i]);
-  }
-  load_places(job.scene, islands);
+  load_state(job, islands);
+  for (int l = 0; l < W; ++l) load_lane(l, job.tau + job.scene.robots[in_lane(islands, l).robots.front()].idx_v, tau_);
   // finite numbers times zero are zero
   S sum(0);
   for (const VecX<S>* x : {&q_, &v_, &tau_})
@@ -215,25 +251,12 @@ void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands)
 }
 
 template <class S>
-void SideBySide<S>::load_places(const Scene& scene, std::span<const Island* const> islands) {
-  for (int l = 0; l < W; ++l) {
-    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
-    const auto place = [l](const SE3<double>& from, SE3<S>& to) {
-      for (int i = 0; i < 9; ++i) to.R.data()[i].set(l, from.R.data()[i]);
-      for (int i = 0; i < 3; ++i) to.p[i].set(l, from.p[i]);
-    };
-    if (!model_->floating_base) place(scene.robots[island.robots.front()].base, base_);
-    for (std::size_t k = 0; k < bMB_.size(); ++k) place(scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
-  }
-}
-
-template <class S>
 void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
   forward_kinematics<S>(*model_, base_, q_, kin_);
   forward_accelerations<S>(*model_, v_, nullptr, scene.gravity, kin_);
   inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
   crba<S>(*model_, kin_, Yc_, M_.data());
-  drop_rounding();
+  internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
   evaluate_rows(scene, island);
 }
 
@@ -253,18 +276,6 @@ void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
 }
 
 template <class S>
-void SideBySide<S>::drop_rounding() {
-  const S rounding(tolerance::kRounding * std::numeric_limits<double>::epsilon());
-  for (int i = 0; i < model_->nv; ++i) {
-    const Inertia<S>& Y = Yc_[model_->dof_joint[i]];
-    const auto J = kin_.J.col(i);
-    S& m = M_[model_->M_begin[i]];
-    const S terms = J.template head<3>().squaredNorm() * Y.m + J.template tail<3>().squaredNorm() * Y.I.trace();
-    m = select(abs(m) <= rounding * terms, S(0), m);
-  }
-}
-
-template <class S>
 void SideBySide<S>::assemble(double damping) {
   const KktPattern& p = *pattern_;
   for (std::size_t k = 0; k < M_.size(); ++k) K_[p.M_slot[k]] = M_[k];
@@ -276,19 +287,31 @@ void SideBySide<S>::assemble(double damping) {
 
 /// b = [tau - h; -a0]
 template <class S>
-void SideBySide<S>::assemble_right_side(const Island& island) {
+void SideBySide<S>::assemble_right_side() {
   const KktPattern& p = *pattern_;
   for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const int* to = p.iperm.data() + island.nv + island.row_offset[k];
-    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[to[i]] = -contacts_[k].a0[i];
-  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[rows_of(k)[i]] = -contacts_[k].a0[i];
 }
 
 template <class S>
 void SideBySide<S>::factor() {
   sparse::ldl_scheduled_factor(pattern_->schedule(), numbers(K_.data()), numbers(L_.data()), numbers(D_.data()),
                                numbers(pivot_terms_.data()));
+}
+
+/// x <- K^-1 x
+template <class S>
+void SideBySide<S>::apply_inverse(std::vector<S>& x) const {
+  sparse::ldl_scheduled_solve(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()), numbers(x.data()));
+}
+
+/// x += K^-1 r in the lanes that are open.
+template <class S>
+void SideBySide<S>::correct(Mask open) {
+  correction_ = r_;
+  apply_inverse(correction_);
+  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
 }
 
 /// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
@@ -344,16 +367,13 @@ S SideBySide<S>::residual() {
 /// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
 template <class S>
 void SideBySide<S>::refine() {
-  const sparse::LdlSchedule& schedule = pattern_->schedule();
   x_ = b_;
-  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
+  apply_inverse(x_);
   steps_ = S(0);
   backward_error_ = first_error_ = residual();
   Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
   for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
-    correction_ = r_;
-    sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
-    for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+    correct(open);
     steps_ += select(open, S(1), S(0));
     const S before = backward_error_;
     backward_error_ = residual();
@@ -392,15 +412,21 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
     answer.backward_error = backward_error_[lane];
     answer.residual_dynamics = r[0][lane] == 0 ? 0 : r[0][lane] / scale[0][lane];
     answer.residual_contact = r[1][lane] == 0 ? 0 : r[1][lane] / scale[1][lane];
-    const Island& island = *islands[l];
-    double* a = job.a + job.scene.robots[island.robots.front()].idx_v;
-    for (int i = 0; i < island.nv; ++i) a[i] = x_[p.iperm[i]][lane];
-    for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-      double* f = job.f + job.f_offset[island.contacts[k]];
-      const int* from = p.iperm.data() + island.nv + island.row_offset[k];
-      for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) f[i] = -x_[from[i]][lane];  // x = [a; -f]
-    }
+    scatter(job.scene, job.f_offset, *islands[l], lane, job.a, job.f);
   }
+}
+
+/// A lane's x = [a; -f] into the scene's a and f.
+template <class S>
+void SideBySide<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Island& island, int lane,
+                            double* a, double* f) const {
+  const int* iperm = pattern_->iperm.data();
+  each_velocity_block(scene, island, [&](int to, int from, int n) {
+    for (int i = 0; i < n; ++i) a[to + i] = x_[iperm[from + i]][lane];
+  });
+  each_force_block(scene, f_offset, island, [&](int to, int from, int n) {
+    for (int i = 0; i < n; ++i) f[to + i] = -x_[iperm[island.nv + from + i]][lane];
+  });
 }
 
 // ---- derivatives: dynamics/differentiate.cpp for all lanes at once -----------------------------------------------
@@ -409,13 +435,13 @@ template <class S>
 void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                                   std::span<const Panel> panels) {
   const Island& first = *islands.front();
-  const int nv = model_->nv, nc = static_cast<int>(pattern_->nc);
+  const int nv = model_->nv;
   load_solution(job, islands);
   linearise(job.scene, first);
   derivative_terms(job.scene, first);
-  const auto rows = [&](std::size_t k) { return X_.middleRows(nv + first.row_offset[k], contacts_[k].a0.size()); };
+  const auto rows = [&](std::size_t k) { return X_.middleRows(nv + row_offset_[k], contacts_[k].a0.size()); };
   if (job.request.q)
-    solve_columns(job.q_first, nv, reach_, nc, panels, [&] {
+    solve_columns(job.q_first, nv, reach_, panels, [&] {
       internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), X_.topRows(nv));
       for (std::size_t k = 0; k < contacts_.size(); ++k) {
         internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k));
@@ -424,14 +450,14 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
       }
     });
   if (job.request.v)
-    solve_columns(job.v_first, nv, reach_, nc, panels, [&] {
+    solve_columns(job.v_first, nv, reach_, panels, [&] {
       internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X_.topRows(nv));
       for (std::size_t k = 0; k < contacts_.size(); ++k)
         internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k));
     });
   if (job.request.u) {
     const int none = job.request.tau ? 0 : model_->first_actuated();
-    solve_columns(job.u_first, nv - none, itself_, nc, panels, [&] {
+    solve_columns(job.u_first, nv - none, itself_, panels, [&] {
       for (int i = none; i < nv; ++i) X_(i, i - none) = S(1);
     });
   }
@@ -440,17 +466,13 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
 template <class S>
 template <class Job>
 void SideBySide<S>::load_solution(const Job& job, std::span<const Island* const> islands) {
+  load_state(job, islands);
   for (int l = 0; l < W; ++l) {
-    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
-    const Robot& robot = job.scene.robots[island.robots.front()];
-    for (int i = 0; i < model_->nq; ++i) q_[i].set(l, job.q[robot.idx_q + i]);
-    for (int i = 0; i < model_->nv; ++i) v_[i].set(l, job.v[robot.idx_v + i]);
-    for (int i = 0; i < model_->nv; ++i) a_[i].set(l, job.a[robot.idx_v + i]);
+    const Island& island = in_lane(islands, l);
+    load_lane(l, job.a + job.scene.robots[island.robots.front()].idx_v, a_);
     for (std::size_t k = 0; k < contacts_.size(); ++k)
-      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
-        contact_f_[k][i].set(l, job.f[job.f_offset[island.contacts[k]] + i]);
+      load_lane(l, job.f + job.f_offset[island.contacts[k]], contact_f_[k]);
   }
-  load_places(job.scene, islands);
 }
 
 /// Motions and contact rows at the solution, K and its factor.
@@ -459,7 +481,7 @@ void SideBySide<S>::linearise(const Scene& scene, const Island& island) {
   forward_kinematics<S>(*model_, base_, q_, kin_);
   forward_accelerations<S>(*model_, v_, a_.data(), scene.gravity, kin_);
   crba<S>(*model_, kin_, Yc_, M_.data());
-  drop_rounding();
+  internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
   evaluate_rows(scene, island);
   assemble(scene.damping);
   factor();
@@ -471,9 +493,7 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
   std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
-    const Vec6<S> F = contacts_[k].W.transpose() * contact_f_[k];
-    fext_[contact.A.joint] += contacts_[k].aMA.act_force(F);
-    if (contact.B.robot >= 0) fext_[contact.B.joint] -= contacts_[k].bMA.act_force(F);
+    add_force<S>(contact, contacts_[k], contacts_[k].W.transpose() * contact_f_[k], fext_);
   }
   rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -487,7 +507,7 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
 /// Columns first ... first+count-1 of the panels: filled, solved, stored as [da; df].
 template <class S>
 template <class Fill>
-void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, int nc,
+void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach,
                                   std::span<const Panel> panels, Fill&& fill) {
   constexpr int kChunk = W == 1 ? 4 * sparse::kernel::kRegister : sparse::kernel::kColumns<S>;
   const int nv = model_->nv, ld = nv, skipped = nv - count;
@@ -501,10 +521,9 @@ void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::v
     sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
                                       pattern_->perm.data(), numbers(X_.data()), ld, c, cols, nonzero_.data());
   }
-  for (int r = 0; r < nv + nc; ++r) {
-    const S* from = X_.data() + static_cast<std::ptrdiff_t>(r) * ld;
-    const double sign = r < nv ? 1 : -1;
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(r);
+  for (std::ptrdiff_t row = 0; row < X_.rows(); ++row) {
+    const S* from = X_.data() + row * ld;
+    const double sign = row < nv ? 1 : -1;
     int c = 0;
     for (; c + W <= count; c += W) {  // W columns of W islands
       S block[W];
@@ -524,14 +543,10 @@ void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::v
 /// x = K^-1 b, refined once as solve_refined with one step does.
 template <class S>
 void SideBySide<S>::solve_once_refined() {
-  const sparse::LdlSchedule& schedule = pattern_->schedule();
   x_ = b_;
-  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(x_.data()));
+  apply_inverse(x_);
   const Mask open = residual() > S(tolerance::kRefined);
-  if (!open.any()) return;
-  correction_ = r_;
-  sparse::ldl_scheduled_solve(schedule, numbers(L_.data()), numbers(D_.data()), numbers(correction_.data()));
-  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+  if (open.any()) correct(open);
 }
 
 template <class S>
@@ -550,9 +565,9 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   linearise(scene, first);
   std::fill(w_.begin(), w_.end(), S(0));
   for (int l = 0; l < W; ++l) {
-    const Robot& robot = scene.robots[islands[std::min<std::size_t>(l, islands.size() - 1)]->robots.front()];
-    for (int i = 0; i < nv; ++i) dq_[i].set(l, job.in[0][robot.idx_v + i]);
-    for (int i = 0; i < nv; ++i) dv_[i].set(l, job.in[1][robot.idx_v + i]);
+    const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
+    load_lane(l, job.in[0] + robot.idx_v, dq_);
+    load_lane(l, job.in[1] + robot.idx_v, dv_);
     for (int i = none; i < nv; ++i) w_[i].set(l, job.in[2][robot.idx_u + i - none]);
   }
   tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
@@ -564,27 +579,15 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
     VecX<S>& dr2 = contact_scratch_[k];
     Vec6<S> dF;
     contact_tangent<S>(contact, rows, body(contact.A), body(contact.B), contact_f_[k], dr2, dF);
-    const Vec6<S> F = rows.W.transpose() * contact_f_[k];
-    fext_[contact.A.joint] += rows.aMA.act_force(F);
-    dfext_[contact.A.joint] += rows.aMA.act_force(dF);
-    if (contact.B.robot >= 0) {
-      fext_[contact.B.joint] -= rows.bMA.act_force(F);
-      dfext_[contact.B.joint] -= rows.bMA.act_force(dF);
-    }
-    for (Eigen::Index i = 0; i < dr2.size(); ++i) b_[p.iperm[nv + first.row_offset[k] + i]] = -dr2[i];
+    add_force<S>(contact, rows, rows.W.transpose() * contact_f_[k], fext_);
+    add_force<S>(contact, rows, dF, dfext_);
+    for (Eigen::Index i = 0; i < dr2.size(); ++i) b_[rows_of(k)[i]] = -dr2[i];
   }
   tangent_torques<S>(*model_, kin_, body_, fext_, dfext_, f_, df_, dq_.data());
   for (int i = 0; i < nv; ++i) b_[p.iperm[i]] = w_[i] - dq_[i];
   solve_once_refined();
-  for (std::size_t l = 0; l < islands.size(); ++l) {
-    const Island& island = *islands[l];
-    double* da = job.out[0] + scene.robots[island.robots.front()].idx_v;
-    for (int i = 0; i < nv; ++i) da[i] = x_[p.iperm[i]][static_cast<int>(l)];
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)  // x = [da; -df]
-        job.out[1][job.f_offset[island.contacts[k]] + i] =
-            -x_[p.iperm[nv + first.row_offset[k] + i]][static_cast<int>(l)];
-  }
+  for (std::size_t l = 0; l < islands.size(); ++l)  // x = [da; -df]
+    scatter(scene, job.f_offset, *islands[l], static_cast<int>(l), job.out[0], job.out[1]);
 }
 
 template <class S>
@@ -596,12 +599,12 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
   load_solution(job, islands);
   linearise(scene, first);
   for (int l = 0; l < W; ++l) {
-    const Island& island = *islands[std::min<std::size_t>(l, islands.size() - 1)];
+    const Island& island = in_lane(islands, l);
     const double* wa = job.in[0] + scene.robots[island.robots.front()].idx_v;
     for (int i = 0; i < nv; ++i) b_[p.iperm[i]].set(l, wa[i]);
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
-        b_[p.iperm[nv + first.row_offset[k] + i]].set(l, -job.in[1][job.f_offset[island.contacts[k]] + i]);
+        b_[rows_of(k)[i]].set(l, -job.in[1][job.f_offset[island.contacts[k]] + i]);
   }
   solve_once_refined();  // l = K^-1 [wa; -wf]
   for (int i = 0; i < nv; ++i) w_[i] = x_[p.iperm[i]];
@@ -612,7 +615,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = scene.contacts[first.contacts[k]];
     VecX<S>& l = contact_scratch_[k];
-    for (Eigen::Index i = 0; i < l.size(); ++i) l[i] = x_[p.iperm[nv + first.row_offset[k] + i]];
+    for (Eigen::Index i = 0; i < l.size(); ++i) l[i] = x_[rows_of(k)[i]];
     BodyVariationOf<S> nobody{zero, zero, zero, zero};
     const bool between = contact.B.robot >= 0;
     contact_adjoint<S>(contact, contacts_[k], u_[contact.A.joint], between ? u_[contact.B.joint] : zero, contact_f_[k],
