@@ -274,7 +274,8 @@ TEST_F(Batch, TheSameBytesFromTwoProcesses) {
       "frame=\"herd/RH_foot\"/>"
       "<contact name=\"hold\" type=\"6d\" frame=\"herd0/RF_foot\" to=\"herd3/LH_foot\"/>"
       "<contact name=\"off\" type=\"3d\" frame=\"herd1/RF_foot\" to=\"herd4/LH_foot\" active=\"false\"/>"
-      "<contact name=\"push\" type=\"3d\" frame=\"arm/tool\" to=\"box/face_back\"/>",
+      "<contact name=\"push\" type=\"3d\" frame=\"arm/tool\" to=\"box/face_back\"/>"
+      "<contact name=\"lean\" type=\"3d\" frame=\"arm/base\" to=\"herd1/RF_foot\"/>",
       "gravity=\"0 1 -9\"");
   for (const std::string& of : {herd, model("two_humanoids_carry_beam.xml")}) {
     states(of, 37, {3, 30});

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "manycontact/sparse/union_find.hpp"
+
 namespace manycontact::cli {
 
 namespace {
@@ -18,14 +20,27 @@ void append(std::vector<Segment>& list, int whole, int own, int count) {
 struct Members {
   std::vector<int> robots, contacts;
 };
-Members members_of(const std::vector<Island>& islands, int number, int parts) {
+Members members_of(const Scene& scene, const std::vector<Island>& islands, int number, int parts) {
   std::int64_t total = 0, before = 0;
   for (const Island& island : islands) total += island.size();
+  // a contact needs both its robots in the scene, also one on whose standing base it is and that it does not join
+  const int count = static_cast<int>(islands.size());
+  std::vector<int> memory(count), island_of(scene.robots.size()), part(count);
+  sparse::UnionFind neighbours(memory);
+  for (int i = 0; i < count; ++i)
+    for (int r : islands[i].robots) island_of[r] = i;
+  for (int i = 0; i < count; ++i)
+    for (int c : islands[i].contacts)
+      for (const Attachment* at : {&scene.contacts[c].A, &scene.contacts[c].B})
+        if (at->robot >= 0) neighbours.join(i, island_of[at->robot]);
   Members out;
-  for (const Island& island : islands) {
-    // the part in which the island's middle lies
+  for (int i = 0; i < count; ++i) {
+    const Island& island = islands[i];
+    // the part in which the island's middle lies, or that of the first one it belongs to
     const std::int64_t middle = 2 * before + island.size();
-    if (total > 0 && std::min<std::int64_t>(middle * parts / (2 * total), parts - 1) == number) {
+    part[i] = total > 0 ? static_cast<int>(std::min<std::int64_t>(middle * parts / (2 * total), parts - 1)) : -1;
+    part[i] = part[neighbours.root(i)];
+    if (part[i] == number) {
       out.robots.insert(out.robots.end(), island.robots.begin(), island.robots.end());
       out.contacts.insert(out.contacts.end(), island.contacts.begin(), island.contacts.end());
     }
@@ -41,7 +56,7 @@ Members members_of(const std::vector<Island>& islands, int number, int parts) {
 ScenePart part_of(const Scene& scene, int number, int parts) {
   std::vector<char> active;
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  const Members members = members_of(find_islands(scene, active), number, parts);
+  const Members members = members_of(scene, find_islands(scene, active), number, parts);
   ScenePart part;
   part.scene.name = scene.name;
   part.scene.gravity = scene.gravity;
