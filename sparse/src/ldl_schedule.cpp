@@ -28,6 +28,16 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
+void list_rows(const LdlSymbolic& s, LdlSchedule& out) {
+  out.row.assign(s.n + 1, 0);
+  for (int row : s.Li) ++out.row[row + 1];
+  for (int k = 0; k < s.n; ++k) out.row[k + 1] += out.row[k];
+  out.entries.resize(s.Li.size());
+  std::vector<int> next(out.row.begin(), out.row.end() - 1);
+  for (int j = 0; j < s.n; ++j)
+    for (int slot = s.Lp[j]; slot < s.Lp[j + 1]; ++slot) out.entries[next[s.Li[slot]]++] = {j, slot};
+}
+
 // The rows below a block, all of them rows of block T (its own first, then those below it), from row `begin` on.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
@@ -49,8 +59,9 @@ void find_targets(const int* rows, int begin, int count, const int* T_rows, int 
 }  // namespace
 
 std::size_t LdlSchedule::bytes() const {
-  return sizeof(int) * (diagonal.size() + from.size() + to.size() + Lp.size() + block.size() + run.size()) +
-         sizeof(Run) * runs.size() + sizeof(Target) * targets.size();
+  return sizeof(int) *
+             (diagonal.size() + from.size() + to.size() + Lp.size() + block.size() + run.size() + row.size()) +
+         sizeof(Run) * runs.size() + sizeof(Target) * targets.size() + sizeof(Entry) * entries.size();
 }
 
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) {
@@ -82,6 +93,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) {
     out.run.push_back(static_cast<int>(out.runs.size()));
   }
   place_entries(A, s, out);
+  list_rows(s, out);
   out.Lp = s.Lp;
   out.compiled = true;
   return out;

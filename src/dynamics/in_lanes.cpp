@@ -19,6 +19,7 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   d.factor = nullptr;
   d.in_lanes = true;
   d.panel_is_safe = answer.panel_is_safe;
+  d.refine_panel = answer.refine_panel;
 }
 
 // use(kernel), with w.lanes.islands and numbers, for as many islands at a time as stand side by side, of those that
@@ -54,7 +55,8 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   lanes::Groups& g = w.lanes;
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene, w.q.data(), data.v.data(), data.tau.data(), data.f_offset, data.a.data(), data.f.data()};
+  const lanes::Job job{scene,           w.solves + 1,  w.q.data(),    data.v.data(),
+                       data.tau.data(), data.f_offset, data.a.data(), data.f.data()};
   each_in_lanes(
       scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
       [&](lanes::Kernel& kernel) {
@@ -67,15 +69,15 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
 
 void differentiate_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  lanes::DerivativeJob job{scene, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
+  lanes::DerivativeJob job{
+      scene, data.serial, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
   each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) {
     w.lanes.panels.clear();
     for (int i : w.lanes.numbers) {
       IslandDerivatives& out = w.derivatives.islands[i];
       job.request = out.request;
       job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
-      out.X.rightCols(out.X.cols() - out.cols).setZero();  // all was NaN after a failure
-      w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols())});
+      w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel});
     }
     kernel.differentiate(job, w.lanes.islands, w.lanes.panels);
   });
@@ -84,15 +86,15 @@ void differentiate_in_lanes(const Scene& scene, SceneData& data) {
 void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
                   double* df) {
   Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(), data.a.data(),
-                              data.f.data(), data.f_offset, {dq, dv, du},  {da, df, nullptr}};
+  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
+                              data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
   each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.jvp(job, w.lanes.islands); });
 }
 
 void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
                   double* wu) {
   Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         w.q.data(),    data.v.data(),     data.a.data(),
+  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
   each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.vjp(job, w.lanes.islands); });
 }

@@ -60,6 +60,7 @@ struct IslandWork {
   Factor* factor = nullptr;                     // the one that answered; null: none did
   bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
   bool panel_is_safe = false;                   // and its derivatives may come from there too
+  bool refine_panel = false;                    // refined once
   bool served_in_lanes() const { return in_lanes && panel_is_safe; }
   double first_error = 0;      // backward error before refinement
   double last_error = 0;       // and after it

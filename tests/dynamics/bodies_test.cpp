@@ -71,7 +71,9 @@ TEST(Bodies, DerivativesAgreeWithSparseLdl) {
     jvp(s.scene, y, dq, dv, du, da2, df2);
     const auto near = [&](const VectorXd& a, const VectorXd& b, const char* what) {
       ASSERT_TRUE(a.allFinite()) << trial << what;
-      if (b.size() > 0) EXPECT_LE((a - b).cwiseAbs().maxCoeff(), tolerance * b.cwiseAbs().maxCoeff()) << trial << what;
+      if (b.size() > 0) {
+        EXPECT_LE((a - b).cwiseAbs().maxCoeff(), tolerance * b.cwiseAbs().maxCoeff()) << trial << what;
+      }
     };
     near(da, da2, " jvp a"), near(df, df2, " jvp f");
     VectorXd wq(s.scene.nv), wv = wq, wu(s.scene.nu), wq2 = wq, wv2 = wq, wu2 = wu;

@@ -3,6 +3,7 @@
 // The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do
 // not depend on its lane, nor on who stands beside it.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -12,9 +13,10 @@
 
 namespace manycontact::lanes {
 
-/// What is solved, and where the answers go, in the scene's coordinates.
+/// What is solved, and where the answers go, in the scene's coordinates. serial: of the solution, in all jobs.
 struct Job {
   const Scene& scene;
+  std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;  // per contact
   double *a, *f;                     // the islands' parts are written where the answer is sound
@@ -23,11 +25,13 @@ struct Job {
 /// Derivatives of one island at the answer: X as IslandDerivatives has it, laid out for `request`.
 struct Panel {
   double* X;
-  int ld;
+  int ld;       // a multiple of 8
+  bool refine;  // once
 };
 /// What is differentiated: the solution, and where q, v, u begin among the columns.
 struct DerivativeJob {
   const Scene& scene;
+  std::uint64_t serial;
   const double *q, *v, *a, *f;
   const std::vector<int>& f_offset;
   DerivativeRequest request;
@@ -38,6 +42,7 @@ struct DerivativeJob {
 /// vjp: wa, wf to wq, wv, wu.
 struct ProductJob {
   const Scene& scene;
+  std::uint64_t serial;
   const double *q, *v, *a, *f;
   const std::vector<int>& f_offset;
   const double* in[3];
@@ -49,10 +54,13 @@ struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
-  bool panel_is_safe = false;  // derivatives by the same factor need no refinement (dynamics/solve_panel.cpp)
+  // Of derivatives by the same factor (dynamics/solve_panel.cpp): whether nothing has to judge them, and whether they
+  // are refined once.
+  bool panel_is_safe = false, refine_panel = false;
 };
 
-/// Solves islands of one shape whose robots have one model. Holds the scratch memory of it, and nothing between calls.
+/// Solves islands of one shape whose robots have one model. Between calls it holds the terms of the islands last met:
+/// where the next call is about the same ones at the same solution, kinematics and factor are taken from there.
 class Kernel {
  public:
   virtual ~Kernel() = default;
@@ -62,7 +70,7 @@ class Kernel {
   /// islands: one, or after `widen` as many as fit side by side, alike to the first (`alike`). By LDL of K in the
   /// pattern's order.
   virtual void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) = 0;
-  /// The islands' derivatives, of answers that were sound and whose panels are safe.
+  /// The islands' derivatives, of answers that were sound and whose panels are safe. One layout of X for all.
   virtual void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                              std::span<const Panel> panels) = 0;
   /// Products with these derivatives, refined once (dynamics/jvp.cpp).

@@ -64,13 +64,16 @@ class SideBySide {
 
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  /// Of a panel at a time: a multiple of W, few enough that they stay in the first cache.
+  static constexpr int kColumns = W == 1 ? 4 * sparse::kernel::kRegister : 8;
 
-  void find_reach();
+  void find_places();
   template <class Job>
   void load_state(const Job& job, std::span<const Island* const> islands);
   void load(const Job& job, std::span<const Island* const> islands);
+  void keep(std::uint64_t serial, std::span<const Island* const> islands);
   template <class Job>
-  void load_solution(const Job& job, std::span<const Island* const> islands);
+  void linearise(const Job& job, std::span<const Island* const> islands);
   void evaluate(const Scene& scene, const Island& island);
   void evaluate_rows(const Scene& scene, const Island& island);
   void assemble(double damping);
@@ -85,13 +88,15 @@ class SideBySide {
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Island& island, int lane, double* a,
                double* f) const;
-  void linearise(const Scene& scene, const Island& island);
   void derivative_terms(const Scene& scene, const Island& island);
   void solve_once_refined();
   BodyVariationOf<S> body(const Attachment& at) const;
-  template <class Fill>
-  void solve_columns(int first, int count, const std::vector<std::vector<int>>& reach, std::span<const Panel> panels,
-                     Fill&& fill);
+  using Panels = Eigen::Map<Columns>;
+  void find_reach(const DerivativeJob& job, int ld);
+  void right_sides(const DerivativeJob& job, Panels& X);
+  void solve_panels(Panels& X);
+  void store(const Panels& X, std::span<const Panel> panels) const;
+  void refine_panel(int lane, const Panels& B, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
@@ -100,6 +105,9 @@ class SideBySide {
   std::shared_ptr<const KktPattern> pattern_;
   std::vector<ContactSupport> supports_;
   std::vector<int> row_offset_;  // per contact
+
+  std::uint64_t serial_ = 0;  // the solution and the islands that kinematics, M, K, L, D are of
+  std::vector<const Island*> kept_;
 
   VecX<S> q_, v_, tau_, h_;
   SE3<S> base_;
@@ -122,14 +130,15 @@ class SideBySide {
   std::vector<Vec6<S>> fext_;
   RneaDerivativesOf<S> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
-  std::vector<std::vector<int>> reach_;    // per coordinate: rows of K that its columns of q and v are not zero in
-  std::vector<std::vector<int>> itself_;   // per coordinate: its own row
-  std::vector<BodyVariationOf<S>> body_;   // products: tangents, or adjoints
+  std::vector<std::vector<int>> columns_;    // per contact: its coordinates
+  std::vector<std::pair<int, int>> places_;  // of -dr/dq, -dr/dv: where they are not zero
+  DerivativeRequest request_;                // that reach_ is of
+  std::vector<char> reach_, nonzero_;        // per row of K, in the pattern's order; reach_: for each chunk of columns
+  std::vector<S> X_;                         // the panels side by side, where there are several
+  std::vector<double> Lx_, Dx_, Kx_, R_;     // one lane's L, D, K, and the residual of its panel
+  std::vector<BodyVariationOf<S>> body_;     // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
-  Columns X_;  // size x nv: one block of columns
-  std::vector<char> nonzero_;
 };
 
 template <class S>
@@ -139,6 +148,7 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       pattern_(std::move(pattern)),
       supports_(support.contacts),
       row_offset_(island.row_offset),
+      kept_(W),
       q_(model_->nq),
       v_(model_->nv),
       tau_(model_->nv),
@@ -161,17 +171,17 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       fext_(model_->njoints()),
       rnea_(*model_),
       columns_(support.columns),
-      reach_(model_->nv),
-      itself_(model_->nv),
+      nonzero_(pattern_->size()),
+      Lx_(L_.size()),
+      Dx_(D_.size()),
+      Kx_(K_.size()),
       body_(model_->njoints()),
       u_(model_->njoints()),
       dfext_(model_->njoints()),
       df_(model_->njoints()),
       dq_(model_->nv),
       dv_(model_->nv),
-      w_(model_->nv),
-      X_(Columns::Zero(pattern_->size(), model_->nv)),
-      nonzero_(pattern_->size()) {
+      w_(model_->nv) {
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     contacts_.emplace_back(contact, supports_[k]);
@@ -179,31 +189,30 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
     contact_f_.emplace_back(contact.rows());
     contact_scratch_.emplace_back(contact.rows());
   }
-  find_reach();
+  find_places();
 }
 
-/// A coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
+/// Rows of a coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
 template <class S>
-void SideBySide<S>::find_reach() {
+void SideBySide<S>::find_places() {
   const int nv = model_->nv;
-  for (int i = 0; i < nv; ++i) {
-    itself_[i] = {pattern_->iperm[i]};
-    for (int j = i; j >= 0; j = model_->dof_parent[j]) {
-      reach_[i].push_back(pattern_->iperm[j]);
-      if (j != i) reach_[j].push_back(pattern_->iperm[i]);
-    }
-  }
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> places;
+  places.setZero(pattern_->size(), nv);
+  for (int i = 0; i < nv; ++i)
+    for (int j = i; j >= 0; j = model_->dof_parent[j]) places(i, j) = places(j, i) = true;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::vector<int> rows(rows_of(k), rows_of(k) + contacts_[k].a0.size());
     const ContactDerivativesOf<S>& terms = contact_terms_[k];
     for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
       for (int i : *chain) {
-        reach_[i].insert(reach_[i].end(), rows.begin(), rows.end());
+        places.col(i).segment(nv + row_offset_[k], contacts_[k].a0.size()).setOnes();
         // a force on one of two bodies moves with the other
         for (const std::vector<int>* other : {&terms.chain_a, &terms.chain_b})
-          for (int j : *other) reach_[i].push_back(pattern_->iperm[j]);
+          for (int j : *other) places(j, i) = true;
       }
   }
+  for (int i = 0; i < places.rows(); ++i)
+    for (int j = 0; j < nv; ++j)
+      if (places(i, j)) places_.emplace_back(i, j);
 }
 
 template <class S>
@@ -211,6 +220,7 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   const Scene& scene = job.scene;
   const Island& first = *islands.front();
   load(job, islands);
+  keep(job.serial, islands);
   evaluate(scene, first);
   assemble(scene.damping);
   assemble_right_side();
@@ -398,8 +408,7 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
     terms = larger(pivot_terms_[k], terms);
     diagonal = larger(abs(K_[p.K.p[k + 1] - 1]), diagonal);
   }
-  const Mask safe = (terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal) &
-                    (first_error_ <= S(tolerance::kRefinePanel));
+  const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal;
   const S growth = select(diagonal > S(0), terms / diagonal, S(1));
   const Mask sound = usable_ & (growth <= S(std::numeric_limits<double>::max()));
   for (std::size_t l = 0; l < islands.size(); ++l) {
@@ -408,6 +417,7 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
     answer.sound = sound[lane];
     if (!answer.sound) continue;
     answer.panel_is_safe = safe[lane];
+    answer.refine_panel = first_error_[lane] > tolerance::kRefinePanel;
     answer.refinement_steps = static_cast<int>(steps_[lane]);
     answer.backward_error = backward_error_[lane];
     answer.residual_dynamics = r[0][lane] == 0 ? 0 : r[0][lane] / scale[0][lane];
@@ -435,55 +445,48 @@ template <class S>
 void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                                   std::span<const Panel> panels) {
   const Island& first = *islands.front();
-  const int nv = model_->nv;
-  load_solution(job, islands);
-  linearise(job.scene, first);
+  linearise(job, islands);
   derivative_terms(job.scene, first);
-  const auto rows = [&](std::size_t k) { return X_.middleRows(nv + row_offset_[k], contacts_[k].a0.size()); };
-  if (job.request.q)
-    solve_columns(job.q_first, nv, reach_, panels, [&] {
-      internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), X_.topRows(nv));
-      for (std::size_t k = 0; k < contacts_.size(); ++k) {
-        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k));
-        internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k));
-        internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, X_.topRows(nv));
-      }
-    });
-  if (job.request.v)
-    solve_columns(job.v_first, nv, reach_, panels, [&] {
-      internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X_.topRows(nv));
-      for (std::size_t k = 0; k < contacts_.size(); ++k)
-        internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k));
-    });
-  if (job.request.u) {
-    const int none = job.request.tau ? 0 : model_->first_actuated();
-    solve_columns(job.u_first, nv - none, itself_, panels, [&] {
-      for (int i = none; i < nv; ++i) X_(i, i - none) = S(1);
-    });
-  }
+  find_reach(job, panels.front().ld);
+  Panels X(X_.data(), pattern_->size(), panels.front().ld);
+  right_sides(job, X);
+  solve_panels(X);
+  store(X, panels);
+  if (std::none_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) return;
+  right_sides(job, X);
+  for (std::size_t l = 0; l < panels.size(); ++l)
+    if (panels[l].refine) refine_panel(static_cast<int>(l), X, panels[l]);
 }
 
 template <class S>
+void SideBySide<S>::keep(std::uint64_t serial, std::span<const Island* const> islands) {
+  serial_ = serial;
+  kept_.assign(islands.begin(), islands.end());
+}
+
+/// Motions and contact rows at the solution, K and its factor.
+template <class S>
 template <class Job>
-void SideBySide<S>::load_solution(const Job& job, std::span<const Island* const> islands) {
-  load_state(job, islands);
+void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> islands) {
+  const Island& first = *islands.front();
+  const bool kept = serial_ == job.serial && std::equal(kept_.begin(), kept_.end(), islands.begin(), islands.end());
+  if (!kept) {
+    load_state(job, islands);
+    keep(job.serial, islands);
+    forward_kinematics<S>(*model_, base_, q_, kin_);
+    crba<S>(*model_, kin_, Yc_, M_.data());
+    internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
+  }
   for (int l = 0; l < W; ++l) {
     const Island& island = in_lane(islands, l);
     load_lane(l, job.a + job.scene.robots[island.robots.front()].idx_v, a_);
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       load_lane(l, job.f + job.f_offset[island.contacts[k]], contact_f_[k]);
   }
-}
-
-/// Motions and contact rows at the solution, K and its factor.
-template <class S>
-void SideBySide<S>::linearise(const Scene& scene, const Island& island) {
-  forward_kinematics<S>(*model_, base_, q_, kin_);
-  forward_accelerations<S>(*model_, v_, a_.data(), scene.gravity, kin_);
-  crba<S>(*model_, kin_, Yc_, M_.data());
-  internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
-  evaluate_rows(scene, island);
-  assemble(scene.damping);
+  forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
+  evaluate_rows(job.scene, first);
+  if (kept) return;
+  assemble(job.scene.damping);
   factor();
 }
 
@@ -504,38 +507,98 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
   }
 }
 
-/// Columns first ... first+count-1 of the panels: filled, solved, stored as [da; df].
+/// Rows of the right-hand sides that are not zero, for each chunk of columns; and memory.
 template <class S>
-template <class Fill>
-void SideBySide<S>::solve_columns(int first, int count, const std::vector<std::vector<int>>& reach,
-                                  std::span<const Panel> panels, Fill&& fill) {
-  constexpr int kChunk = W == 1 ? 4 * sparse::kernel::kRegister : sparse::kernel::kColumns<S>;
-  const int nv = model_->nv, ld = nv, skipped = nv - count;
-  X_.setZero();
-  fill();
-  for (int c = 0; c < count; c += kChunk) {
-    const int cols = std::min(kChunk, count - c);
-    std::fill(nonzero_.begin(), nonzero_.end(), 0);
-    for (int k = c; k < c + cols; ++k)
-      for (int row : reach[k + skipped]) nonzero_[row] = 1;
-    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
-                                      pattern_->perm.data(), numbers(X_.data()), ld, c, cols, nonzero_.data());
+void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
+  const int size = pattern_->size(), chunks = (ld + kColumns - 1) / kColumns;
+  if (request_ == job.request && reach_.size() == static_cast<std::size_t>(chunks) * size) return;
+  X_.resize(static_cast<std::size_t>(size) * ld);
+  R_.resize(X_.size());
+  reach_.assign(static_cast<std::size_t>(chunks) * size, 0);
+  const auto reach = [&](int row, int column) { reach_[column / kColumns * size + pattern_->iperm[row]] = 1; };
+  for (const auto& [i, j] : places_) {
+    if (job.request.q) reach(i, job.q_first + j);
+    if (job.request.v) reach(i, job.v_first + j);
   }
-  for (std::ptrdiff_t row = 0; row < X_.rows(); ++row) {
-    const S* from = X_.data() + row * ld;
-    const double sign = row < nv ? 1 : -1;
-    int c = 0;
-    for (; c + W <= count; c += W) {  // W columns of W islands
-      S block[W];
-      for (int k = 0; k < W; ++k) block[k] = from[c + k] * S(sign);
-      transpose(block);
-      for (std::size_t l = 0; l < panels.size(); ++l)
-        std::memcpy(panels[l].X + row * panels[l].ld + first + c, &block[l], sizeof(S));
+  const int none = job.request.tau ? 0 : model_->first_actuated();
+  for (int i = none; job.request.u && i < model_->nv; ++i) reach(i, job.u_first + i - none);
+  request_ = job.request;
+}
+
+/// X = [-dr/dq -dr/dv S], S selecting the torques.
+template <class S>
+void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
+  const int nv = model_->nv;
+  X.setZero();
+  const auto rows = [&](std::size_t k, int first) {
+    return X.block(nv + row_offset_[k], first, contacts_[k].a0.size(), nv);
+  };
+  if (job.request.q) {
+    auto top = X.block(0, job.q_first, nv, nv);
+    internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k, job.q_first));
+      internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k, job.q_first));
+      internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, top);
     }
-    for (; c < count; ++c)
-      for (std::size_t l = 0; l < panels.size(); ++l)
-        panels[l].X[row * panels[l].ld + first + c] = sign * from[c][static_cast<int>(l)];
   }
+  if (job.request.v) {
+    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X.block(0, job.v_first, nv, nv));
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
+  }
+  const int none = job.request.tau ? 0 : model_->first_actuated();
+  for (int i = none; job.request.u && i < nv; ++i) X(i, job.u_first + i - none) = S(1);
+}
+
+/// X <- K^-1 X
+template <class S>
+void SideBySide<S>::solve_panels(Panels& X) {
+  const int size = pattern_->size(), ld = static_cast<int>(X.cols());
+  for (int c = 0; c < ld; c += kColumns) {
+    std::copy_n(reach_.begin() + c / kColumns * size, size, nonzero_.begin());
+    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
+                                      pattern_->perm.data(), numbers(X.data()), ld, c, std::min(kColumns, ld - c),
+                                      nonzero_.data());
+  }
+}
+
+/// [da; df] of each lane: X, its rows of forces with the other sign.
+template <class S>
+void SideBySide<S>::store(const Panels& X, std::span<const Panel> panels) const {
+  for (std::ptrdiff_t row = 0; row < X.rows(); ++row) {
+    const S* from = X.data() + row * X.cols();
+    const S sign = row < model_->nv ? S(1) : S(-1);
+    const auto to = [&](std::size_t lane) { return panels[lane].X + row * X.cols(); };
+    if constexpr (W == 1) {
+      for (int c = 0; c < X.cols(); ++c) to(0)[c] = from[c].v * sign.v;
+    } else {
+      for (int c = 0; c < X.cols(); c += W) {  // W columns of W lanes
+        S block[W];
+        for (int k = 0; k < W; ++k) block[k] = from[c + k] * sign;
+        transpose(block);
+        for (std::size_t l = 0; l < panels.size(); ++l) std::memcpy(to(l) + c, &block[l], sizeof(S));
+      }
+    }
+  }
+}
+
+/// X += K^-1 (B - K X) for one lane's panel (kkt/factor/refined.cpp).
+template <class S>
+void SideBySide<S>::refine_panel(int lane, const Panels& B, const Panel& panel) {
+  const auto take = [lane](const S* from, std::vector<double>& to) {
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k][lane];
+  };
+  take(L_.data(), Lx_), take(D_.data(), Dx_), take(K_.data(), Kx_), take(B.data(), R_);
+  const std::size_t forces = static_cast<std::size_t>(model_->nv) * panel.ld;
+  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
+  const int* perm = pattern_->perm.data();
+  sparse::residual_panel(pattern_->K, Kx_.data(), perm, panel.X, R_.data(), panel.ld, panel.ld);
+  std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  sparse::ldl_scheduled_solve_panel(pattern_->schedule(), Lx_.data(), Dx_.data(), perm, R_.data(), panel.ld, 0,
+                                    panel.ld, nonzero_.data());
+  for (std::size_t k = 0; k < R_.size(); ++k) panel.X[k] += R_[k];
+  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
 }
 
 // ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------
@@ -561,8 +624,7 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   const Island& first = *islands.front();
   const KktPattern& p = *pattern_;
   const int nv = model_->nv, none = model_->first_actuated();
-  load_solution(job, islands);
-  linearise(scene, first);
+  linearise(job, islands);
   std::fill(w_.begin(), w_.end(), S(0));
   for (int l = 0; l < W; ++l) {
     const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
@@ -596,8 +658,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
   const Island& first = *islands.front();
   const KktPattern& p = *pattern_;
   const int nv = model_->nv, none = model_->first_actuated();
-  load_solution(job, islands);
-  linearise(scene, first);
+  linearise(job, islands);
   for (int l = 0; l < W; ++l) {
     const Island& island = in_lane(islands, l);
     const double* wa = job.in[0] + scene.robots[island.robots.front()].idx_v;

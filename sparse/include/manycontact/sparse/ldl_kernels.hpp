@@ -98,9 +98,9 @@ requires(N > 1) struct Tile<double, N> {
   }
   static Vector at(const double* x, int k) { return *reinterpret_cast<const Vector*>(x + kWidth * k); }
   static Vector all(double s) {
-    Vector v = {};
-    for (int i = 0; i < kWidth; ++i) v[i] = s;
-    return v;
+    if constexpr (kWidth == 2) return Vector{s, s};
+    if constexpr (kWidth == 4) return Vector{s, s, s, s};
+    if constexpr (kWidth == 8) return Vector{s, s, s, s, s, s, s, s};  // a loop would not become one instruction
   }
 
   static Tile load(const double* x) {
@@ -265,37 +265,31 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
   }
 }
 
-/// Columns of a panel at a time, as many as registers hold.
+/// Columns of a panel at a time.
 template <class V>
-inline constexpr int kColumns = 4;
+inline constexpr int kColumns = 8;
 template <>
 inline constexpr int kColumns<double> = 8 * kRegister;
 
-/// One chunk of N columns of ldl_scheduled_solve_panel.
+/// One chunk of N columns of ldl_scheduled_solve_panel: each row takes all it needs before it is stored.
 template <int N, class V>
 void sweep(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, long ld, const char* nonzero) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   const auto at = [&](int k) { return X + row[k] * ld; };
-  V* own[LdlSchedule::kWidest];
-  for (int k = 0; k < schedule.blocks(); ++k) {  // X = L \ X
-    const int first = block[k], width = block[k + 1] - first;
-    const int step = width + Lp[block[k + 1]] - Lp[block[k + 1] - 1] - 2;
-    int zeros = 0;  // the block's first rows
-    while (zeros < width && !nonzero[first + zeros]) ++zeros;
-    for (int c = zeros; c < width; ++c) own[c] = at(first + c);
-    const auto subtract_from = [&](V* y, int local, int columns) {
-      auto t = Tile<V, N>::load(y);
-      const V* l = Lx + Lp[first] + local - 1 + zeros * step - zeros * (zeros - 1) / 2;
-      for (int c = zeros; c < columns; l += step - c, ++c) t.add(-*l, own[c]);
-      t.store(y);
-    };
-    for (int a = zeros + 1; a < width; ++a) subtract_from(own[a], a, a);
-    if (zeros == width) continue;
-    for (int r = run[k]; r < run[k + 1]; ++r)
-      for (int b = runs[r].begin; b < runs[r].end; ++b)
-        subtract_from(at(runs[r].row + b - runs[r].begin), width + b, width);
+  const LdlSchedule::Entry* entry = schedule.entries.data();
+  for (int k = 0; k < schedule.n; ++k) {  // X = L \ X
+    const LdlSchedule::Entry* end = schedule.entries.data() + schedule.row.data()[k + 1];
+    if (nonzero[k] && entry != end) {
+      V* x = at(k);
+      auto t = Tile<V, N>::load(x);
+      for (; entry != end; ++entry)
+        if (nonzero[entry->column]) t.add(-Lx[entry->slot], at(entry->column));
+      t.store(x);
+    }
+    entry = end;
   }
+  V* own[LdlSchedule::kWidest];
   for (int k = schedule.blocks() - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
     const int first = block[k], width = block[k + 1] - first;
     for (int c = width - 1; c >= 0; --c) {

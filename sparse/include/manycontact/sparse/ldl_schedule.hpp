@@ -30,6 +30,10 @@ struct LdlSchedule {
   struct Target {
     int begin, end, shift;
   };
+  /// An entry of a row of L: Lx[slot] = L_row,column.
+  struct Entry {
+    int column, slot;
+  };
   static constexpr int kWidest = 32;  // columns of a block: wider ones are cut
 
   int n = 0;
@@ -41,6 +45,8 @@ struct LdlSchedule {
   std::vector<int> run;       // and runs[run[k]] ... runs[run[k+1]-1]
   std::vector<Run> runs;
   std::vector<Target> targets;
+  std::vector<int> row;        // row k of L: entries[row[k]] ... entries[row[k+1]-1], by column
+  std::vector<Entry> entries;  // for panels, where a row of L x takes all it needs at once
 
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;
