@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "manycontact/action.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
@@ -16,7 +18,7 @@ struct Action {
   Eigen::VectorXd x, u;
 
   // No costs, as the peers' figures were taken; with `sparse` only the sparse twins are filled.
-  Action(const SceneFile& s, bool sparse) {
+  Action(const Posed& s, bool sparse) {
     auto state = std::make_shared<StateMultibody>(s.scene);
     auto actuation = std::make_shared<ActuationModelFloatingBase>(state);
     const std::size_t nu = actuation->get_nu();
@@ -32,12 +34,12 @@ struct Action {
   }
 };
 
-void action_calc(benchmark::State& state, const SceneFile& s) {
+void action_calc(benchmark::State& state, const Posed& s) {
   Action a(s, false);
   for (auto _ : state) a.model->calc(a.data, a.x, a.u);
 }
 
-void action_calc_diff(benchmark::State& state, const SceneFile& s, bool sparse) {
+void action_calc_diff(benchmark::State& state, const Posed& s, bool sparse) {
   Action a(s, sparse);
   for (auto _ : state) a.model->calcDiff(a.data, a.x, a.u);
 }
@@ -57,19 +59,18 @@ void redundant(const std::string& name, const std::string& path) {
   benchmark::RegisterBenchmark(("redundant/" + name + "/damped").c_str(), solve_with_damping, s, 1e-6);
 }
 
-const bool registered = [] {
+const Registration registered([] {
   const std::string source = MANYCONTACT_SOURCE_DIR;
   redundant("feet_on_corners", source + "/models/feet_on_corners.xml");
   redundant("anymal_loop", source + "/../shared/golden/anymal_loop_redundant.xml");
   for (int robots : {1, 16, 64}) {
     const std::string n = std::to_string(robots);
-    const SceneFile s = talos_available() ? talos(robots) : humanoids(robots, false);
+    const Posed s = bench::robots(robots);
     benchmark::RegisterBenchmark(("action/calc/" + n).c_str(), action_calc, s);
     if (robots <= 16) benchmark::RegisterBenchmark(("action/calcDiff/" + n).c_str(), action_calc_diff, s, false);
     benchmark::RegisterBenchmark(("action/calcDiff_sparse/" + n).c_str(), action_calc_diff, s, true);
   }
-  return true;
-}();
+});
 
 }  // namespace
 }  // namespace manycontact::bench

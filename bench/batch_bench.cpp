@@ -4,6 +4,7 @@
 
 #include "manycontact/dynamics/batch.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
@@ -12,7 +13,7 @@ enum class Work { kSolve, kDifferentiate, kVjp };
 
 void batch_of_states(benchmark::State& state, int robots, Work work, int threads) {
   constexpr int kStates = 64;
-  const SceneFile s = humanoids(robots, false);
+  const Posed s = bench::robots(robots);
   const Scene& scene = s.scene;
   const auto repeated = [](const Eigen::VectorXd& x) -> BatchMatrix { return x.transpose().replicate(kStates, 1); };
   const BatchMatrix q = repeated(s.q), v = repeated(s.v), u = repeated(s.u);
@@ -33,7 +34,7 @@ void batch_of_states(benchmark::State& state, int robots, Work work, int threads
       robots * kStates * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-const bool registered = [] {
+const Registration registered([] {
   const std::pair<Work, const char*> works[] = {
       {Work::kSolve, "solve"}, {Work::kDifferentiate, "differentiate"}, {Work::kVjp, "vjp"}};
   for (const auto& [work, name] : works)
@@ -46,8 +47,7 @@ const bool registered = [] {
             ->Unit(benchmark::kMicrosecond)
             ->UseRealTime();
       }
-  return true;
-}();
+});
 
 }  // namespace
 }  // namespace manycontact::bench

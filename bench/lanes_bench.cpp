@@ -1,4 +1,4 @@
-// Robots of one model in SIMD lanes, at each level of instructions that runs here: N Talos (or humanoids), separate.
+// Robots of one model in SIMD lanes, at each level of instructions that runs here: N of the measured one, separate.
 
 #include <benchmark/benchmark.h>
 
@@ -6,6 +6,7 @@
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 enum class What { kSolve, kDerivatives, kVjp };
 
 void in_lanes(benchmark::State& state, int robots, Lanes lanes, What what) {
-  const SceneFile s = talos_available() ? talos(robots) : humanoids(robots, false);
+  const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kSparseLdl, {}, lanes});
   benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
   if (what == What::kDerivatives) benchmark::DoNotOptimize(differentiate(s.scene, data));
@@ -29,7 +30,7 @@ void in_lanes(benchmark::State& state, int robots, Lanes lanes, What what) {
       benchmark::Counter(robots * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-const bool registered = [] {
+const Registration registered([] {
   std::vector<Lanes> all = lanes_here();
   all.push_back(Lanes::kOff);
   for (const Lanes lanes : all)
@@ -42,8 +43,7 @@ const bool registered = [] {
           in_lanes(s, n, lanes, what);
         })->Unit(benchmark::kMicrosecond);
       }
-  return true;
-}();
+});
 
 }  // namespace
 }  // namespace manycontact::bench

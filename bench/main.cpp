@@ -1,100 +1,140 @@
-// Runs the benchmarks, then prints the ratios that claims are judged by: times of one run on one machine, divided.
+// Runs the benchmarks of one program: a line each, and a JSON file of all.
 
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cstdio>
-#include <map>
-#include <string>
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <thread>
+
+#include "claims.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "programs/program.hpp"
+#include "settings.hpp"
+
+namespace manycontact::bench {
 
 namespace {
 
-// Prints as usual and keeps each benchmark's time: its median over repetitions where there are several.
-class KeepTimes : public benchmark::ConsoleReporter {
+// One line for a benchmark, with the least time of its repetitions.
+class KeepLeast : public benchmark::BenchmarkReporter {
  public:
+  explicit KeepLeast(bench::Run& kept) : run_(kept) {}
+
+  bool ReportContext(const Context&) override { return true; }
+
   void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs) {
-      const bool median = run.aggregate_name == "median";
-      if (run.run_type == Run::RT_Aggregate && !median) continue;
-      std::string name = run.run_name.str();
-      if (!median && times.count(name) && run.repetitions > 1) continue;
-      const bool real = name.ends_with("/real_time");  // of several threads
-      times[name] = (real ? run.GetAdjustedRealTime() : run.GetAdjustedCPUTime()) /
-                    benchmark::GetTimeUnitMultiplier(run.time_unit);
+    Result least;
+    std::string label;
+    for (const Run& r : runs) {
+      if (r.run_type == Run::RT_Aggregate) continue;
+      const double time = r.run_name.time_type.empty() ? r.GetAdjustedCPUTime() : r.GetAdjustedRealTime();
+      const double us = 1e6 * time / benchmark::GetTimeUnitMultiplier(r.time_unit);
+      if (!least.name.empty() && us >= least.us) continue;
+      least = {r.run_name.str(), us};
+      label = r.report_label;
+      for (const auto& [name, value] : r.counters) {
+        if (name == "bytes") least.bytes = value;
+        if (name == "difference") least.difference = value;
+        if (name == "skipped") least.us = 0;
+      }
     }
+    if (least.name.empty()) return;  // of the aggregates
+    if (least.us > 0) run_.results.push_back(least);
+    print(least, label);
   }
-  std::map<std::string, double> times;  // seconds
-};
 
-struct Claim {
-  const char *what, *numerator, *denominator;
-  double divide_by;  // robots
-  const char* wanted;
-};
-
-constexpr Claim kClaims[] = {
-    {"talos: scheduled LDL / ldl_numeric", "parts/talos/ldl_scheduled", "parts/talos/ldl_numeric", 1, "<= 0.5"},
-    {"talos: RNEA / ldl_numeric", "parts/talos/rnea", "parts/talos/ldl_numeric", 1, "<= 1.3"},
-    {"talos: ABA / ldl_numeric", "parts/talos/aba", "parts/talos/ldl_numeric", 1, "<= 3"},
-    {"talos: sparse-ldl solve / ldl_numeric", "parts/talos/solve", "parts/talos/ldl_numeric", 1, "<= 1.9"},
-    {"talos: RNEA derivatives / ldl_numeric", "parts/talos/rnea_derivatives", "parts/talos/ldl_numeric", 1, "<= 4.5"},
-    {"talos: all derivatives after a solve / ldl_numeric", "parts/talos/derivatives", "parts/talos/ldl_numeric", 1,
-     "<= 3.6"},
-    {"16 separate: dense-schur / sparse-ldl", "solve/separate/16/dense-schur", "solve/separate/16/sparse-ldl", 1,
-     ">= 10"},
-    {"16 separate: dense-schur / Eigen's factors and solves", "solve/separate/16/dense-schur", "eigen/separate/16", 1,
-     "<= 1.3"},
-    {"sparse-ldl per robot, 256 / 1 separate", "solve/separate/256/sparse-ldl", "solve/separate/1/sparse-ldl", 256,
-     "<= 1.3"},
-    {"16 separate: derivatives, dense-schur / sparse-ldl", "derivatives/separate/16/dense-schur",
-     "derivatives/separate/16/sparse-ldl", 1, ">= 20"},
-    {"derivatives per robot, 256 / 1 separate", "derivatives/separate/256/sparse-ldl",
-     "derivatives/separate/1/sparse-ldl", 256, "<= 1.3"},
-    {"feet on corners: redundant / damped by 1e-6", "redundant/feet_on_corners/undamped",
-     "redundant/feet_on_corners/damped", 1, "<= 1.5"},
-    {"anymal's loop: redundant / damped by 1e-6", "redundant/anymal_loop/undamped", "redundant/anymal_loop/damped", 1,
-     "<= 1.5"},
-    {"talos: action model's calc / ldl_numeric", "action/calc/1", "parts/talos/ldl_numeric", 1, "18.0 / 3.7 Crocoddyl"},
-    {"talos: action model's calcDiff / ldl_numeric", "action/calcDiff/1", "parts/talos/ldl_numeric", 1,
-     "55.9 / 3.7 Crocoddyl"},
-    {"herd of 256: solve after a contact was switched / solve", "switch/herd/256/one contact", "switch/herd/256/steady",
-     1, "<= 1.2"},
-    {"16 separate: vjp / solve", "vjp/separate/16", "solve/separate/16/auto", 1, "<= 3"},
-    {"256 in lanes (avx2): solve per robot / ldl_numeric", "lanes/avx2/256/solve", "parts/talos/ldl_numeric", 256,
-     "<= 0.6"},
-    {"256 in lanes (avx2): derivatives per robot / ldl_numeric", "lanes/avx2/256/derivatives",
-     "parts/talos/ldl_numeric", 256, "<= 1.4"},
-    {"256 in lanes (avx512): solve per robot / ldl_numeric", "lanes/avx512/256/solve", "parts/talos/ldl_numeric", 256,
-     "<= 0.6"},
-    {"256 in lanes (avx512): derivatives per robot / ldl_numeric", "lanes/avx512/256/derivatives",
-     "parts/talos/ldl_numeric", 256, "<= 1.4"},
-    {"1,024 / 16 in lanes (avx2): solve per robot", "lanes/avx2/1024/solve", "lanes/avx2/16/solve", 64, "<= 1.15"},
-    {"1,024 / 16 in lanes (avx2): derivatives per robot", "lanes/avx2/1024/derivatives", "lanes/avx2/16/derivatives",
-     64, "<= 1.15"},
-    {"64 states, solve: two threads / one", "batch/solve/separate/1/threads:2/real_time",
-     "batch/solve/separate/1/threads:1/real_time", 1, "<= 0.55"},
-    {"64 states, derivatives: two threads / one", "batch/differentiate/separate/1/threads:2/real_time",
-     "batch/differentiate/separate/1/threads:1/real_time", 1, "<= 0.55"},
-    {"64 states, vjp: two threads / one", "batch/vjp/separate/1/threads:2/real_time",
-     "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
-};
-
-void print_claims(const std::map<std::string, double>& times) {
-  std::printf("\n%-56s %10s   %s\n", "ratio", "measured", "wanted");
-  for (const Claim& c : kClaims) {
-    const auto a = times.find(c.numerator), b = times.find(c.denominator);
-    if (a == times.end() || b == times.end()) continue;
-    std::printf("%-56s %10.2f   %s\n", c.what, a->second / b->second / c.divide_by, c.wanted);
+ private:
+  void print(const Result& r, const std::string& label) const {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
+    std::printf("%4.0f s  %-12s %-44s", passed.count(), run_.program.c_str(), r.name.c_str());
+    if (r.us > 0)
+      std::printf("%14.2f us", r.us);
+    else
+      std::printf("       left out");
+    if (r.difference >= 0) std::printf("   differs %.0e", r.difference);
+    std::printf("%s%s\n", label.empty() ? "" : "   ", label.c_str());
+    std::fflush(stdout);
   }
+
+  bench::Run& run_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string processor() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+std::string date() {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
+  return text;
+}
+
+std::string load_average() {
+  std::ifstream in("/proc/loadavg");
+  std::string one_minute;
+  in >> one_minute;
+  return one_minute;
+}
+
+std::string levels() {
+  std::string all;
+  for (const Lanes lanes : lanes_here()) all += (all.empty() ? "" : " ") + to_string(lanes);
+  return all;
+}
+
+std::map<std::string, std::string> machine() {
+  return {{"processor", processor()},
+          {"cores", std::to_string(std::thread::hardware_concurrency())},
+          {"instructions", levels()},
+          {"compiler", MANYCONTACT_COMPILER},
+          {"flags", MANYCONTACT_FLAGS},
+          {"feet", robot_frames()},
+          {"date", date()},
+          {"load", load_average()}};
+}
+
+// Google Benchmark's options, ours before those of the command line, which win.
+void initialize(int argc, char** argv) {
+  std::vector<std::string> words = {argv[0], "--benchmark_repetitions=3", "--benchmark_min_time=0.1"};
+  if (settings().quick)
+    words = {argv[0], "--benchmark_repetitions=2", "--benchmark_min_time=0.03",
+             "--benchmark_filter=^(parts|sweep|lanes/[a-z0-9]+/256)/"};
+  words.insert(words.end(), argv + 1, argv + argc);
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  int count = static_cast<int>(pointers.size());
+  pointers.push_back(nullptr);
+  benchmark::Initialize(&count, pointers.data());
+  if (benchmark::ReportUnrecognizedArguments(count, pointers.data())) std::exit(2);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  KeepTimes reporter;
+}  // namespace manycontact::bench
+
+int main(int argc, char** argv) try {
+  using namespace manycontact::bench;
+  settings() = parse(argc, argv);
+  initialize(argc, argv);
+  register_all();
+  const std::string native = std::string(MANYCONTACT_FLAGS).ends_with("-march=native") ? " native" : "";
+  Run run{program().name + native, program().version, robot_name(), machine(), {}};
+  KeepLeast reporter(run);
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();
-  print_claims(reporter.times);
+  print_claims(run);
+  if (!settings().out.empty()) write_runs({run}, settings().out);
+} catch (const std::exception& e) {
+  std::cerr << "bench: " << e.what() << "\n";
+  return 2;
 }

@@ -12,13 +12,14 @@
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
 
 // One robot after a solve, and memory of the parts' own.
 struct Fixture {
-  SceneFile s;
+  Posed s;
   SceneData data;
   const Model& model;
   Eigen::VectorXd qdd, tau;
@@ -33,7 +34,7 @@ struct Fixture {
   sparse::LdlWorkspace work;
   std::vector<double> Lx, D, scale;
 
-  explicit Fixture(SceneFile scene)
+  explicit Fixture(Posed scene)
       : s(std::move(scene)),
         data(s.scene, {Method::kSparseLdl, Order::kLeafToRoot}),
         model(*s.scene.robots[0].model),
@@ -144,11 +145,11 @@ void differentiate_whole(benchmark::State& state, Fixture& f) {
   for (auto _ : state) benchmark::DoNotOptimize(differentiate(f.s.scene, f.data));
 }
 
-void register_robot(const std::string& name, SceneFile scene) {
-  auto* f = new Fixture(std::move(scene));  // lives as long as the program
-  const auto add = [&](const char* part, void (*run)(benchmark::State&, Fixture&)) {
-    benchmark::RegisterBenchmark(("parts/" + name + "/" + part).c_str(), [=](benchmark::State& s) {
-      run(s, *f);
+const Registration registered([] {
+  const auto add = [](const char* part, void (*run)(benchmark::State&, Fixture&)) {
+    benchmark::RegisterBenchmark((std::string("parts/") + part).c_str(), [=](benchmark::State& s) {
+      static Fixture fixture(robots(1));
+      run(s, fixture);
     })->Unit(benchmark::kMicrosecond);
   };
   add("ldl_numeric", ldl_numeric);
@@ -165,13 +166,7 @@ void register_robot(const std::string& name, SceneFile scene) {
   add("solve", solve_whole);
   add("rnea_derivatives", rnea_derivatives_whole);
   add("derivatives", differentiate_whole);
-}
-
-const bool registered = [] {
-  register_robot("humanoid", humanoids(1, false));
-  if (talos_available()) register_robot("talos", talos(1));
-  return true;
-}();
+});
 
 }  // namespace
 }  // namespace manycontact::bench

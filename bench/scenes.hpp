@@ -1,17 +1,32 @@
 #pragma once
-// Scenes of the benchmarks: N humanoids, separate or hand in hand in a closed ring, feet held in 6D, state with noise.
+// Scenes of the benchmarks, made in code: every robot in a posture and motion without symmetry, all alike.
 
 #include <string>
 
-#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/model/scene.hpp"
 
 namespace manycontact::bench {
 
-/// The robot measured: "humanoid" (models/) or "talos" (../shared/robots, 38 dof; the figures of the peers are its).
-bool talos_available();
-SceneFile humanoids(int count, bool hand_in_hand);
-SceneFile talos(int count);
-/// Quadrupeds, each on four point feet, as in models/herd.xml.
-SceneFile herd(int count);
+/// A scene at a state, in which contacts neither err nor move: J v = 0.
+struct Posed {
+  Scene scene;
+  Eigen::VectorXd q, v, u;
+};
+
+/// What the measured robot (settings().robot) is called: its file's name without folder and extension.
+std::string robot_name();
+/// "left_sole right_sole, hands left_hand right_hand": the frames it is held by.
+std::string robot_frames();
+
+/// The measured robot, `count` times in a circle, both feet held in 6D; hand in hand: in a closed ring by 6D contacts.
+Posed robots(int count, bool hand_in_hand = false);
+/// One of them on `points` points of its two soles, held in 3D: from the second of a sole on they depend on each other.
+Posed on_points(int points);
+/// 16 quadrupeds of models/, of whose 64 point feet `held` are.
+Posed herd_on_feet(int held);
+/// `count` quadrupeds of models/, each on its four point feet.
+Posed herd(int count);
+/// A chain of revolute joints whose every tenth link is held in 6D.
+Posed chain(int links);
 
 }  // namespace manycontact::bench

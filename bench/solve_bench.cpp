@@ -1,4 +1,4 @@
-// Whole solves, derivatives and products with them: N humanoids, separate or hand in hand in a ring, every method.
+// Whole solves, derivatives and products with them: N robots, separate or hand in hand in a ring, every method.
 
 #include <benchmark/benchmark.h>
 
@@ -8,12 +8,13 @@
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
 
 void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
-  const SceneFile s = humanoids(robots, hand_in_hand);
+  const Posed s = bench::robots(robots, hand_in_hand);
   SceneData data(s.scene, {method, {}});
   benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
   for (auto _ : state) benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
@@ -25,7 +26,7 @@ void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method 
 // One contact of a herd of quadrupeds lifted and set down again before a solve, a different one each time: contact sets
 // that were met before. Against solves of the whole herd.
 void switch_contact(benchmark::State& state, int robots, bool switched) {
-  const SceneFile s = herd(robots);
+  const Posed s = herd(robots);
   SceneData data(s.scene);
   std::size_t c = 0;
   const auto toggle_and_solve = [&] {
@@ -39,7 +40,7 @@ void switch_contact(benchmark::State& state, int robots, bool switched) {
 
 // Derivatives after a solve.
 void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
-  const SceneFile s = humanoids(robots, hand_in_hand);
+  const Posed s = bench::robots(robots, hand_in_hand);
   SceneData data(s.scene, {method, {}});
   benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
   benchmark::DoNotOptimize(differentiate(s.scene, data));
@@ -49,7 +50,7 @@ void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand,
 }
 
 void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool transposed) {
-  const SceneFile s = humanoids(robots, hand_in_hand);
+  const Posed s = bench::robots(robots, hand_in_hand);
   SceneData data(s.scene);
   benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
   const Eigen::VectorXd x = Eigen::VectorXd::Constant(s.scene.nv, 0.1), w = Eigen::VectorXd::Constant(s.scene.nu, 0.1);
@@ -65,7 +66,7 @@ void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool
 
 // What dense-schur cannot do without, by plain Eigen on matrices of its sizes: LLT of M, L^-1 J^T, S, LLT of S.
 void eigen_factors(benchmark::State& state, int robots) {
-  const SceneFile s = humanoids(robots, false);
+  const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kDenseSchur, {}});
   (void)solve(s.scene, s.q, s.v, s.u, data);
   const KktMatrix& K = matrix_of(data, 0);
@@ -89,7 +90,7 @@ void eigen_factors(benchmark::State& state, int robots) {
   }
 }
 
-const bool registered = [] {
+const Registration registered([] {
   for (const bool ring : {false, true})
     for (int n : {1, 4, 16, 64, 256})
       for (Method m : kMethods) {
@@ -126,8 +127,7 @@ const bool registered = [] {
   benchmark::RegisterBenchmark("eigen/separate/16", [](benchmark::State& s) {
     eigen_factors(s, 16);
   })->Unit(benchmark::kMicrosecond);
-  return true;
-}();
+});
 
 }  // namespace
 }  // namespace manycontact::bench

@@ -1,0 +1,62 @@
+// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up.
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "program.hpp"
+
+namespace manycontact::bench {
+
+namespace {
+
+struct Solve : Loaded {
+  explicit Solve(const Posed& scene) : s(scene), data(scene.scene) { Solve::run(); }
+  void run() override { (void)solve(s.scene, s.q, s.v, s.u, data); }
+  const Posed& s;
+  SceneData data;
+};
+
+struct Derivatives : Solve {
+  using Solve::Solve;
+  void run() override { (void)differentiate(s.scene, data); }
+};
+
+struct Products : Solve {
+  explicit Products(const Posed& scene)
+      : Solve(scene), wa(scene.v), wf(data.f), wq(scene.v), wv(scene.v), wu(scene.u) {}
+  void run() override { vjp(s.scene, data, wa, wf, wq, wv, wu); }
+  Eigen::VectorXd wa, wf, wq, wv, wu;
+};
+
+struct SetUp : Loaded {
+  explicit SetUp(const Posed& scene) : s(scene) {}
+  void run() override {
+    SceneData data(s.scene);
+    prepare(s.scene, data);
+  }
+  const Posed& s;
+};
+
+std::string refuses(const Posed& s, const std::string& task) {
+  const bool one_deep_tree = s.scene.nrobots() == 1 && s.scene.nv > 200;
+  if (task == "derivatives" && one_deep_tree) return "as large as the square of the links";
+  if (task == "derivatives" && s.scene.nrobots() > 64 && s.scene.contacts.size() > 2u * s.scene.nrobots())
+    return "as large as the square of the robots in the ring";
+  return {};
+}
+
+std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
+  if (task == "derivatives") return std::make_unique<Derivatives>(s);
+  if (task == "vjp") return std::make_unique<Products>(s);
+  if (task == "set-up") return std::make_unique<SetUp>(s);
+  return std::make_unique<Solve>(s);
+}
+
+}  // namespace
+
+const Program& program() {
+  static const Program p{"manycontact", MANYCONTACT_VERSION, {"solve", "derivatives", "vjp", "set-up"}, refuses, load};
+  return p;
+}
+
+}  // namespace manycontact::bench

@@ -1,0 +1,127 @@
+// Pinocchio: constraintDynamics, its derivatives after it, and constrainedABA.
+
+#include <pinocchio/multibody/data.hpp>
+#include <pinocchio/multibody/model.hpp>
+// then
+#include <pinocchio/algorithm/constrained-dynamics-derivatives.hpp>
+#include <pinocchio/algorithm/constrained-dynamics.hpp>
+#include <pinocchio/algorithm/pv.hpp>
+
+#include "bodies.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "program.hpp"
+
+namespace manycontact::bench {
+
+namespace {
+
+namespace pin = pinocchio;
+using Constraints = PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pin::RigidConstraintModel);
+using ConstraintDatas = PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pin::RigidConstraintData);
+
+pin::SE3 place(const SE3<double>& M) { return {M.R, M.p}; }
+
+pin::JointModel joint(const Joint& j) {
+  if (j.type == JointType::kFloating) return pin::JointModelFreeFlyer();
+  if (j.axis_kind == 0) return pin::JointModelRX();
+  if (j.axis_kind == 1) return pin::JointModelRY();
+  if (j.axis_kind == 2) return pin::JointModelRZ();
+  return pin::JointModelRevoluteUnaligned(j.axis);
+}
+
+// Joints in our order, which gives it our coordinates too.
+pin::Model model_of(const Posed& s) {
+  pin::Model model;
+  model.gravity.linear() = s.scene.gravity;
+  const std::vector<Body> bodies = bodies_of(s);
+  std::size_t k = 0;
+  for (const Robot& r : s.scene.robots)
+    for (const Joint& j : r.model->joints) {
+      const Body& b = bodies[k++];
+      const SE3<double> on_parent = j.parent < 0 && j.type != JointType::kFloating ? r.base * j.placement : j.placement;
+      const auto id = model.addJoint(b.parent + 1, joint(j), place(on_parent), r.name + "/" + j.name);
+      model.appendBodyToJoint(id, pin::Inertia(b.mass, b.com, b.inertia));
+    }
+  return model;
+}
+
+Constraints constraints_of(const Posed& s, const pin::Model& model) {
+  Constraints all;
+  for (const Hold& h : holds_of(s, bodies_of(s)))
+    all.emplace_back(h.point ? pin::CONTACT_3D : pin::CONTACT_6D, model, h.a + 1, place(h.in_a), h.b + 1, place(h.in_b),
+                     pin::LOCAL);
+  return all;
+}
+
+// No damping where contacts do not depend on each other; else what solves most of these (mu 1e-6, 20 iterations).
+pin::ProximalSettings settings_for(const Posed& s) {
+  SceneData data(s.scene);
+  const bool dependent = solve(s.scene, s.q, s.v, s.u, data).status != Status::kOk;
+  return dependent ? pin::ProximalSettings(1e-12, 1e-6, 20) : pin::ProximalSettings(1e-12, 0, 1);
+}
+
+struct Common : Loaded {
+  explicit Common(const Posed& s)
+      : model(model_of(s)), data(model), constraints(constraints_of(s, model)), q(s.q), v(s.v), tau(s.v) {
+    tau.setZero();
+    for (const Robot& r : s.scene.robots)
+      tau.segment(r.idx_v + r.model->first_actuated(), r.model->nu()) = s.u.segment(r.idx_u, r.model->nu());
+    for (const auto& c : constraints) constraint_datas.emplace_back(c);
+  }
+  Eigen::VectorXd accelerations() override { return data.ddq; }
+
+  pin::Model model;
+  pin::Data data;
+  Constraints constraints;
+  ConstraintDatas constraint_datas;
+  Eigen::VectorXd q, v, tau;
+};
+
+struct ConstraintDynamics : Common {
+  explicit ConstraintDynamics(const Posed& s) : Common(s), settings(settings_for(s)) {
+    pin::initConstraintDynamics(model, data, constraints);
+    ConstraintDynamics::run();
+  }
+  void run() override { pin::constraintDynamics(model, data, q, v, tau, constraints, constraint_datas, settings); }
+  pin::ProximalSettings settings;
+};
+
+struct Derivatives : ConstraintDynamics {
+  using ConstraintDynamics::ConstraintDynamics;
+  void run() override {
+    pin::computeConstraintDynamicsDerivatives(model, data, constraints, constraint_datas, settings);
+  }
+};
+
+struct ConstrainedAba : Common {
+  explicit ConstrainedAba(const Posed& s) : Common(s), settings(1e-12, 1e-6, 5) {
+    pin::initPvSolver(model, data, constraints);
+  }
+  void run() override { pin::constrainedABA(model, data, q, v, tau, constraints, constraint_datas, settings); }
+  pin::ProximalSettings settings;
+};
+
+std::string refuses(const Posed& s, const std::string& task) {
+  const double nv = s.scene.nv;
+  if (5 * 8 * nv * nv * nv > 4e9) return "its data would take more than 4 GB";
+  if (task == "constrainedABA")
+    for (const Contact& c : s.scene.contacts)
+      if (c.B.robot >= 0) return "it has no contacts between bodies";
+  return strange(s);
+}
+
+std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
+  if (task == "constrainedABA") return std::make_unique<ConstrainedAba>(s);
+  if (task == "derivatives") return std::make_unique<Derivatives>(s);
+  return std::make_unique<ConstraintDynamics>(s);
+}
+
+}  // namespace
+
+const Program& program() {
+  static const Program p{
+      "Pinocchio", PINOCCHIO_VERSION, {"constraintDynamics", "derivatives", "constrainedABA"}, refuses, load};
+  return p;
+}
+
+}  // namespace manycontact::bench

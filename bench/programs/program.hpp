@@ -1,0 +1,32 @@
+#pragma once
+// What is compared: manycontact and its peers, each a source file here and a benchmark program of its own.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../scenes.hpp"
+
+namespace manycontact::bench {
+
+/// A scene in a program's own terms, at its state.
+struct Loaded {
+  virtual ~Loaded() = default;
+  virtual void run() = 0;
+  /// Accelerations in manycontact's coordinates, after run; empty where the task has none.
+  virtual Eigen::VectorXd accelerations() { return {}; }
+};
+
+struct Program {
+  std::string name, version;
+  std::vector<std::string> tasks;
+  /// Empty, or why this program does not do this.
+  std::string (*refuses)(const Posed& scene, const std::string& task);
+  std::unique_ptr<Loaded> (*load)(const Posed& scene, const std::string& task);
+};
+
+/// The one this executable is for.
+const Program& program();
+
+}  // namespace manycontact::bench

@@ -1,0 +1,103 @@
+// Which lines a figure has.
+
+#include <algorithm>
+
+#include "report.hpp"
+
+namespace manycontact::bench {
+
+namespace {
+
+bool is_native(const Run& run) { return run.program.ends_with(" native"); }
+bool is_ours(const Run& run) { return run.program == "manycontact"; }
+
+// The same in every figure.
+int number_of(const Run& run, const std::string& task) {
+  const std::vector<std::string> all = tasks(run, "separate");
+  return static_cast<int>(std::find(all.begin(), all.end(), task) - all.begin());
+}
+
+// y(point) for each point of every task that `wanted` takes.
+template <class Wanted, class Y>
+Panel panel(const std::vector<Run>& runs, const std::string& scene, Panel p, const Wanted& wanted, const Y& y) {
+  for (const Run& run : runs) {
+    if (is_native(run)) continue;
+    for (const std::string& task : tasks(run, scene)) {
+      Line line{run.program + " " + task, &run, number_of(run, task), {}};
+      if (!wanted(run, task)) continue;
+      for (const Point& at : series(run, scene, task)) {
+        const double value = y(run, task, at);
+        if (value > 0) line.points.emplace_back(at.size, value);
+      }
+      if (!line.points.empty()) p.lines.push_back(std::move(line));
+    }
+  }
+  return p;
+}
+
+const auto any = [](const Run&, const std::string&) { return true; };
+const auto answers = [](const Run&, const std::string& task) { return task != "set-up"; };
+const auto per_size = [](const Run&, const std::string&, const Point& p) { return p.result->us / p.size; };
+const auto whole = [](const Run&, const std::string&, const Point& p) { return p.result->us; };
+const auto memory = [](const Run&, const std::string&, const Point& p) { return p.result->bytes / p.size / 1024; };
+const auto of_memory = [](const Run&, const std::string& task) { return task != "set-up" && task != "vjp"; };
+
+// A peer's time over that of what we have for it: all derivatives for derivatives, else a solve.
+Panel ratios(const std::vector<Run>& runs, const std::string& scene, Panel p) {
+  const Run* ours = nullptr;
+  for (const Run& run : runs)
+    if (is_ours(run)) ours = &run;
+  if (!ours) return p;
+  return panel(
+      runs, scene, std::move(p), [](const Run& run, const std::string&) { return !is_ours(run); },
+      [&](const Run&, const std::string& task, const Point& at) {
+        const std::string name = "sweep/" + scene + "/" + std::to_string(at.size) + "/";
+        const Result* mine = find(*ours, name + (task == "derivatives" ? task : "solve"));
+        return mine ? at.result->us / mine->us : 0.0;
+      });
+}
+
+}  // namespace
+
+std::string otherwise(const std::string& program) {
+  if (program == "MuJoCo") return "MuJoCo: soft contacts, dJ/dt v left out, no warm start; no derivatives of contacts";
+  if (program == "DART")
+    return "DART: contacts between velocities over a step of 1 ms, and the step itself; no derivatives";
+  if (program == "Simbody") return "Simbody: the same answer; no derivatives";
+  if (program == "Pinocchio")
+    return "Pinocchio: the same answer; constrainedABA: proximal, mu 1e-6, 5 iterations, no contacts between bodies";
+  return {};
+}
+
+std::vector<Figure> figures(const std::vector<Run>& runs) {
+  const std::string robot = runs.at(0).robot;
+  std::vector<Figure> all = {
+      {"robots",
+       "Time per robot: " + robot + ", both feet held in 6D",
+       {panel(runs, "separate", {"separate", "robots", "us per robot", {}}, answers, per_size),
+        panel(runs, "ring", {"hand in hand in a ring", "robots", "us per robot", {}}, answers, per_size)}},
+      {"links",
+       "Time per link of a chain, every tenth link held in 6D",
+       {panel(runs, "chain", {"", "links", "us per link", {}}, any, per_size)}},
+      {"contacts",
+       "Time over contacts",
+       {panel(runs, "feet", {"16 quadrupeds, on so many of their 64 feet", "contacts in 3D", "us", {}}, answers, whole),
+        panel(runs, "points", {robot + " on points of its soles, redundant from 3 on", "contacts in 3D", "us", {}},
+              answers, whole)}},
+      {"memory",
+       "Memory per robot after the first call, on the heap: " + robot,
+       {panel(runs, "separate", {"separate", "robots", "KiB per robot", {}}, of_memory, memory),
+        panel(runs, "ring", {"hand in hand in a ring", "robots", "KiB per robot", {}}, of_memory, memory)}},
+      {"ratios",
+       "Peers' time / ours (of a solve; derivatives of derivatives): " + robot,
+       {ratios(runs, "separate", {"separate", "robots", "times ours", {}}),
+        ratios(runs, "ring", {"hand in hand in a ring", "robots", "times ours", {}})}}};
+  std::erase_if(all, [](const Figure& f) {
+    std::size_t lines = 0;
+    for (const Panel& p : f.panels) lines += p.lines.size();
+    return lines == 0;
+  });
+  return all;
+}
+
+}  // namespace manycontact::bench

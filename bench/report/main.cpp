@@ -1,0 +1,39 @@
+// manycontact_bench_report DIR RUN.json...: results.json, results.csv, charts and a page in DIR, the tables on standard
+// output. The first run is ours.
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "../../src/cli/common/gnuplot.hpp"
+#include "report.hpp"
+
+int main(int argc, char** argv) try {
+  using namespace manycontact;
+  using namespace manycontact::bench;
+  if (argc < 3) {
+    std::cerr << "usage: manycontact_bench_report DIR RUN.json...\n";
+    return 2;
+  }
+  const std::string dir = std::string(argv[1]) + "/";
+  std::filesystem::create_directories(dir);
+  std::vector<Run> runs;
+  for (int k = 2; k < argc; ++k)
+    for (Run& run : read_runs(argv[k])) runs.push_back(std::move(run));
+  write_runs(runs, dir + "results.json");
+  write_csv(runs, dir + "results.csv");
+  std::vector<Figure> drawn;
+  if (cli::gnuplot_available())
+    for (const Figure& figure : figures(runs)) {
+      draw(figure, runs, dir + figure.file);
+      drawn.push_back(figure);
+    }
+  else
+    std::cerr << "no gnuplot here: no charts\n";
+  write_page(runs, drawn, dir + "README.md");
+  std::cout << "\n" << table_of_robots(runs) << "\n" << table_of_exponents(runs) << "\n" << table_of_builds(runs);
+} catch (const std::exception& e) {
+  std::cerr << "bench: " << e.what() << "\n";
+  return 2;
+}

@@ -1,0 +1,67 @@
+// The page that reads the charts.
+
+#include <fstream>
+#include <stdexcept>
+
+#include "../../src/cli/common/table.hpp"
+#include "report.hpp"
+
+namespace manycontact::bench {
+
+namespace {
+
+void write_machine(std::ostream& out, const std::vector<Run>& runs) {
+  const Run& run = runs.at(0);
+  const auto at = [&](const char* key) {
+    const auto found = run.machine.find(key);
+    return found == run.machine.end() ? std::string("unknown") : found->second;
+  };
+  out << at("processor") << ", " << at("cores") << " cores, one used; instructions " << at("instructions") << "; "
+      << at("compiler") << ", `" << at("flags") << "`; " << at("date") << ", load " << at("load")
+      << " at the start. Feet " << at("feet") << ".\n";
+  for (const Run& r : runs) out << r.program << " " << r.version << (&r == &runs.back() ? ".\n" : ", ");
+}
+
+void write_differences(std::ostream& out, const std::vector<Run>& runs) {
+  out << "\n## What is not alike\n\n"
+         "Every program is given the same bodies, state and torques, and contacts that neither err nor\n"
+         "move (`J v = 0`). "
+         "\"Differs\" is the largest difference of its accelerations from ours, relative to our largest.\n\n";
+  for (const Run& run : runs) {
+    const std::string text = otherwise(run.program);
+    if (text.empty()) continue;
+    out << "* " << text << ".";
+    for (const std::string& task : tasks(run, "separate")) {
+      const std::vector<Point> points = series(run, "separate", task);
+      out << " `" << task << "` differs " << cli::scientific(points.front().result->difference) << " for "
+          << points.front().size << " robot";
+      if (points.size() > 1)
+        out << ", " << cli::scientific(points.back().result->difference) << " for " << points.back().size;
+      out << ".";
+    }
+    out << "\n";
+  }
+  out << "* Separate robots may also be given to a program one after the other; each then takes what one robot takes.\n"
+         "* Scenes that a program cannot hold, or of which one call would take over half a second, are left out.\n";
+}
+
+}  // namespace
+
+void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, const std::string& path) {
+  std::ofstream out(path);
+  out << "# How fast: " << runs.at(0).robot << "\n\nWritten by `./run bench`"
+      << "; all numbers are in [results.csv](results.csv) and [results.json](results.json).\n";
+  write_machine(out, runs);
+  out << "\nTimes are the least of three means, in us; in brackets in units of SuiteSparse's plain `ldl_numeric` on "
+         "the K\n"
+         "of one robot, in the same run.\n\n"
+      << table_of_robots(runs);
+  for (const Figure& f : drawn) out << "\n![" << f.title << "](" << f.file << ".png)\n";
+  write_differences(out, runs);
+  out << "\n## Parts of a solve\n\n" << table_of_parts(runs.at(0)) << "\n## Growth\n\n" << table_of_exponents(runs);
+  const std::string builds = table_of_builds(runs);
+  if (!builds.empty()) out << "\n## Portable and native\n\n" << builds;
+  if (!out.flush()) throw std::runtime_error(path + " cannot be written");
+}
+
+}  // namespace manycontact::bench

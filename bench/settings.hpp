@@ -1,0 +1,30 @@
+#pragma once
+// What `./run bench` was asked for.
+
+#include <string>
+#include <vector>
+
+namespace manycontact::bench {
+
+struct Settings {
+  std::string robot;               // URDF file; empty: models/humanoid.urdf
+  std::vector<std::string> feet;   // two frames held in the world; empty: the lowest of the left and of the right
+  std::vector<std::string> hands;  // two frames by which a ring is closed; empty: farthest to the left and to the right
+  bool quick = false;              // fewer sizes, shorter
+  std::string out;                 // JSON file of the results; empty: none
+};
+
+/// Takes its own options out of argv (--robot, --feet, --hands, --quick, --out); the rest is Google Benchmark's.
+/// Throws std::invalid_argument.
+Settings parse(int& argc, char** argv);
+
+/// What main was given.
+Settings& settings();
+
+/// Registers benchmarks after the command line was read.
+struct Registration {
+  explicit Registration(void (*add)());
+};
+void register_all();
+
+}  // namespace manycontact::bench
