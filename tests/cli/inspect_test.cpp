@@ -112,6 +112,16 @@ TEST_F(Inspect, FramesAreCalledAsTheFileDoes) {
   expect_contains(out, "c/face_left b/bottom_3 tie 6d 6 6");
 }
 
+// A humanoid of 38 velocities and 32 torques, 12 rows: 50 x 108 numbers.
+TEST_F(Inspect, MemoryOfARobot) {
+  const std::string feet =
+      "<contact name=\"l\" type=\"6d\" frame=\"h/left_sole\"/>"
+      "<contact name=\"r\" type=\"6d\" frame=\"h/right_sole\"/>";
+  const std::string out = inspect(scene(kHumanoid + feet));
+  if (out.find("Memory: ") == std::string::npos) GTEST_SKIP() << "the heap does not tell";
+  expect_contains(out, "a robot to solve, and 43.2 kB for all derivatives");
+}
+
 TEST_F(Inspect, CostsAreRelativeToTheCheapest) {
   for (const std::string& path : model_scenes()) {
     const std::vector<std::string> lines = lines_of(inspect(path));

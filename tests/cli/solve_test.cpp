@@ -15,6 +15,15 @@ class Solve : public Program {};
 
 std::vector<double> numbers(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
+// 1,000 humanoids: 50,000 x 108,000 numbers.
+TEST_F(Solve, RefusesDenseMatricesThatFillTheMemory) {
+  const std::string many = scene("<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"1000\"/>");
+  const Outcome outcome = run({"solve", many, "--derivatives", "--json", "-"});
+  EXPECT_EQ(outcome.status, 2);
+  expect_contains(outcome.err, "the scene's dense matrices have");
+  EXPECT_EQ(outcome.out, "");
+}
+
 TEST_F(Solve, JsonHasTheSizesOfTheScene) {
   for (const std::string& path : model_scenes()) {
     SCOPED_TRACE(path);

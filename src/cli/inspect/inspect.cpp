@@ -1,5 +1,10 @@
 #include "inspect.hpp"
 
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+#include <malloc.h>
+#define MANYCONTACT_HEAP
+#endif
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -27,8 +32,19 @@ int run_inspect(const Arguments& arguments) {
   print_islands(std::cout, inspection);
   print_contact_groups(std::cout, inspection);
   print_costs(std::cout, inspection);
+  print_memory(std::cout, inspection);
   print_advice(std::cout, inspection);
   return kExitOk;
+}
+
+/// Bytes in use on the heap; 0 where the system does not tell.
+double heap() {
+#ifdef MANYCONTACT_HEAP
+  const auto m = mallinfo2();
+  return static_cast<double>(m.uordblks + m.hblkhd);
+#else
+  return 0;
+#endif
 }
 
 std::string rank_text(const IslandRanks& ranks) { return ranks.known ? std::to_string(ranks.rank) : "?"; }
@@ -86,8 +102,10 @@ std::string Inspection::name(const IslandKind& kind) const {
 }
 
 Inspection inspect_scene(const SceneFile& file) {
+  const double before = heap();
   Inspection x{file, SceneData(file.scene), {}};
   (void)solve(file.scene, file.q, file.v, file.u, x.data);
+  x.bytes = heap() - before;
   x.kinds = find_kinds(file.scene, x.data);
   return x;
 }
@@ -131,6 +149,21 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
   out << "\nContact groups: all contacts between the same two bodies; the first of those that are alike\n";
   table.print(out);
   print_more(out, all, kMostPairs, "kinds of group");
+}
+
+void print_memory(std::ostream& out, const Inspection& x) {
+  const Scene& scene = x.file.scene;
+  double derivatives = 0;  // [da; df] of each island, columns of q, v, u
+  for (const IslandKind& kind : x.kinds) {
+    const Island& island = x.island(kind);
+    double columns = 2.0 * island.nv;
+    for (int r : island.robots) columns += scene.robots[r].model->nu();
+    derivatives += static_cast<double>(kind.islands.size()) * island.size() * columns * sizeof(double);
+  }
+  if (x.bytes <= 0 || scene.robots.empty()) return;
+  const double robots = static_cast<double>(scene.robots.size());
+  out << "\nMemory: " << number(x.bytes / robots / 1e3) << " kB a robot to solve, and "
+      << number(derivatives / robots / 1e3) << " kB for all derivatives\n";
 }
 
 void print_costs(std::ostream& out, const Inspection& x) {

@@ -10,6 +10,7 @@ struct Inspection {
   const SceneFile& file;
   SceneData data;  // solved by `auto` at the scene's state
   std::vector<IslandKind> kinds;
+  double bytes = 0;  // on the heap, by data after the solve; 0: unknown
 
   /// The first island of a kind, whose name, shape and ranks are those of all.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
@@ -24,6 +25,7 @@ Inspection inspect_scene(const SceneFile& file);
 void print_islands(std::ostream& out, const Inspection& inspection);
 void print_contact_groups(std::ostream& out, const Inspection& inspection);
 void print_costs(std::ostream& out, const Inspection& inspection);
+void print_memory(std::ostream& out, const Inspection& inspection);
 void print_advice(std::ostream& out, const Inspection& inspection);
 
 /// The patterns of K and L as an SVG file. Throws InputError when it cannot be written.

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "../common/command.hpp"
+#include "../common/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/kkt/choose.hpp"
@@ -74,12 +75,24 @@ SceneData set_up(const Scene& scene, const Options& options, int repeat, double&
   return std::move(*data);
 }
 
+/// JSON's matrices are dense. Throws UsageError where they would fill memory and disk.
+void check_size_of_json(const Scene& scene) {
+  constexpr double kMost = 1e8;
+  double rows = scene.nv;
+  for (const Contact& contact : scene.contacts) rows += contact.active ? contact.rows() : 0;
+  const double numbers = rows * (2.0 * scene.nv + scene.nu);
+  if (numbers > kMost)
+    throw UsageError("--derivatives --json: the scene's dense matrices have " + number(numbers) + " numbers, at most " +
+                     number(kMost) + " are written; the library has them by islands (differentiate)");
+}
+
 int run_solve(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   const Options options = solver_options(arguments);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
 
   const SceneFile file = load_scene(path);
+  if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
   if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))
