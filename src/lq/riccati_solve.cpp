@@ -24,7 +24,7 @@ void scatter(const VectorXd& in, const std::vector<int>& start, const std::vecto
 }  // namespace
 
 // k and p of knot k, from t = p+ + P+ f.
-void Riccati::backward(const Problem& problem, const Point& h, int k, bool first) {
+void Riccati::backward(const Problem& problem, const Point& h, int k) {
   const bool last = k == problem.horizon();
   if (!last)
     for (std::size_t d = 0; d < plan_[k + 1].size(); ++d) {
@@ -36,7 +36,7 @@ void Riccati::backward(const Problem& problem, const Point& h, int k, bool first
     }
   for (std::size_t index = 0; index < plan_[k].size(); ++index) {
     const Cluster& c = plan_[k][index];
-    Policy& policy = policies_[k][index];
+    const Policy& policy = policies_[k][index];
     VectorXd& p = p_[k][index];
     gather(h.x[k], layout_.x, c.blocks, c.x_start, problem.nx, p);
     v_.setZero();
@@ -67,13 +67,6 @@ void Riccati::backward(const Problem& problem, const Point& h, int k, bool first
       for (Index i = 0; i < qv.size(); ++i) k_now[policy.lu.permutationP().indices()[i]] = -qv[i];
       policy.lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(k_now);
       policy.lu.matrixLU().triangularView<Eigen::Upper>().solveInPlace(k_now);
-    }
-    if (first) {
-      policy.k = k_now;
-      policy.p = p;
-    } else {
-      policy.k += k_now;
-      policy.p += p;
     }
   }
 }
@@ -113,10 +106,25 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
   }
 }
 
-void Riccati::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
-  for (int k = problem.horizon(); k >= 0; --k) backward(problem, h, k, first);
+void Riccati::pass(const Problem& problem, const Point& h, Point& z) {
+  for (int k = problem.horizon(); k >= 0; --k) backward(problem, h, k);
   z.x[0] = h.lambda[0];
   for (int k = 0; k <= problem.horizon(); ++k) forward(problem, h, k, z);
+}
+
+void Riccati::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
+  pass(problem, h, z);
+  for (std::size_t k = 0; k < plan_.size(); ++k)
+    for (std::size_t c = 0; c < plan_[k].size(); ++c) {
+      Policy& policy = policies_[k][c];
+      if (first) {
+        policy.k = k_[k][c];
+        policy.p = p_[k][c];
+      } else {
+        policy.k += k_[k][c];
+        policy.p += p_[k][c];
+      }
+    }
 }
 
 }  // namespace manycontact::lq

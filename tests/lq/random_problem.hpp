@@ -15,7 +15,7 @@ struct LqOptions {
   std::function<std::vector<std::vector<int>>(int k)> groups = [](int) { return std::vector<std::vector<int>>{}; };
   /// Bonds of knot k: the blocks that each touches.
   std::function<std::vector<std::vector<int>>(int k)> bonds = [](int) { return std::vector<std::vector<int>>{}; };
-  int bond_size = 2;          // of w
+  int bond_size = 2;  // of w
   int bond_rows = 2;
   double growth = 0.95;       // of the free motion: |A| about this; above 1 it is unstable
   double state_weight = 1;    // Q's size; 0: no cost on states

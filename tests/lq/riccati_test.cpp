@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
-#include "manycontact/lq/riccati.hpp"
 #include "random_problem.hpp"
 
 namespace manycontact::test {
@@ -15,10 +15,15 @@ TEST(Riccati, First) {
     return std::vector<std::vector<int>>{};
   };
   for (bool bonds : {false, true}) {
-    if (bonds) options.bonds = [](int k) { return k < 6 ? std::vector<std::vector<int>>{{2, 1}} : std::vector<std::vector<int>>{}; };
+    if (bonds)
+      options.bonds = [](int k) {
+        return k < 6 ? std::vector<std::vector<int>>{{2, 1}} : std::vector<std::vector<int>>{};
+      };
     const lq::Problem problem = random_lq(rng, options);
-    for (auto join : {lq::Join::kAll, lq::Join::kIslands}) {
-      lq::Riccati solver(join);
+    lq::Riccati dense(lq::Join::kAll), islands(lq::Join::kIslands);
+    lq::BondSchur schur;
+    for (lq::DirectionSolver* s : std::initializer_list<lq::DirectionSolver*>{&dense, &islands, &schur}) {
+      lq::DirectionSolver& solver = *s;
       solver.analyse(problem);
       lq::Outcome o = solver.factorize(problem);
       ASSERT_EQ(o.status, lq::Status::kOk) << o.knot;
@@ -28,7 +33,8 @@ TEST(Riccati, First) {
       Eigen::VectorXd h;
       const Eigen::MatrixXd H = dense_kkt(problem, {}, h);
       const Eigen::VectorXd truth = H.fullPivLu().solve(-h);
-      std::printf("%s: kkt error %g, %g sym %g flops %g\n", solver.name(), o.kkt_error, (flat(z) - truth).norm() / truth.norm(), (H-H.transpose()).norm(), solver.flops());
+      std::printf("%s: kkt error %g, %g sym %g flops %g\n", solver.name(), o.kkt_error,
+                  (flat(z) - truth).norm() / truth.norm(), (H - H.transpose()).norm(), solver.flops());
     }
   }
 }

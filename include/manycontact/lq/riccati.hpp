@@ -53,7 +53,9 @@ class Riccati : public DirectionSolver {
   void expand(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   void eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
-  void backward(const Problem& problem, const Point& h, int k, bool first);
+  /// x, u, lambda (w and mu of bonds within clusters) of the z with H z + h = 0, the policies' k and p left alone.
+  void pass(const Problem& problem, const Point& h, Point& z);
+  void backward(const Problem& problem, const Point& h, int k);
   void forward(const Problem& problem, const Point& h, int k, Point& z);
 
   Join join_;

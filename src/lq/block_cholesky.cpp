@@ -1,0 +1,121 @@
+#include "manycontact/lq/block_cholesky.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "dense.hpp"
+
+namespace manycontact::lq {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+void BlockCholesky::analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges) {
+  vertices_ = std::move(vertices);
+  const int n = static_cast<int>(vertices_.size());
+  start_.assign(1, 0);
+  for (const Vertex& v : vertices_) start_.push_back(start_.back() + v.size);
+
+  // Fill: what is below a column joins what is below its parent, the first of it.
+  std::vector<std::set<int>> below(n);
+  for (const auto& [u, v] : edges)
+    if (u != v) below[std::min(u, v)].insert(std::max(u, v));
+  columns_.assign(n, {});
+  flops_ = 0;
+  for (int v = 0; v < n; ++v) {
+    Column& column = columns_[v];
+    int rows = 0;
+    for (int u : below[v]) {
+      column.below.push_back({u, rows});
+      rows += vertices_[u].size;
+      if (u != *below[v].begin()) below[*below[v].begin()].insert(u);
+    }
+    const double p = vertices_[v].size, r = rows;
+    column.diagonal = MatrixXd::Zero(vertices_[v].size, vertices_[v].size);
+    column.panel = MatrixXd::Zero(rows, vertices_[v].size);
+    flops_ += p * p * p / 3 + p * p * r + p * r * r;
+  }
+}
+
+void BlockCholesky::set_zero() {
+  for (Column& column : columns_) {
+    column.diagonal.setZero();
+    column.panel.setZero();
+  }
+}
+
+Eigen::Ref<MatrixXd> BlockCholesky::block(int u, int v) {
+  Column& column = columns_[v];
+  const auto at = std::lower_bound(column.below.begin(), column.below.end(), u,
+                                   [](const Below& b, int vertex) { return b.vertex < vertex; });
+  if (at == column.below.end() || at->vertex != u) throw std::logic_error("lq::BlockCholesky: no such block");
+  return column.panel.middleRows(at->row, vertices_[u].size);
+}
+
+void BlockCholesky::add(int u, int i, int v, int j, const Eigen::Ref<const MatrixXd>& M) {
+  if (u == v) {
+    if (i >= j)
+      columns_[u].diagonal.block(i, j, M.rows(), M.cols()) += M;
+    else
+      columns_[u].diagonal.block(j, i, M.cols(), M.rows()) += M.transpose();
+  } else if (u > v) {
+    block(u, v).block(i, j, M.rows(), M.cols()) += M;
+  } else {
+    block(v, u).block(j, i, M.cols(), M.rows()) += M.transpose();
+  }
+}
+
+void BlockCholesky::add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }
+
+bool BlockCholesky::finite() const {
+  return std::all_of(columns_.begin(), columns_.end(),
+                     [](const Column& column) { return column.diagonal.allFinite() && column.panel.allFinite(); });
+}
+
+int BlockCholesky::factorize(double least) {
+  for (int v = 0; v < static_cast<int>(columns_.size()); ++v) {
+    Column& column = columns_[v];
+    const double sign = vertices_[v].sign;
+    if (sign < 0) {
+      column.diagonal = -column.diagonal;
+      column.panel = -column.panel;
+    }
+    if (!cholesky(column.diagonal, least)) return v;
+    solve_Lt_right(column.diagonal, column.panel);  // L_uv = sign S_uv L_vv^-T
+    for (std::size_t b = 0; b < column.below.size(); ++b) {
+      const auto rows = [&](const Below& below) {
+        return column.panel.middleRows(below.row, vertices_[below.vertex].size);
+      };
+      const Below& to = column.below[b];
+      add_lower_ABt(columns_[to.vertex].diagonal, -sign, rows(to), rows(to));  // S_uu -= sign L_uv L_uv^T
+      for (std::size_t a = b + 1; a < column.below.size(); ++a)
+        add_ABt(block(column.below[a].vertex, to.vertex), -sign, rows(column.below[a]), rows(to));
+    }
+  }
+  return -1;
+}
+
+void BlockCholesky::solve(VectorXd& x) const {
+  const int n = static_cast<int>(columns_.size());
+  for (int v = 0; v < n; ++v) {  // x <- D^-1 L^-1 x
+    const Column& column = columns_[v];
+    auto xv = x.segment(start_[v], vertices_[v].size);
+    solve_L(column.diagonal, xv);
+    for (const Below& b : column.below)
+      x.segment(start_[b.vertex], vertices_[b.vertex].size).noalias() -=
+          column.panel.middleRows(b.row, vertices_[b.vertex].size) * xv;
+  }
+  for (int v = n - 1; v >= 0; --v) {  // x <- L^-T D^-1 x
+    const Column& column = columns_[v];
+    auto xv = x.segment(start_[v], vertices_[v].size);
+    xv *= vertices_[v].sign;
+    for (const Below& b : column.below)
+      xv.noalias() -= column.panel.middleRows(b.row, vertices_[b.vertex].size).transpose() *
+                      x.segment(start_[b.vertex], vertices_[b.vertex].size);
+    solve_Lt(column.diagonal, xv);
+  }
+}
+
+}  // namespace manycontact::lq
