@@ -12,30 +12,51 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void BlockCholesky::analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges) {
-  vertices_ = std::move(vertices);
-  const int n = static_cast<int>(vertices_.size());
-  start_.assign(1, 0);
-  for (const Vertex& v : vertices_) start_.push_back(start_.back() + v.size);
+namespace {
 
-  // Fill: what is below a column joins what is below its parent, the first of it.
+// Vertices below each, fill included: what is below a column joins what is below its parent, the first of it.
+std::vector<std::set<int>> fill(int n, const std::vector<std::pair<int, int>>& edges) {
   std::vector<std::set<int>> below(n);
   for (const auto& [u, v] : edges)
     if (u != v) below[std::min(u, v)].insert(std::max(u, v));
-  columns_.assign(n, {});
-  flops_ = 0;
-  for (int v = 0; v < n; ++v) {
+  for (int v = 0; v < n; ++v)
+    if (!below[v].empty()) {
+      const int parent = *below[v].begin();
+      below[parent].insert(std::next(below[v].begin()), below[v].end());
+    }
+  return below;
+}
+
+}  // namespace
+
+double block_cholesky_flops(const std::vector<BlockCholesky::Vertex>& vertices,
+                            const std::vector<std::pair<int, int>>& edges) {
+  const auto below = fill(static_cast<int>(vertices.size()), edges);
+  double flops = 0;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const double p = vertices[v].size;
+    double r = 0;
+    for (int u : below[v]) r += vertices[u].size;
+    flops += p * p * p / 3 + p * p * r + p * r * r;
+  }
+  return flops;
+}
+
+void BlockCholesky::analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges) {
+  vertices_ = std::move(vertices);
+  const auto below = fill(static_cast<int>(vertices_.size()), edges);
+  start_.assign(1, 0);
+  for (const Vertex& v : vertices_) start_.push_back(start_.back() + v.size);
+  columns_.assign(vertices_.size(), {});
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
     Column& column = columns_[v];
     int rows = 0;
     for (int u : below[v]) {
       column.below.push_back({u, rows});
       rows += vertices_[u].size;
-      if (u != *below[v].begin()) below[*below[v].begin()].insert(u);
     }
-    const double p = vertices_[v].size, r = rows;
     column.diagonal = MatrixXd::Zero(vertices_[v].size, vertices_[v].size);
     column.panel = MatrixXd::Zero(rows, vertices_[v].size);
-    flops_ += p * p * p / 3 + p * p * r + p * r * r;
   }
 }
 

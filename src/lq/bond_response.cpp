@@ -25,14 +25,14 @@ void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to
 }  // namespace
 
 // Gx, Gu, E of the node's y, and its own block [R_ww D_w^T; D_w 0] in S.
-void BondSchur::add_terms_of_y(const Problem& problem, int k, const Node& node) {
+void BondSchur::add_terms_of_y(const Problem& problem, int k, const BondNode& node) {
   const Cluster& c = riccati_.plan()[k][node.cluster];
   const bool last = k == problem.horizon();
   MatrixMap Gx = as_matrix(Gx_, c.nx, node.size), Gu = as_matrix(Gu_, c.nu, node.size);
   MatrixMap E = as_matrix(E_, c.nx, node.size), S = as_matrix(S_, node.size, node.size);
   for (MatrixMap* M : {&Gx, &Gu, &E, &S}) M->setZero();
   const auto part_of = [&](int bond, bool is_w) {
-    for (const Part& part : node.parts)
+    for (const BondPart& part : node.parts)
       if (part.bond == bond && part.is_w == is_w) return part.at;
     return 0;  // of size zero
   };
@@ -64,7 +64,7 @@ void BondSchur::add_terms_of_y(const Problem& problem, int k, const Node& node) 
 
 // F, pi, theta of knot k and S_kk; W of the next knot.
 void BondSchur::respond_at(const Problem& problem, int cluster, int k) {
-  const Node& node = nodes_[cluster][k];
+  const BondNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];
   const Riccati::Policy& policy = riccati_.policy(k, node.cluster);
   const bool last = k == problem.horizon();
@@ -114,7 +114,7 @@ void BondSchur::respond_at(const Problem& problem, int cluster, int k) {
     copy_lower_to_upper(S);
     for (std::size_t a = 0; a < node.parts.size(); ++a)
       for (std::size_t b = 0; b <= a; ++b) {
-        const Part &i = node.parts[a], &j = node.parts[b];
+        const BondPart &i = node.parts[a], &j = node.parts[b];
         schur_.add(i.vertex, i.offset, j.vertex, j.offset, S.block(i.at, j.at, i.size, j.size));
       }
   }
@@ -126,7 +126,7 @@ void BondSchur::respond_at(const Problem& problem, int cluster, int k) {
   add_lower_ABt(W, 1, B, B);
   copy_lower_to_upper(W);
   if (c.next_in_order) return;
-  const Cluster& next = riccati_.plan()[k + 1][nodes_[cluster][k + 1].cluster];
+  const Cluster& next = riccati_.plan()[k + 1][graph_.nodes[cluster][k + 1].cluster];
   reorder_rows(problem, c, next, W, FW);
   W = FW.transpose();
   reorder_rows(problem, c, next, W, FW);
@@ -139,12 +139,12 @@ void BondSchur::sweep(const Problem& problem, int cluster) {
   Index cols = 0;
   std::vector<double>*V = &V_, *scratch = &V_next_;
   for (int k = problem.horizon(); k >= 0; --k) {
-    const Node& node = nodes_[cluster][k];
+    const BondNode& node = graph_.nodes[cluster][k];
     const Cluster& c = riccati_.plan()[k][node.cluster];
     const Index n = c.nx;
     if (cols > 0) {
       if (!c.next_in_order) {
-        const Cluster& next = riccati_.plan()[k + 1][nodes_[cluster][k + 1].cluster];
+        const Cluster& next = riccati_.plan()[k + 1][graph_.nodes[cluster][k + 1].cluster];
         reorder_rows(problem, next, c, as_matrix(*V, n, cols), as_matrix(*scratch, n, cols));
         std::swap(V, scratch);
       }
@@ -153,7 +153,7 @@ void BondSchur::sweep(const Problem& problem, int cluster) {
         MatrixMap S = as_matrix(S_, node.size, cols);
         S.setZero();
         add_AtB(S, 1, as_matrix(theta_[k], n, node.size), later);
-        for (const Part& i : node.parts)
+        for (const BondPart& i : node.parts)
           for (const Columns& j : columns_)
             schur_.add(i.vertex, i.offset, j.vertex, j.offset, S.block(i.at, j.at, i.size, j.size));
       }
@@ -164,7 +164,8 @@ void BondSchur::sweep(const Problem& problem, int cluster) {
         std::swap(V, scratch);
       }
     }
-    for (const Part& i : node.parts) columns_.push_back({i.vertex, i.offset, static_cast<int>(cols) + i.at, i.size});
+    for (const BondPart& i : node.parts)
+      columns_.push_back({i.vertex, i.offset, static_cast<int>(cols) + i.at, i.size});
     as_matrix(*V, n, cols + node.size).rightCols(node.size) = as_matrix(pi_[k], n, node.size);
     cols += node.size;
   }
@@ -172,9 +173,9 @@ void BondSchur::sweep(const Problem& problem, int cluster) {
 
 void BondSchur::respond(const Problem& problem, int cluster) {
   Index all = 0;
-  for (const Node& node : nodes_[cluster]) all += node.size;
+  for (const BondNode& node : graph_.nodes[cluster]) all += node.size;
   if (all == 0) return;
-  const Cluster& c = riccati_.plan()[0][nodes_[cluster][0].cluster];
+  const Cluster& c = riccati_.plan()[0][graph_.nodes[cluster][0].cluster];
   as_matrix(W_, c.nx, c.nx).setZero();
   for (int k = 0; k <= problem.horizon(); ++k) respond_at(problem, cluster, k);
   sweep(problem, cluster);

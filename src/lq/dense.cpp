@@ -4,18 +4,27 @@
 
 namespace manycontact::lq {
 
+namespace {
+
+// Eigen's product into a triangle divides by zero where there is nothing to multiply.
+bool nothing(ConstBlock C, ConstBlock A) { return C.size() == 0 || A.size() == 0; }
+
+}  // namespace
+
 void add_AB(Block C, double a, ConstBlock A, ConstBlock B) { C.noalias() += a * A * B; }
 void add_AtB(Block C, double a, ConstBlock A, ConstBlock B) { C.noalias() += a * A.transpose() * B; }
 void add_ABt(Block C, double a, ConstBlock A, ConstBlock B) { C.noalias() += a * A * B.transpose(); }
 
-void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B) { C.triangularView<Eigen::Lower>() += a * A * B; }
+void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B) {
+  if (!nothing(C, A)) C.triangularView<Eigen::Lower>() += a * A * B;
+}
 
 void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B) {
-  C.triangularView<Eigen::Lower>() += a * A.transpose() * B;
+  if (!nothing(C, A)) C.triangularView<Eigen::Lower>() += a * A.transpose() * B;
 }
 
 void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B) {
-  C.triangularView<Eigen::Lower>() += a * A * B.transpose();
+  if (!nothing(C, A)) C.triangularView<Eigen::Lower>() += a * A * B.transpose();
 }
 
 void copy_lower_to_upper(Block C) { C.triangularView<Eigen::StrictlyUpper>() = C.transpose(); }

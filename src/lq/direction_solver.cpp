@@ -5,7 +5,6 @@
 
 #include "manycontact/lq/kkt.hpp"
 #include "manycontact/sparse/refine.hpp"
-#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lq {
 namespace {
@@ -78,7 +77,7 @@ Outcome DirectionSolver::solve(const Problem& problem, Point& z) {
     do_solve(problem, residual_, correction_, false);
     add(correction_, z);
   };
-  const auto refined = sparse::refine(max_refinements, tolerance::kRefined, judge, correct);
+  const auto refined = sparse::refine(max_refinements, kRefineAbove, judge, correct);
   Outcome outcome;
   outcome.kkt_error = refined.backward_error;
   outcome.refinements = refined.steps;

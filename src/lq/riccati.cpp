@@ -182,7 +182,8 @@ void Riccati::eliminate_with_rows(const Problem& problem, int k, int index, cons
   }
   M.diagonal().tail(c.rows).array() -= reg.rows;
   const auto D = M.bottomLeftCorner(c.rows, c.nv);
-  const double weight = kConvexWhereFeasible * Qvv.cwiseAbs().maxCoeff() / D.cwiseAbs2().maxCoeff();
+  const double of_Q = Qvv.cwiseAbs().maxCoeff(), of_D = D.cwiseAbs2().maxCoeff();
+  const double weight = of_Q > 0 && of_D > 0 ? kConvexWhereFeasible * of_Q / of_D : 1;
   add_lower_AtB(Qvv, reg.rows > 0 ? 1 / reg.rows : weight, D, D);
 
   policy.lu.compute(M);

@@ -72,8 +72,7 @@ lq::Problem random_lq(std::mt19937& rng, const LqOptions& options) {
   problem.nu = options.nu;
   for (int k = 0; k <= options.horizon; ++k) {
     lq::Knot knot;
-    for (const auto& blocks : complete(options.groups(k), problem.blocks()))
-      knot.groups.push_back({.blocks = blocks, .bonds = {}});
+    for (const auto& blocks : complete(options.groups(k), problem.blocks())) knot.groups.emplace_back().blocks = blocks;
     for (const auto& touched : options.bonds(k)) {
       const int b = static_cast<int>(knot.bonds.size());
       knot.bonds.push_back({options.bond_size, options.bond_rows});

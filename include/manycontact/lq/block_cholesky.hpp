@@ -37,7 +37,6 @@ class BlockCholesky {
   int start(int v) const { return start_[v]; }
   int vertices() const { return static_cast<int>(vertices_.size()); }
   bool finite() const;
-  double flops() const { return flops_; }
 
  private:
   struct Below {
@@ -53,7 +52,10 @@ class BlockCholesky {
   std::vector<Vertex> vertices_;
   std::vector<int> start_;
   std::vector<Column> columns_;
-  double flops_ = 0;
 };
+
+/// Operations of factorize.
+double block_cholesky_flops(const std::vector<BlockCholesky::Vertex>& vertices,
+                            const std::vector<std::pair<int, int>>& edges);
 
 }  // namespace manycontact::lq

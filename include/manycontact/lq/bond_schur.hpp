@@ -17,9 +17,9 @@
 // the last by one sweep backward over all columns at once: n^2 (m T) T per cluster, n its states and m its y in a knot,
 // beside the T n^3 of its Riccati recursion. Chains and trees of robots then cost their bonds' (m T)^3 each.
 // mu is eliminated before w, bond by bond: S is quasi-definite when the costs are convex and strictly so in u. Where a
-// part of it is only semidefinite, `proximal` is added to S, relative to its diagonal, which refinement removes.
+// part of it is only semidefinite, a proximal term is added to S, which refinement removes.
 
-#include "manycontact/lq/block_cholesky.hpp"
+#include "manycontact/lq/bond_graph.hpp"
 #include "manycontact/lq/riccati.hpp"
 
 namespace manycontact::lq {
@@ -27,7 +27,7 @@ namespace manycontact::lq {
 class BondSchur : public DirectionSolver {
  public:
   const char* name() const override { return "Schur complement of bonds"; }
-  double flops() const override;
+  double flops() const override { return flops_; }
 
   /// The clusters' own recursions: their policies are feedback about the solution, with w and mu held.
   const Riccati& clusters() const { return riccati_; }
@@ -38,34 +38,13 @@ class BondSchur : public DirectionSolver {
   void do_solve(const Problem& problem, const Point& h, Point& z, bool first) override;
 
  private:
-  // Part of a cluster's y in a knot: w or mu of one bond.
-  struct Part {
-    int bond;
-    bool is_w;
-    int at, size;        // in the cluster's y of the knot
-    int vertex, offset;  // in S
-  };
-  // A cluster in a knot.
-  struct Node {
-    int cluster = 0;  // its index in the plan's knot
-    std::vector<Part> parts;
-    int size = 0;  // of y
-  };
-  // Where a bond's w and mu stand in S.
-  struct Place {
-    int w = -1, w_offset = 0, mu = -1, mu_offset = 0;
-  };
-
-  void make_nodes(const Problem& problem);
-  void make_vertices(const Problem& problem);
   void respond(const Problem& problem, int cluster);
   void respond_at(const Problem& problem, int cluster, int knot);
-  void add_terms_of_y(const Problem& problem, int knot, const Node& node);
+  void add_terms_of_y(const Problem& problem, int knot, const BondNode& node);
   void sweep(const Problem& problem, int cluster);
 
   Riccati riccati_{Join::kNoBonds};
-  std::vector<std::vector<Node>> nodes_;    // by cluster (of knot 0), by knot
-  std::vector<std::vector<Place>> places_;  // by knot, by bond
+  BondGraph graph_;
   BlockCholesky schur_;
   double flops_ = 0;
 

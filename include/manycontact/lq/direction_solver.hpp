@@ -33,6 +33,9 @@ struct Outcome {
 /// errors leaves, four below what a Newton step needs.
 inline constexpr double kAccurate = 1e-10;
 
+/// KKT error above which an answer is refined: what it leaves of a step is far below what Newton's method sees.
+inline constexpr double kRefineAbove = 1e-13;
+
 class DirectionSolver {
  public:
   virtual ~DirectionSolver() = default;
