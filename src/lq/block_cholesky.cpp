@@ -48,6 +48,7 @@ void BlockCholesky::analyse(std::vector<Vertex> vertices, const std::vector<std:
   start_.assign(1, 0);
   for (const Vertex& v : vertices_) start_.push_back(start_.back() + v.size);
   columns_.assign(vertices_.size(), {});
+  largest_ = VectorXd::Zero(vertices_.size());
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
     Column& column = columns_[v];
     int rows = 0;
@@ -89,6 +90,21 @@ void BlockCholesky::add(int u, int i, int v, int j, const Eigen::Ref<const Matri
 }
 
 void BlockCholesky::add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }
+
+void BlockCholesky::add_proximal_term(double relative) {
+  largest_.setZero();
+  const auto largest_in = [](const auto& M) { return M.size() > 0 ? M.cwiseAbs().maxCoeff() : 0; };
+  for (int v = 0; v < vertices(); ++v) {
+    const Column& column = columns_[v];
+    largest_[v] = std::max(largest_[v], largest_in(column.diagonal));
+    for (const Below& b : column.below) {
+      const double of_block = largest_in(column.panel.middleRows(b.row, vertices_[b.vertex].size));
+      largest_[v] = std::max(largest_[v], of_block);
+      largest_[b.vertex] = std::max(largest_[b.vertex], of_block);
+    }
+  }
+  for (int v = 0; v < vertices(); ++v) add_diagonal(v, vertices_[v].sign * relative * largest_[v]);
+}
 
 bool BlockCholesky::finite() const {
   return std::all_of(columns_.begin(), columns_.end(),

@@ -10,6 +10,15 @@ namespace manycontact::lq {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+namespace {
+
+// Where S is semidefinite in w or mu alone, relative to its entries: sqrt(eps), so that one solve with it is good to
+// sqrt(eps) and each refinement gains as much.
+constexpr double kProximal = 1e-8;
+constexpr int kRefinements = 3, kProximalRefinements = 12;
+
+}  // namespace
+
 // ---- analyse --------------------------------------------------------------------------------------------------
 
 void BondSchur::do_analyse(const Problem& problem) {
@@ -58,12 +67,24 @@ void BondSchur::do_analyse(const Problem& problem) {
 Outcome BondSchur::do_factorize(const Problem& problem, const Regularisation& reg) {
   const Outcome outcome = riccati_.factorize(problem, reg);
   if (outcome.status != Status::kOk) return outcome;
+  max_refinements = kRefinements;
+  make_schur(problem, reg);
+  if (!schur_.finite()) return {Status::kNotFinite};
+  if (schur_.factorize(tolerance::kPivotLeft) < 0) return {};
+
+  max_refinements = kProximalRefinements;
+  make_schur(problem, reg);
+  schur_.add_proximal_term(kProximal);
+  const int failed = schur_.factorize(0);
+  if (failed < 0) return {};
+  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // mu, w
+}
+
+void BondSchur::make_schur(const Problem& problem, const Regularisation& reg) {
   schur_.set_zero();
   if (reg.rows > 0)
     for (int v = 0; v < schur_.vertices(); v += 2) schur_.add_diagonal(v, -reg.rows);
   for (int c = 0; c < static_cast<int>(graph_.nodes.size()); ++c) respond(problem, c);
-  if (!schur_.finite()) return {Status::kNotFinite};
-  return {schur_.factorize(tolerance::kPivotLeft) < 0 ? Status::kOk : Status::kSingular};
 }
 
 // ---- solve ----------------------------------------------------------------------------------------------------

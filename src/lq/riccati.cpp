@@ -21,6 +21,9 @@ MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) { retu
 // Weight of |D v|^2 that shows whether Qvv is positive definite where D v = 0, beside Qvv's and D's sizes.
 constexpr double kConvexWhereFeasible = 1e6;
 
+// Pivots of the LU beside the largest one, whatever their units: less is singular to working precision.
+constexpr double kSingularPivot = 1e-14;
+
 }  // namespace
 
 const char* Riccati::name() const {
@@ -147,18 +150,15 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
     policy.K = -policy.K;
   } else {
     copy_lower_to_upper(Qvv);
-    eliminate_with_rows(problem, k, index, reg);
-    const double largest = policy.lu.matrixLU().diagonal().cwiseAbs().maxCoeff();
-    const double smallest = policy.lu.matrixLU().diagonal().cwiseAbs().minCoeff();
-    if (!(smallest > tolerance::kPivotLeft * largest * 1e-3)) return Status::kSingular;
-    if (!cholesky(as_matrix(Qvv_, c.nv, c.nv), 0)) return Status::kNotConvex;
+    const Status status = eliminate_with_rows(problem, k, index, reg);
+    if (status != Status::kOk) return status;
   }
   copy_lower_to_upper(policy.P);
   return policy.P.allFinite() ? Status::kOk : Status::kNotFinite;
 }
 
-// The same with the bonds' equations; leaves Qvv + w D^T D in the scratch, positive definite where Qvv is on D v = 0.
-void Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
+// The same with the bonds' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
+Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
   const Index size = c.nv + c.rows;
@@ -181,18 +181,24 @@ void Riccati::eliminate_with_rows(const Problem& problem, int k, int index, cons
     }
   }
   M.diagonal().tail(c.rows).array() -= reg.rows;
+  if (!M.allFinite() || !right.allFinite()) return Status::kNotFinite;
   const auto D = M.bottomLeftCorner(c.rows, c.nv);
   const double of_Q = Qvv.cwiseAbs().maxCoeff(), of_D = D.cwiseAbs2().maxCoeff();
   const double weight = of_Q > 0 && of_D > 0 ? kConvexWhereFeasible * of_Q / of_D : 1;
   add_lower_AtB(Qvv, reg.rows > 0 ? 1 / reg.rows : weight, D, D);
 
   policy.lu.compute(M);
+  const auto pivots = policy.lu.matrixLU().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > kSingularPivot * pivots.maxCoeff())) return Status::kSingular;
+  if (!cholesky(Qvv, 0)) return Status::kNotConvex;
+
   MatrixMap both = as_matrix(Qxv_, c.nx, size);
   both = right.transpose();
   for (Index i = 0; i < size; ++i) right.row(policy.lu.permutationP().indices()[i]) = -both.col(i).transpose();
   policy.lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(right);
   policy.lu.matrixLU().triangularView<Eigen::Upper>().solveInPlace(right);
   add_lower_AB(policy.P, 1, both, right);  // P = Qxx + [Qxv C^T] [K; K']
+  return Status::kOk;
 }
 
 Outcome Riccati::do_factorize(const Problem& problem, const Regularisation& reg) {

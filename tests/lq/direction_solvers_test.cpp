@@ -89,6 +89,9 @@ std::vector<Case> cases() {
   o = &add("ObjectWithoutControls");
   o->nu = {3, 0, 3, 0};
   o->bonds = running(*o, {{0, 1}, {2, 1}});
+  o = &add("BondOfTwoObjects");
+  o->nu = {3, 0, 0, 3};
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
   o = &add("EqualityConstraints");
   o->bond_size = 0;
   o->bond_rows = 1;

@@ -28,6 +28,10 @@ class BlockCholesky {
   /// Adds a to vertex v's diagonal.
   void add_diagonal(int v, double a);
 
+  /// Adds `relative` times the largest entry of each vertex's rows to its diagonal, by its sign: S is quasi-definite
+  /// then if it was semidefinite.
+  void add_proximal_term(double relative);
+
   /// The vertex whose pivots keep less than `least` of their terms (wrong sign included); -1 where all do.
   [[nodiscard]] int factorize(double least);
   /// x <- S^-1 x, x by vertex.
@@ -52,6 +56,7 @@ class BlockCholesky {
   std::vector<Vertex> vertices_;
   std::vector<int> start_;
   std::vector<Column> columns_;
+  Eigen::VectorXd largest_;  // scratch
 };
 
 /// Operations of factorize.

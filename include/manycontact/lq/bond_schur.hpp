@@ -17,7 +17,8 @@
 // the last by one sweep backward over all columns at once: n^2 (m T) T per cluster, n its states and m its y in a knot,
 // beside the T n^3 of its Riccati recursion. Chains and trees of robots then cost their bonds' (m T)^3 each.
 // mu is eliminated before w, bond by bond: S is quasi-definite when the costs are convex and strictly so in u. Where a
-// part of it is only semidefinite, a proximal term is added to S, which refinement removes.
+// part of it is only semidefinite, a proximal term is added, which refinement removes: bonds that depend on each other
+// and agree have an answer then, one of many mu and w; that others have none shows in the KKT error (kInaccurate).
 
 #include "manycontact/lq/bond_graph.hpp"
 #include "manycontact/lq/riccati.hpp"
@@ -38,6 +39,7 @@ class BondSchur : public DirectionSolver {
   void do_solve(const Problem& problem, const Point& h, Point& z, bool first) override;
 
  private:
+  void make_schur(const Problem& problem, const Regularisation& reg);
   void respond(const Problem& problem, int cluster);
   void respond_at(const Problem& problem, int cluster, int knot);
   void add_terms_of_y(const Problem& problem, int knot, const BondNode& node);

@@ -52,7 +52,7 @@ class Riccati : public DirectionSolver {
   friend class BondSchur;
   void expand(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
-  void eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
+  Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
   /// x, u, lambda (w and mu of bonds within clusters) of the z with H z + h = 0, the policies' k and p left alone.
   void pass(const Problem& problem, const Point& h, Point& z);
   void backward(const Problem& problem, const Point& h, int k);
