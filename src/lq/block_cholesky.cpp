@@ -1,6 +1,7 @@
 #include "manycontact/lq/block_cholesky.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -107,8 +108,9 @@ void BlockCholesky::add_proximal_term(double relative) {
 }
 
 bool BlockCholesky::finite() const {
-  return std::all_of(columns_.begin(), columns_.end(),
-                     [](const Column& column) { return column.diagonal.allFinite() && column.panel.allFinite(); });
+  return std::all_of(columns_.begin(), columns_.end(), [](const Column& column) {
+    return std::isfinite(column.diagonal.sum()) && std::isfinite(column.panel.sum());
+  });
 }
 
 int BlockCholesky::factorize(double least) {

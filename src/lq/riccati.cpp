@@ -18,6 +18,9 @@ namespace {
 // The first rows x cols numbers of a scratch.
 MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) { return {scratch.data(), rows, cols}; }
 
+// NaN and infinite entries show in the sum.
+bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
+
 // Weight of |D v|^2 that shows whether Qvv is positive definite where D v = 0, beside Qvv's and D's sizes.
 constexpr double kConvexWhereFeasible = 1e6;
 
@@ -139,10 +142,9 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
   MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
-  if (!policy.P.allFinite() || !Qxv.allFinite() || !Qvv.allFinite()) return Status::kNotFinite;
   if (c.rows == 0) {
     policy.L = Qvv;
-    if (!cholesky(policy.L, tolerance::kPivotLeft)) return Status::kNotConvex;
+    if (!cholesky(policy.L, tolerance::kPivotLeft)) return finite(Qvv) ? Status::kNotConvex : Status::kNotFinite;
     policy.K = Qxv.transpose();
     solve_L(policy.L, policy.K);
     add_lower_AtB(policy.P, -1, policy.K, policy.K);  // P = Qxx - Qxv Qvv^-1 Qxv^T
@@ -154,7 +156,7 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
     if (status != Status::kOk) return status;
   }
   copy_lower_to_upper(policy.P);
-  return policy.P.allFinite() ? Status::kOk : Status::kNotFinite;
+  return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
 // The same with the bonds' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
@@ -181,7 +183,7 @@ Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, co
     }
   }
   M.diagonal().tail(c.rows).array() -= reg.rows;
-  if (!M.allFinite() || !right.allFinite()) return Status::kNotFinite;
+  if (!finite(M)) return Status::kNotFinite;
   const auto D = M.bottomLeftCorner(c.rows, c.nv);
   const double of_Q = Qvv.cwiseAbs().maxCoeff(), of_D = D.cwiseAbs2().maxCoeff();
   const double weight = of_Q > 0 && of_D > 0 ? kConvexWhereFeasible * of_Q / of_D : 1;
