@@ -15,7 +15,7 @@ namespace {
 // Where S is semidefinite in w or mu alone, relative to its entries: sqrt(eps), so that one solve with it is good to
 // sqrt(eps) and each refinement gains as much.
 constexpr double kProximal = 1e-8;
-constexpr int kRefinements = 3, kProximalRefinements = 12;
+constexpr int kProximalRefinements = 9;
 
 }  // namespace
 
@@ -67,12 +67,12 @@ void BondSchur::do_analyse(const Problem& problem) {
 Outcome BondSchur::do_factorize(const Problem& problem, const Regularisation& reg) {
   const Outcome outcome = riccati_.factorize(problem, reg);
   if (outcome.status != Status::kOk) return outcome;
-  max_refinements = kRefinements;
+  extra_refinements_ = 0;
   make_schur(problem, reg);
   if (!schur_.finite()) return {Status::kNotFinite};
   if (schur_.factorize(tolerance::kPivotLeft) < 0) return {};
 
-  max_refinements = kProximalRefinements;
+  extra_refinements_ = kProximalRefinements;
   make_schur(problem, reg);
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);

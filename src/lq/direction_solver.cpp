@@ -77,7 +77,7 @@ Outcome DirectionSolver::solve(const Problem& problem, Point& z) {
     do_solve(problem, residual_, correction_, false);
     add(correction_, z);
   };
-  const auto refined = sparse::refine(max_refinements, kRefineAbove, judge, correct);
+  const auto refined = sparse::refine(max_refinements + extra_refinements_, kRefineAbove, judge, correct);
   Outcome outcome;
   outcome.kkt_error = refined.backward_error;
   outcome.refinements = refined.steps;

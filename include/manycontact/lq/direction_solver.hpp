@@ -58,6 +58,7 @@ class DirectionSolver {
   virtual void do_solve(const Problem& problem, const Point& h, Point& z, bool first) = 0;
 
   Layout layout_;
+  int extra_refinements_ = 0;  // beyond max_refinements: of a factor that differs from H on purpose
 
  private:
   void expect_same_structure(const Problem& problem) const;
