@@ -7,6 +7,7 @@
 
 #include "../tests/lq/random_problem.hpp"
 #include "manycontact/lq/bond_schur.hpp"
+#include "settings.hpp"
 
 namespace manycontact::bench {
 namespace {
@@ -58,8 +59,9 @@ void add(const std::string& name, Run run) {
   benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
 }
 
-const bool registered = [] {
+const Registration registered([] {
   for (const int robots : {1, 2, 4, 8, 16, 32, 64}) {
+    if (settings().quick && robots != 1 && robots != 16) continue;
     const std::string n = std::to_string(robots);
     add("lq/separate/" + n + "/factorize", [=](benchmark::State& s) {
       lq::Riccati solver(lq::Join::kIslands);
@@ -80,13 +82,14 @@ const bool registered = [] {
     });
   }
   // Five knots of the dense recursion: ten times as long for the horizon of the others.
-  for (const int robots : {1, 2, 4, 8, 16})
+  for (const int robots : {1, 2, 4, 8, 16}) {
+    if (settings().quick && robots != 16) continue;
     add("lq/dense_5_knots/" + std::to_string(robots) + "/factorize", [=](benchmark::State& s) {
       lq::Riccati solver(lq::Join::kAll);
       factorize(s, solver, separate(robots, 5, true));
     });
-  return true;
-}();
+  }
+});
 
 }  // namespace
 }  // namespace manycontact::bench
