@@ -1,0 +1,26 @@
+#pragma once
+// The optimality conditions of a problem, H z + h = 0 with z = (x, u, w, lambda, mu), H symmetric: what every direction
+// solver is judged by.
+
+#include "manycontact/lq/problem.hpp"
+
+namespace manycontact::lq {
+
+/// h: q, r of controls, r of bonds, (x0, f of knots 0 ... T-1) in lambda, d in mu.
+void linear_terms(const Problem& problem, const Layout& layout, Point& h);
+
+/// residual = H z + h. Returns the largest error over the equations, each |residual| relative to the largest sum of
+/// |terms| in its block (of a knot): 0 where all terms are; NaN where any is. scale: scratch, of the same sizes.
+double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
+                    Point& residual, Point& scale);
+
+/// As above, with scratch of its own.
+double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
+
+/// What a step z changes: cost(z) - cost(0) = linear + quadratic / 2. The problem's own, without regularisation.
+struct Change {
+  double linear = 0, quadratic = 0;
+};
+Change cost_change(const Problem& problem, const Layout& layout, const Point& z);
+
+}  // namespace manycontact::lq

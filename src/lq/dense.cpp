@@ -1,0 +1,59 @@
+#include "dense.hpp"
+
+#include "dense_level.hpp"
+
+namespace manycontact::lq {
+
+extern const DenseLevel dense_level_baseline, dense_level_avx2;
+
+namespace {
+
+// The best for the processor at hand; AVX-512 gains nothing over AVX2 in Eigen's products.
+const DenseLevel& level() {
+  static const DenseLevel& here = []() -> const DenseLevel& {
+#ifdef MANYCONTACT_LEVEL_avx2
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return dense_level_avx2;
+#endif
+    return dense_level_baseline;
+  }();
+  return here;
+}
+
+ConstPanel panel(ConstBlock A) { return {A.data(), A.rows(), A.cols(), A.outerStride()}; }
+Panel panel(Block& A) { return {A.data(), A.rows(), A.cols(), A.outerStride()}; }
+
+}  // namespace
+
+void add_AB(Block C, double a, ConstBlock A, ConstBlock B) { level().add_AB(panel(C), a, panel(A), panel(B)); }
+void add_AtB(Block C, double a, ConstBlock A, ConstBlock B) { level().add_AtB(panel(C), a, panel(A), panel(B)); }
+void add_ABt(Block C, double a, ConstBlock A, ConstBlock B) { level().add_ABt(panel(C), a, panel(A), panel(B)); }
+
+void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B) {
+  level().add_lower_AB(panel(C), a, panel(A), panel(B));
+}
+void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B) {
+  level().add_lower_AtB(panel(C), a, panel(A), panel(B));
+}
+void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B) {
+  level().add_lower_ABt(panel(C), a, panel(A), panel(B));
+}
+
+void copy_lower_to_upper(Block C) { C.triangularView<Eigen::StrictlyUpper>() = C.transpose(); }
+
+// Pivot k is L_kk^2 = A_kk - sum_j L_kj^2; the part of A_kk that it keeps is judged afterwards.
+bool cholesky(Block A, double least) {
+  if (A.rows() == 0) return true;
+  if (!level().cholesky(panel(A))) return false;
+  for (Eigen::Index k = 0; k < A.rows(); ++k) {
+    const double pivot = A(k, k) * A(k, k);
+    if (!(pivot > least * (pivot + A.row(k).head(k).squaredNorm()))) return false;
+  }
+  return true;
+}
+
+void solve_L(ConstBlock L, Block X) { level().solve_L(panel(L), panel(X)); }
+void solve_Lt(ConstBlock L, Block X) { level().solve_Lt(panel(L), panel(X)); }
+void solve_Lt_right(ConstBlock L, Block X) { level().solve_Lt_right(panel(L), panel(X)); }
+
+}  // namespace manycontact::lq

@@ -1,0 +1,26 @@
+#pragma once
+// The products and factors of dense blocks that the direction solvers are made of, by columns.
+
+#include <Eigen/Core>
+
+namespace manycontact::lq {
+
+using Block = Eigen::Ref<Eigen::MatrixXd>;
+using ConstBlock = const Eigen::Ref<const Eigen::MatrixXd>&;
+
+void add_AB(Block C, double a, ConstBlock A, ConstBlock B);         // C += a A B
+void add_AtB(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A^T B
+void add_ABt(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A B^T
+void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // likewise, of a symmetric result the lower
+void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B);  // triangle only
+void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B);
+
+void copy_lower_to_upper(Block C);
+
+/// A = L L^T, L over A's lower triangle. False where a pivot keeps less than `least` of A's diagonal entry.
+[[nodiscard]] bool cholesky(Block A, double least);
+void solve_L(ConstBlock L, Block X);         // X <- L^-1 X
+void solve_Lt(ConstBlock L, Block X);        // X <- L^-T X
+void solve_Lt_right(ConstBlock L, Block X);  // X <- X L^-T
+
+}  // namespace manycontact::lq

@@ -1,0 +1,31 @@
+#pragma once
+// Products and factors of dense blocks by columns, compiled once per level of instructions (level.cpp). Plain memory
+// passes between levels, nothing of Eigen's.
+
+#include <cstddef>
+
+namespace manycontact::lq {
+
+struct ConstPanel {
+  const double* entries;
+  std::ptrdiff_t rows, cols, stride;
+};
+struct Panel {
+  double* entries;
+  std::ptrdiff_t rows, cols, stride;
+};
+
+struct DenseLevel {
+  void (*add_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);
+  bool (*cholesky)(Panel A);  // whether all pivots are positive
+  void (*solve_L)(ConstPanel L, Panel X);
+  void (*solve_Lt)(ConstPanel L, Panel X);
+  void (*solve_Lt_right)(ConstPanel L, Panel X);
+};
+
+}  // namespace manycontact::lq

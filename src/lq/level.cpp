@@ -1,0 +1,61 @@
+// Dense blocks at one level of instructions: compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
+// name). Nothing of it but the level is seen by the linker (src/lanes.cmake).
+
+#include <Eigen/Cholesky>
+
+#include "dense_level.hpp"
+
+namespace manycontact::lq {
+namespace {
+
+using Eigen::MatrixXd;
+using Strided = Eigen::OuterStride<>;
+using Map = Eigen::Map<MatrixXd, 0, Strided>;
+using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
+
+Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
+ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
+
+// Eigen's product into a triangle divides by zero where there is nothing to multiply.
+bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
+
+void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A) * map(B); }
+void add_AtB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A).transpose() * map(B); }
+void add_ABt(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A) * map(B).transpose(); }
+void add_lower_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
+  if (!nothing(C, A)) map(C).triangularView<Eigen::Lower>() += a * map(A) * map(B);
+}
+void add_lower_AtB(Panel C, double a, ConstPanel A, ConstPanel B) {
+  if (!nothing(C, A)) map(C).triangularView<Eigen::Lower>() += a * map(A).transpose() * map(B);
+}
+void add_lower_ABt(Panel C, double a, ConstPanel A, ConstPanel B) {
+  if (!nothing(C, A)) map(C).triangularView<Eigen::Lower>() += a * map(A) * map(B).transpose();
+}
+
+bool cholesky(Panel A) {
+  Eigen::Ref<MatrixXd> in_place = map(A);
+  return Eigen::LLT<Eigen::Ref<MatrixXd>>(in_place).info() == Eigen::Success;
+}
+void solve_L(ConstPanel L, Panel X) {
+  Map x = map(X);
+  map(L).triangularView<Eigen::Lower>().solveInPlace(x);
+}
+void solve_Lt(ConstPanel L, Panel X) {
+  Map x = map(X);
+  map(L).transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+}
+void solve_Lt_right(ConstPanel L, Panel X) {
+  Map x = map(X);
+  map(L).transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
+}
+
+}  // namespace
+
+#define MANYCONTACT_NAMED(prefix, level) prefix##level
+#define MANYCONTACT_NAME(prefix, level) MANYCONTACT_NAMED(prefix, level)
+
+extern const DenseLevel MANYCONTACT_NAME(dense_level_, MANYCONTACT_LEVEL);
+const DenseLevel MANYCONTACT_NAME(dense_level_, MANYCONTACT_LEVEL) = {
+    add_AB, add_AtB, add_ABt, add_lower_AB, add_lower_AtB, add_lower_ABt, cholesky, solve_L, solve_Lt, solve_Lt_right};
+
+}  // namespace manycontact::lq

@@ -1,0 +1,44 @@
+#pragma once
+// How the vectors of a group lie in those of a knot: f(first in the group's, first in the knot's, size), piece by
+// piece.
+
+#include "manycontact/lq/problem.hpp"
+
+namespace manycontact::lq {
+
+template <class F>
+void for_each_x(const Problem& problem, const Layout& layout, const Group& g, F&& f) {
+  Eigen::Index at = 0;
+  for (int i : g.blocks) {
+    f(at, layout.x[i], problem.nx[i]);
+    at += problem.nx[i];
+  }
+}
+
+/// f(first in v_g, whether it is a piece of u (or of w), first in u or w, size)
+template <class F>
+void for_each_v(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
+  Eigen::Index at = 0;
+  if (k < problem.horizon())
+    for (int i : g.blocks) {
+      f(at, true, layout.u[i], problem.nu[i]);
+      at += problem.nu[i];
+    }
+  for (int b : g.bonds) {
+    const int size = problem.knots[k].bonds[b].size;
+    f(at, false, layout.w[k][b], size);
+    at += size;
+  }
+}
+
+template <class F>
+void for_each_row(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
+  Eigen::Index at = 0;
+  for (int b : g.bonds) {
+    const int rows = problem.knots[k].bonds[b].rows;
+    f(at, layout.rows[k][b], rows);
+    at += rows;
+  }
+}
+
+}  // namespace manycontact::lq

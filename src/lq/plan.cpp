@@ -1,0 +1,147 @@
+#include "manycontact/lq/plan.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace manycontact::lq {
+namespace {
+
+// Sets of blocks that only ever grow together.
+class Partition {
+ public:
+  explicit Partition(int n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int find(int i) const {
+    while (parent_[i] != i) i = parent_[i];
+    return i;
+  }
+  void join(int i, int j) {  // the smaller leads
+    i = find(i);
+    j = find(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+void join_knot(const Problem& problem, const Knot& knot, Join join, Partition& partition) {
+  if (join == Join::kAll)
+    for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
+  std::vector<int> first(knot.bonds.size(), -1);  // block that the bond touches
+  for (const Group& g : knot.groups) {
+    for (int i : g.blocks) partition.join(g.blocks.front(), i);
+    if (join != Join::kIslands) continue;
+    for (int b : g.bonds) {
+      if (first[b] >= 0) partition.join(first[b], g.blocks.front());
+      first[b] = g.blocks.front();
+    }
+  }
+}
+
+// Appends group `index` to the cluster: its states and controls.
+void add_member(const Problem& problem, int k, int index, Cluster& c) {
+  const Group& g = problem.knots[k].groups[index];
+  Member m{index, c.nx, 0, {}, {}};
+  const int u = c.nu;
+  for (int i : g.blocks) {
+    c.blocks.push_back(i);
+    c.x_start.push_back(c.nx);
+    c.u_start.push_back(c.nu);
+    c.nx += problem.nx[i];
+    if (k < problem.horizon()) c.nu += problem.nu[i];
+  }
+  m.nx = c.nx - m.x;
+  m.v.push_back({0, c.nu - u, u});
+  c.members.push_back(std::move(m));
+}
+
+// Bonds of the cluster's members become its own: w behind all controls.
+void add_bonds(const Knot& knot, Cluster& c) {
+  std::vector<int> w(knot.bonds.size(), -1), row(knot.bonds.size(), -1);
+  for (Member& m : c.members) {
+    int from_v = m.v.front().size, from_row = 0;
+    for (int b : knot.groups[m.group].bonds) {
+      const Bond& bond = knot.bonds[b];
+      if (w[b] < 0) {
+        w[b] = c.nv;
+        row[b] = c.rows;
+        c.bonds.push_back(b);
+        c.w_start.push_back(c.nv);
+        c.row_start.push_back(c.rows);
+        c.nv += bond.size;
+        c.rows += bond.rows;
+      }
+      m.v.push_back({from_v, bond.size, w[b]});
+      m.rows.push_back({from_row, bond.rows, row[b]});
+      from_v += bond.size;
+      from_row += bond.rows;
+    }
+  }
+}
+
+std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, const Partition& partition) {
+  const Knot& knot = problem.knots[k];
+  std::vector<Cluster> clusters;
+  std::vector<int> index(problem.blocks(), -1);  // by the partition's leader
+  for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
+    int& c = index[partition.find(knot.groups[g].blocks.front())];
+    if (c < 0) {
+      c = static_cast<int>(clusters.size());
+      clusters.emplace_back();
+    }
+    add_member(problem, k, g, clusters[c]);
+  }
+  for (Cluster& c : clusters) {
+    c.nv = c.nu;
+    if (join != Join::kNoBonds) add_bonds(knot, c);
+  }
+  return clusters;
+}
+
+void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int blocks) {
+  std::vector<int> owner(blocks);
+  for (std::size_t c = 0; c < next.size(); ++c)
+    for (int i : next[c].blocks) owner[i] = static_cast<int>(c);
+  for (Cluster& c : now) {
+    for (int i : c.blocks)
+      if (std::find(c.next.begin(), c.next.end(), owner[i]) == c.next.end()) c.next.push_back(owner[i]);
+    c.next_in_order = c.next.size() == 1 && next[c.next[0]].blocks == c.blocks;
+  }
+}
+
+}  // namespace
+
+Plan make_plan(const Problem& problem, Join join) {
+  Partition partition(problem.blocks());
+  if (join == Join::kNoBonds)
+    for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
+  const int T = problem.horizon();
+  Plan plan(T + 1);
+  for (int k = T; k >= 0; --k) {
+    join_knot(problem, problem.knots[k], join, partition);
+    plan[k] = clusters_of(problem, k, join, partition);
+    if (k < T) link(plan[k], plan[k + 1], problem.blocks());
+  }
+  return plan;
+}
+
+double riccati_flops(const Problem& problem, const Plan& plan) {
+  double flops = 0;
+  for (int k = 0; k < problem.horizon(); ++k)
+    for (const Cluster& c : plan[k]) {
+      const double n = c.nx, m = c.nv, e = c.nv + c.rows;
+      for (const Member& member : c.members) {
+        const double ng = member.nx;
+        double mg = 0;
+        for (const Piece& p : member.v) mg += p.size;
+        flops += 2 * n * ng * ng + n * ng * ng     // P A, A^T P A
+                 + 2 * n * ng * mg                 // P B
+                 + 2 * ng * ng * m + ng * mg * m;  // A^T P B, B^T P B
+      }
+      flops += c.rows > 0 || c.nv > c.nu ? 2 * e * e * e / 3 + 2 * e * e * n : m * m * m / 3 + 2 * m * m * n;
+      flops += n * n * e;  // P = Qxx + Qxv K
+    }
+  return flops;
+}
+
+}  // namespace manycontact::lq

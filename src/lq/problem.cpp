@@ -1,0 +1,144 @@
+#include "manycontact/lq/problem.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace manycontact::lq {
+namespace {
+
+struct Sizes {
+  int nx = 0, nu = 0, nw = 0, rows = 0;
+};
+
+Sizes sizes(const Problem& problem, const Knot& knot, const Group& group) {
+  const bool terminal = &knot == &problem.knots.back();
+  Sizes s;
+  for (int i : group.blocks) {
+    s.nx += problem.nx[i];
+    if (!terminal) s.nu += problem.nu[i];
+  }
+  for (int b : group.bonds) {
+    s.nw += knot.bonds[b].size;
+    s.rows += knot.bonds[b].rows;
+  }
+  return s;
+}
+
+void refuse(int knot, int group, const std::string& what) {
+  throw std::invalid_argument("lq::Problem: knot " + std::to_string(knot) + ", group " + std::to_string(group) + ": " +
+                              what);
+}
+
+void check_partition(const Problem& problem, int k) {
+  const Knot& knot = problem.knots[k];
+  std::vector<bool> seen(problem.blocks()), touched(knot.bonds.size());
+  for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
+    if (knot.groups[g].blocks.empty()) refuse(k, g, "no blocks");
+    for (int i : knot.groups[g].blocks) {
+      if (i < 0 || i >= problem.blocks()) refuse(k, g, "no block " + std::to_string(i));
+      if (seen[i]) refuse(k, g, "block " + std::to_string(i) + " stands twice in the knot");
+      seen[i] = true;
+    }
+    std::vector<bool> mine(knot.bonds.size());
+    for (int b : knot.groups[g].bonds) {
+      if (b < 0 || b >= static_cast<int>(knot.bonds.size())) refuse(k, g, "no bond " + std::to_string(b));
+      if (mine[b]) refuse(k, g, "bond " + std::to_string(b) + " stands twice in the group");
+      mine[b] = touched[b] = true;
+    }
+  }
+  for (int i = 0; i < problem.blocks(); ++i)
+    if (!seen[i]) refuse(k, -1, "block " + std::to_string(i) + " is in no group");
+  for (std::size_t b = 0; b < touched.size(); ++b)
+    if (!touched[b]) refuse(k, -1, "bond " + std::to_string(b) + " touches no group");
+}
+
+void check_sizes(const Problem& problem, int k, int g) {
+  const Knot& knot = problem.knots[k];
+  const Group& group = knot.groups[g];
+  const Sizes s = sizes(problem, knot, group);
+  const int nv = s.nu + s.nw;
+  const auto matrix = [&](const Eigen::MatrixXd& M, int rows, int cols, const char* name) {
+    if (M.rows() != rows || M.cols() != cols)
+      refuse(k, g, std::string(name) + " is not " + std::to_string(rows) + " x " + std::to_string(cols));
+  };
+  const auto vector = [&](const Eigen::VectorXd& x, int rows, const char* name) {
+    if (x.size() != rows) refuse(k, g, std::string(name) + " has not " + std::to_string(rows) + " entries");
+  };
+  matrix(group.Q, s.nx, s.nx, "Q");
+  matrix(group.S, s.nx, nv, "S");
+  matrix(group.R, nv, nv, "R");
+  vector(group.q, s.nx, "q");
+  vector(group.r, nv, "r");
+  matrix(group.C, s.rows, s.nx, "C");
+  matrix(group.D, s.rows, nv, "D");
+  vector(group.d, s.rows, "d");
+  if (k == problem.horizon()) return;
+  matrix(group.A, s.nx, s.nx, "A");
+  matrix(group.B, s.nx, nv, "B");
+  vector(group.f, s.nx, "f");
+}
+
+std::vector<int> starts(const std::vector<int>& sizes) {
+  std::vector<int> out{0};
+  for (int n : sizes) out.push_back(out.back() + n);
+  return out;
+}
+
+}  // namespace
+
+void set_zero(Problem& problem) {
+  for (Knot& knot : problem.knots)
+    for (Group& g : knot.groups) {
+      const Sizes s = sizes(problem, knot, g);
+      const int nv = s.nu + s.nw;
+      g.Q.setZero(s.nx, s.nx);
+      g.S.setZero(s.nx, nv);
+      g.R.setZero(nv, nv);
+      g.q.setZero(s.nx);
+      g.r.setZero(nv);
+      g.A.setZero(s.nx, s.nx);
+      g.B.setZero(s.nx, nv);
+      g.f.setZero(s.nx);
+      g.C.setZero(s.rows, s.nx);
+      g.D.setZero(s.rows, nv);
+      g.d.setZero(s.rows);
+    }
+  problem.x0.setZero(starts(problem.nx).back());
+}
+
+void check(const Problem& problem) {
+  if (problem.knots.empty()) throw std::invalid_argument("lq::Problem: no knot");
+  if (problem.nu.size() != problem.nx.size()) throw std::invalid_argument("lq::Problem: nx and nu differ in size");
+  for (int i = 0; i < problem.blocks(); ++i)
+    if (problem.nx[i] < 0 || problem.nu[i] < 0) throw std::invalid_argument("lq::Problem: a negative size");
+  if (problem.x0.size() != starts(problem.nx).back())
+    throw std::invalid_argument("lq::Problem: x0 has not the size of all blocks' states");
+  for (int k = 0; k <= problem.horizon(); ++k) {
+    check_partition(problem, k);
+    for (int g = 0; g < static_cast<int>(problem.knots[k].groups.size()); ++g) check_sizes(problem, k, g);
+  }
+}
+
+Layout::Layout(const Problem& problem) : x(starts(problem.nx)), u(starts(problem.nu)) {
+  for (const Knot& knot : problem.knots) {
+    std::vector<int> size, row;
+    for (const Bond& b : knot.bonds) {
+      size.push_back(b.size);
+      row.push_back(b.rows);
+    }
+    w.push_back(starts(size));
+    rows.push_back(starts(row));
+  }
+}
+
+Point::Point(const Problem& problem, const Layout& layout) {
+  for (int k = 0; k <= problem.horizon(); ++k) {
+    x.push_back(Eigen::VectorXd::Zero(layout.x.back()));
+    lambda.push_back(x.back());
+    u.push_back(Eigen::VectorXd::Zero(k < problem.horizon() ? layout.u.back() : 0));
+    w.push_back(Eigen::VectorXd::Zero(layout.w[k].back()));
+    mu.push_back(Eigen::VectorXd::Zero(layout.rows[k].back()));
+  }
+}
+
+}  // namespace manycontact::lq

@@ -1,0 +1,254 @@
+// Every direction solver on random problems: the KKT error of its answer, and the dense oracles beside it.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <memory>
+
+#include "manycontact/lq/bond_schur.hpp"
+#include "manycontact/lq/kkt.hpp"
+#include "random_problem.hpp"
+#include "support/allocations.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using lq::Status;
+using Lists = std::vector<std::vector<int>>;
+
+constexpr double kEps = 2.3e-16;
+
+struct Case {
+  std::string name;
+  LqOptions options;
+  lq::Regularisation reg;
+  bool riccati = true;  // false: what stagewise elimination cannot do
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+std::function<Lists(int)> always(Lists lists) {
+  return [=](int) { return lists; };
+}
+
+// In running knots.
+std::function<Lists(int)> running(const LqOptions& options, Lists lists) {
+  return [=, T = options.horizon](int k) { return k < T ? lists : Lists{}; };
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  const auto add = [&](const char* name) -> LqOptions& {
+    all.push_back({name, {}, {}, true});
+    return all.back().options;
+  };
+  add("Separate");
+  add("OneBlock").nx = {5};
+  all.back().options.nu = {2};
+  add("OneKnot").horizon = 0;
+  add("JoinedThroughout").groups = always({{2, 0}, {1, 3}});
+  add("JoinedLater").groups = [](int k) { return k > 8 ? Lists{{3, 1}} : Lists{}; };
+  add("JoinedEarlier").groups = [](int k) { return k < 4 ? Lists{{3, 1}} : Lists{}; };
+  add("Changing").groups = [](int k) {
+    return k < 4 ? Lists{{2, 0}} : k < 7 ? Lists{{0, 1}} : k < 9 ? Lists{{3, 2}} : Lists{{0}, {1, 3}};
+  };
+  add("MergedInTwoOrders").groups = [](int k) { return k % 2 ? Lists{{0, 1, 2}, {3}} : Lists{{2}, {1}, {0}, {3}}; };
+  add("NoCostOnStates").state_weight = 0;
+  add("Unstable").growth = 1.3;
+  add("TimesTwo").growth = 2;
+
+  LqOptions* o = &add("Chain");
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("Ring");
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
+  o = &add("Star");
+  o->bonds = running(*o, {{0, 1}, {0, 2}, {0, 3}});
+  o = &add("ThreeInABond");
+  o->bonds = running(*o, {{0, 1, 3}});
+  o = &add("TwoBondsOfOnePair");
+  o->bonds = running(*o, {{2, 1}, {1, 2}});
+  o = &add("BondsComeAndGo");
+  o->bonds = [](int k) {
+    return k < 3 ? Lists{{0, 1}} : k < 6 ? Lists{{1, 2}, {0, 1}} : k < 9 ? Lists{} : Lists{{2, 3}};
+  };
+  o = &add("BondsOfGroups");
+  o->groups = [](int k) { return k < 5 ? Lists{{2, 0}} : Lists{{0}, {2}}; };
+  o->bonds = running(*o, {{0, 1}, {2, 3}});
+  o = &add("BondWithinAGroup");
+  o->groups = always({{2, 0}});
+  o->bonds = running(*o, {{0, 2}, {2, 3}});
+  o = &add("ForceAndAcceleration");
+  o->bond_size = 4;
+  o->bond_weight = 0.5;
+  o->bonds = running(*o, {{0, 1}, {2, 1}});
+  o = &add("BondsThatCost");
+  o->bond_weight = 1;
+  o->bonds = running(*o, {{0, 1}, {1, 2}});
+  o = &add("ObjectWithoutControls");
+  o->nu = {3, 0, 3, 0};
+  o->bonds = running(*o, {{0, 1}, {2, 1}});
+  o = &add("BondOfTwoObjects");
+  o->nu = {3, 0, 0, 3};
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("EqualityConstraints");
+  o->bond_size = 0;
+  o->bond_rows = 1;
+  o->bonds = running(*o, {{0}, {1}, {2}});
+  o = &add("EqualityConstraintsOfLaterKnots");
+  o->nx = {4, 3, 5};
+  o->nu = {1, 1, 2};
+  o->bond_size = 0;
+  o->bond_rows = 1;
+  o->bonds = [T = o->horizon](int k) { return k == T ? Lists{{0}, {1, 2}} : Lists{}; };
+  all.back().riccati = false;
+  o = &add("NoCostOnStatesWithBonds");
+  o->state_weight = 0;
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("UnstableWithBonds");
+  o->growth = 1.3;
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+
+  add("RegularisedControls").control_weight = 0;
+  all.back().options.state_weight = 0;
+  all.back().reg = {0, 1e-3, 0};
+  add("RegularisedStates").groups = always({{0, 3}});
+  all.back().reg = {1e-2, 1e-4, 0};
+  o = &add("ProximalBonds");
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {0, 1}});
+  all.back().reg = {1e-3, 1e-3, 1e-2};
+  return all;
+}
+
+struct Solvers {
+  lq::Riccati dense{lq::Join::kAll}, islands{lq::Join::kIslands};
+  lq::BondSchur schur;
+  std::vector<lq::DirectionSolver*> of(const Case& c) {
+    if (!c.riccati) return {&schur};
+    return {&dense, &islands, &schur};
+  }
+};
+
+double relative(const VectorXd& a, const VectorXd& truth) {
+  return (a - truth).cwiseAbs().maxCoeff() / truth.cwiseAbs().maxCoeff();
+}
+
+class DirectionSolvers : public testing::TestWithParam<Case> {
+ protected:
+  const Case& c = GetParam();
+  std::mt19937 rng{11};
+  lq::Problem problem = random_lq(rng, c.options);
+  Solvers solvers;
+};
+
+// The oracle of all: the optimality conditions as one dense matrix. Errors of 100 eps cond are allowed.
+TEST_P(DirectionSolvers, EqualTheDenseKktMatrix) {
+  VectorXd h;
+  const MatrixXd H = dense_kkt(problem, c.reg, h);
+  EXPECT_LE((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-13 * H.cwiseAbs().maxCoeff());
+  const Eigen::BDCSVD<MatrixXd> svd(H, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VectorXd truth = svd.solve(-h);
+  const double cond = svd.singularValues()(0) / svd.singularValues().tail(1)(0);
+  const double allowed = std::max(1e-12, 100 * kEps * cond);
+  ASSERT_LT(allowed, 1e-6) << "the problem says nothing";
+  for (lq::DirectionSolver* solver : solvers.of(c)) {
+    solver->analyse(problem);
+    lq::Outcome outcome = solver->factorize(problem, c.reg);
+    ASSERT_EQ(outcome.status, Status::kOk) << solver->name() << ", knot " << outcome.knot;
+    lq::Point z;
+    outcome = solver->solve(problem, z);
+    EXPECT_EQ(outcome.status, Status::kOk) << solver->name();
+    EXPECT_LE(outcome.kkt_error, lq::kRefineAbove) << solver->name();
+    EXPECT_EQ(outcome.kkt_error, lq::kkt_error(problem, z, c.reg)) << solver->name();
+    EXPECT_LE(relative(flat(z), truth), allowed) << solver->name() << ", condition " << cond;
+    RecordProperty(solver->name(), std::to_string(outcome.kkt_error));
+  }
+}
+
+TEST_P(DirectionSolvers, EqualDenseRiccati) {
+  if (!c.riccati) GTEST_SKIP();
+  lq::Point truth, z;
+  for (lq::DirectionSolver* solver : solvers.of(c)) {
+    solver->analyse(problem);
+    ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk);
+    ASSERT_EQ(solver->solve(problem, z).status, Status::kOk);
+    if (solver == &solvers.dense) truth = z;
+    EXPECT_LE(relative(flat(z), flat(truth)), 1e-9) << solver->name();
+  }
+}
+
+// lambda_k is V's gradient, and the policy gives the controls.
+TEST_P(DirectionSolvers, PoliciesAndValueFunctionFitTheSolution) {
+  const lq::Layout layout(problem);
+  for (lq::Riccati* solver : {&solvers.dense, &solvers.islands}) {
+    if (!c.riccati) continue;
+    solver->analyse(problem);
+    ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk);
+    lq::Point z;
+    ASSERT_EQ(solver->solve(problem, z).status, Status::kOk);
+    for (int k = 0; k <= problem.horizon(); ++k)
+      for (std::size_t i = 0; i < solver->plan()[k].size(); ++i) {
+        const lq::Cluster& cluster = solver->plan()[k][i];
+        const auto& policy = solver->policy(k, static_cast<int>(i));
+        VectorXd x(cluster.nx), u(cluster.nu), lambda(cluster.nx);
+        for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+          const int block = cluster.blocks[b], nx = problem.nx[block], nu = problem.nu[block];
+          x.segment(cluster.x_start[b], nx) = z.x[k].segment(layout.x[block], nx);
+          lambda.segment(cluster.x_start[b], nx) = z.lambda[k].segment(layout.x[block], nx);
+          if (k < problem.horizon()) u.segment(cluster.u_start[b], nu) = z.u[k].segment(layout.u[block], nu);
+        }
+        const double size = flat(z).cwiseAbs().maxCoeff();
+        EXPECT_LE((policy.P * x + policy.p - lambda).cwiseAbs().maxCoeff(), 1e-9 * size);
+        EXPECT_LE(((policy.K * x + policy.k).head(cluster.nu) - u).cwiseAbs().sum(), 1e-9 * size);
+        EXPECT_EQ(policy.P, policy.P.transpose());
+      }
+  }
+}
+
+// The optimum of a convex problem under constraints: no feasible step lowers the cost. Here by the quadratic model that
+// line searches use: linear + quadratic / 2 is the change of cost, and grows along any step of the null space.
+TEST_P(DirectionSolvers, ChangeOfCostIsThatOfTheProblem) {
+  lq::DirectionSolver* solver = solvers.of(c).front();
+  const lq::Layout layout(problem);
+  solver->analyse(problem);
+  ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk);
+  lq::Point z;
+  ASSERT_EQ(solver->solve(problem, z).status, Status::kOk);
+  const lq::Change change = lq::cost_change(problem, layout, z);
+  // By the optimality conditions: z^T (H z + h) = 0 splits into cost and constraints.
+  double expected = 0, size = 0;
+  lq::Point h(problem, layout);
+  lq::linear_terms(problem, layout, h);
+  for (int k = 0; k <= problem.horizon(); ++k) {
+    const double terms[] = {z.lambda[k].dot(h.lambda[k]), z.mu[k].dot(h.mu[k]), -c.reg.x * z.x[k].squaredNorm(),
+                            -c.reg.u * z.u[k].squaredNorm(), -c.reg.rows * z.mu[k].squaredNorm()};
+    for (double t : terms) {
+      expected += t;
+      size += std::abs(t);
+    }
+  }
+  EXPECT_NEAR(change.linear + change.quadratic, expected, 1e-9 * (size + std::abs(change.linear)));
+}
+
+TEST_P(DirectionSolvers, AllocateNothingAgain) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  for (lq::DirectionSolver* solver : solvers.of(c)) {
+    solver->analyse(problem);
+    lq::Point z;
+    ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk);
+    ASSERT_EQ(solver->solve(problem, z).status, Status::kOk);
+    refill(problem, rng, c.options);
+    lq::Outcome outcome;
+    EXPECT_EQ(allocations([&] { outcome = solver->factorize(problem, c.reg); }), 0u) << solver->name();
+    ASSERT_EQ(outcome.status, Status::kOk);
+    EXPECT_EQ(allocations([&] { outcome = solver->solve(problem, z); }), 0u) << solver->name();
+    EXPECT_LE(lq::kkt_error(problem, z, c.reg), lq::kRefineAbove) << solver->name();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, DirectionSolvers, testing::ValuesIn(cases()),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace manycontact::test
