@@ -1,7 +1,7 @@
-# The kernels of robots in SIMD lanes (src/dynamics/lanes), compiled once per level of instructions and chosen when the
-# program runs. A level above the compiler's own is linked by itself, and of its symbols only the Level stays visible:
-# were Eigen's and std's functions in it shared with the rest of the program, the linker might take those that the
-# processor at hand does not have.
+# The kernels of robots in SIMD lanes (src/dynamics/lanes) and of panels (sparse/src/panels), compiled once per level of
+# instructions and chosen when the program runs. A level above the compiler's own is linked by itself, and of its symbols
+# only the level stays visible: were Eigen's and std's functions in it shared with the rest of the program, the linker
+# might take those that the processor at hand does not have.
 option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512 too, where the compiler and GNU binutils can" ON)
 
 set(lane_levels baseline)
@@ -21,16 +21,20 @@ if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND C
   endif()
 endif()
 
-# add_lanes(TARGET): puts the kernels of all levels into a static library.
-function(add_lanes target)
+# add_levels(TARGET SOURCE what the source links...): puts the kernels of all levels into a static library.
+function(add_levels target source)
   foreach(level IN LISTS lane_levels)
     set(objects ${target}_${level})
-    add_library(${objects} OBJECT src/dynamics/lanes/level.cpp)
+    add_library(${objects} OBJECT ${source})
     set_target_properties(${objects} PROPERTIES UNITY_BUILD OFF)
     target_compile_options(${objects} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
-    target_compile_definitions(${objects} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}}
-                               $<TARGET_PROPERTY:manycontact_kkt,INTERFACE_COMPILE_DEFINITIONS>)
-    target_link_libraries(${objects} PRIVATE manycontact_kkt)
+    target_compile_definitions(${objects} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}})
+    foreach(library IN LISTS ARGN)
+      target_compile_definitions(${objects} PRIVATE $<TARGET_PROPERTY:${library},INTERFACE_COMPILE_DEFINITIONS>)
+    endforeach()
+    target_link_libraries(${objects} PRIVATE ${ARGN})
+    target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/sparse/include)
+    target_compile_features(${objects} PRIVATE cxx_std_20)
     target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL_${level})
     if(level STREQUAL "baseline")
       target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
@@ -39,12 +43,12 @@ function(add_lanes target)
     # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
     target_compile_options(${objects} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
                            -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64)
-    set(alone ${PROJECT_BINARY_DIR}/lanes_${level}.o)
+    set(alone ${PROJECT_BINARY_DIR}/${objects}.o)
     add_custom_command(OUTPUT ${alone}
       COMMAND ${CMAKE_LINKER} -r --force-group-allocation $<TARGET_OBJECTS:${objects}> -o ${alone}
       COMMAND ${CMAKE_OBJCOPY} --wildcard "--keep-global-symbol=*level_${level}*" ${alone}
       DEPENDS ${objects} $<TARGET_OBJECTS:${objects}>
-      COMMENT "Hiding all but the level of lanes_${level}.o" VERBATIM)
+      COMMENT "Hiding all but the level of ${objects}.o" VERBATIM)
     set_source_files_properties(${alone} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
     target_sources(${target} PRIVATE ${alone})
   endforeach()

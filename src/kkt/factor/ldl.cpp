@@ -1,5 +1,6 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -41,7 +42,7 @@ class LdlFactor final : public Factor {
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
     const int* perm = pattern_->perm.data();
     if (schedule_)
-      sparse::ldl_scheduled_solve_panel(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+      sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
     else
       sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
   }
