@@ -95,8 +95,11 @@ void expect_solved(const Factor& f, const Panel& given, int first, int cols, con
   };
   check("by pattern", [&](auto... panel) { sparse::ldl_solve_panel(f.symbolic, panel...); });
   check("scheduled", [&](auto... panel) { sparse::ldl_scheduled_solve_panel(f.schedule, panel...); });
-  for (const sparse::PanelKernels* level : sparse::panel_levels())
+  for (const sparse::PanelKernels* level : sparse::panel_levels()) {
     check(level->name, [&](auto... panel) { level->solve(f.schedule, panel...); });
+    std::vector<double> work(f.n() * level->columns, NAN);
+    check("apart", [&](auto... panel) { level->solve_apart(f.schedule, panel..., work.data()); });
+  }
 }
 
 TEST(LdlSolvePanel, EveryWidthEqualsColumnByColumn) {

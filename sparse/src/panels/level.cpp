@@ -14,6 +14,24 @@ namespace {
 using kernel::kRegister;
 using kernel::Tile;
 
+// Rows far apart in memory are brought together in A's order, and a chunk of columns stays in the cache.
+void solve_apart(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
+                 int first, int cols, char* nonzero, double* work) {
+  ldl_scheduled_reach(schedule, nonzero);
+  kernel::in_chunks<kernel::kColumns<double>>(first, first + cols, [&](int c, auto size) {
+    constexpr int N = size.value;
+    const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
+    for (int k = 0; k < schedule.n; ++k) {
+      if (nonzero[k])
+        std::copy_n(at(k), N, work + k * N);
+      else
+        std::fill_n(work + k * N, N, 0.0);
+    }
+    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), work, N, nonzero);
+    for (int k = 0; k < schedule.n; ++k) std::copy_n(work + k * N, N, at(k));
+  });
+}
+
 void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
   const int *p = A.p.data(), *index = A.i.data();
   kernel::in_chunks<kernel::kColumns<double>>(0, cols, [&](int first, auto size) {
@@ -73,7 +91,11 @@ void upper_product(const double* L, const double* R, int depth, int cols, int ld
 #define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
 
 extern const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
-const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {
-    MANYCONTACT_NAME(MANYCONTACT_LEVEL), ldl_scheduled_solve_panel<double>, panel_residual, upper_product};
+const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL),
+                                                                kernel::kColumns<double>,
+                                                                ldl_scheduled_solve_panel<double>,
+                                                                solve_apart,
+                                                                panel_residual,
+                                                                upper_product};
 
 }  // namespace manycontact::sparse

@@ -10,9 +10,13 @@ namespace manycontact::sparse {
 
 struct PanelKernels {
   const char* name;
+  int columns;  // of a panel worked at a time
   /// ldl_scheduled_solve_panel (ldl_kernels.hpp) of doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero);
+  /// The same for rows that are far apart: a chunk of columns is worked beside the panel. work: n x `columns`.
+  void (*solve_apart)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
+                      int first, int cols, char* nonzero, double* work);
   /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
   /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
