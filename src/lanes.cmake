@@ -1,7 +1,7 @@
-# The kernels of robots in SIMD lanes (src/dynamics/lanes), compiled once per level of instructions and chosen when the
-# program runs. A level above the compiler's own is linked by itself, and of its symbols only the Level stays visible:
-# were Eigen's and std's functions in it shared with the rest of the program, the linker might take those that the
-# processor at hand does not have.
+# The kernels of robots in SIMD lanes (src/dynamics/lanes) and of panels (sparse/src/panels), compiled once per level of
+# instructions and chosen when the program runs. A level above the compiler's own is linked by itself, and of its symbols
+# only the level stays visible: were Eigen's and std's functions in it shared with the rest of the program, the linker
+# might take those that the processor at hand does not have.
 option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512 too, where the compiler and GNU binutils can" ON)
 
 set(lane_levels baseline)
@@ -21,20 +21,25 @@ if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND C
   endif()
 endif()
 
-# add_lanes(TARGET SOURCE LINKED LEVELS...): puts SOURCE, compiled for each of these levels that the compiler has, into
-# a static library. LINKED: the library whose headers SOURCE sees.
-function(add_lanes target source linked)
-  foreach(level IN LISTS ARGN)
-    if(NOT level IN_LIST lane_levels)
+# add_levels(TARGET SOURCE FILE [SEES LIBRARY...] [LEVELS LEVEL...]): puts FILE, compiled for each of the levels (all of
+# them) that the compiler has, into a static library. SEES: libraries whose headers it includes.
+function(add_levels target)
+  cmake_parse_arguments(PARSE_ARGV 1 at "" "SOURCE" "SEES;LEVELS")
+  foreach(level IN LISTS lane_levels)
+    if(at_LEVELS AND NOT level IN_LIST at_LEVELS)
       continue()
     endif()
     set(objects ${target}_${level})
-    add_library(${objects} OBJECT ${source})
+    add_library(${objects} OBJECT ${at_SOURCE})
     set_target_properties(${objects} PROPERTIES UNITY_BUILD OFF)
     target_compile_options(${objects} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
-    target_compile_definitions(${objects} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}}
-                               $<TARGET_PROPERTY:${linked},INTERFACE_COMPILE_DEFINITIONS>)
-    target_link_libraries(${objects} PRIVATE ${linked})
+    target_compile_definitions(${objects} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}})
+    foreach(library IN LISTS at_SEES)
+      target_compile_definitions(${objects} PRIVATE $<TARGET_PROPERTY:${library},INTERFACE_COMPILE_DEFINITIONS>)
+    endforeach()
+    target_link_libraries(${objects} PRIVATE ${at_SEES})
+    target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/sparse/include)
+    target_compile_features(${objects} PRIVATE cxx_std_20)
     target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL_${level})
     if(level STREQUAL "baseline")
       target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)

@@ -11,6 +11,7 @@
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/cost.hpp"
 #include "manycontact/action/cost_derivatives.hpp"
+#include "manycontact/action/cost_groups.hpp"
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/fwd.hpp"
 #include "manycontact/action/multibody.hpp"

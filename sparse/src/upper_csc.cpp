@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "manycontact/sparse/panel_kernels.hpp"
+
 namespace manycontact::sparse {
 
 int UpperCsc::slot(int row, int col) const {
@@ -62,16 +64,7 @@ void residual(const UpperCsc& A, const double* Ax, const double* x, const double
 }
 
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
-  const auto at = [&](auto* panel, int k) { return panel + static_cast<std::ptrdiff_t>(row[k]) * ld; };
-  for (int j = 0; j < A.n; ++j)
-    for (int k = A.p[j]; k < A.p[j + 1]; ++k) {
-      const int i = A.i[k];
-      const double *xi = at(X, i), *xj = at(X, j);
-      double *bi = at(B, i), *bj = at(B, j);
-      for (int c = 0; c < cols; ++c) bi[c] -= Ax[k] * xj[c];
-      if (i == j) continue;
-      for (int c = 0; c < cols; ++c) bj[c] -= Ax[k] * xi[c];
-    }
+  panel_kernels().residual(A, Ax, row, X, B, ld, cols);
 }
 
 double norm_1(const UpperCsc& A, const double* Ax, double* work) {

@@ -7,7 +7,7 @@
 namespace manycontact {
 
 std::size_t BlockSparse::plan(const std::vector<int>& rows, const std::vector<int>& cols) {
-  planned_.push_back({rows, cols, {}});
+  planned_.push_back({rows, cols, {}, {}});
   return planned_.size() - 1;
 }
 
@@ -27,6 +27,12 @@ void BlockSparse::finish(int rows, int cols) {
       for (int i : b.rows)
         b.slots.push_back(static_cast<int>(std::lower_bound(first, last, i) - matrix.innerIndexPtr()));
     }
+    b.runs.clear();
+    for (std::size_t k = 0; k < b.slots.size(); ++k)
+      if (k % b.rows.size() != 0 && b.slots[k] == b.slots[k - 1] + 1)
+        ++b.runs.back().count;
+      else
+        b.runs.push_back({b.slots[k], 1});
   }
 }
 

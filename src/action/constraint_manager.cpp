@@ -182,7 +182,7 @@ void stack_parts(const ResidualDataAbstract& residual, const std::vector<Part>& 
                  bool sparse, Eigen::MatrixXd& X, Eigen::MatrixXd& U, BlockSparse& Xs, BlockSparse& Us) {
   for (const Part& part : parts) {
     const ResidualBlock& b = residual.blocks[part.block];
-    const auto write = [&](const Eigen::MatrixXd& J, const std::vector<int>& cols, Eigen::MatrixXd& out) {
+    const auto write = [&](const RowMajorMatrix& J, const std::vector<int>& cols, Eigen::MatrixXd& out) {
       for (std::size_t j = 0; j < cols.size(); ++j)
         for (std::size_t i = 0; i < part.from.size(); ++i) out(part.to[i], cols[j]) = J(part.from[i], j);
     };

@@ -1,6 +1,5 @@
 #include "manycontact/action/cost.hpp"
 
-#include <algorithm>
 #include <ostream>
 
 namespace manycontact {
@@ -10,6 +9,12 @@ CostDataResidual::CostDataResidual(CostModelResidual* model, DataCollector* shar
       of_activation(model->get_activation()),
       activation(model->get_activation()->createData()),
       residual(model->get_residual()->createData(shared)) {}
+
+Eigen::VectorXd CostDataResidual::Lx() const { return residual->Rx().transpose() * activation->Ar; }
+Eigen::VectorXd CostDataResidual::Lu() const { return residual->Ru().transpose() * activation->Ar; }
+Eigen::MatrixXd CostDataResidual::Lxx() const { return residual->Rx().transpose() * activation->Arr * residual->Rx(); }
+Eigen::MatrixXd CostDataResidual::Lxu() const { return residual->Rx().transpose() * activation->Arr * residual->Ru(); }
+Eigen::MatrixXd CostDataResidual::Luu() const { return residual->Ru().transpose() * activation->Arr * residual->Ru(); }
 
 CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
                                      std::shared_ptr<ActivationModelAbstract> activation,
@@ -54,55 +59,12 @@ void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, 
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
   activation_->calcDiff(data->activation, data->residual->r);
-  form_hessians(*data);
 }
 
 void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
   activation_->calcDiff(data->activation, data->residual->r);
-  form_hessians(*data);
-}
-
-namespace {
-
-// out = L^T R in pieces whose workspace Eigen takes from the stack.
-void transposed_product(const Eigen::MatrixXd& L, const Eigen::MatrixXd& R, Eigen::MatrixXd& out) {
-  constexpr Eigen::Index kTile = 48, kDepth = 256;
-  out.resize(L.cols(), R.cols());
-  if (out.size() == 1 && L.rows() == 1) {
-    out(0, 0) = L(0, 0) * R(0, 0);
-    return;
-  }
-  out.setZero();
-  for (Eigen::Index k = 0; k < L.rows(); k += kDepth)
-    for (Eigen::Index j = 0; j < R.cols(); j += kTile)
-      for (Eigen::Index i = 0; i < L.cols(); i += kTile) {
-        const Eigen::Index d = std::min(kDepth, L.rows() - k), m = std::min(kTile, L.cols() - i),
-                           n = std::min(kTile, R.cols() - j);
-        out.block(i, j, m, n).noalias() += L.block(k, i, d, m).transpose() * R.block(k, j, d, n);
-      }
-}
-
-}  // namespace
-
-void CostModelResidual::form_hessians(CostDataResidual& data) const {
-  const std::vector<ResidualBlock>& blocks = data.residual->blocks;
-  data.hessians.resize(blocks.size());
-  const auto& A = data.activation->Arr.diagonal();
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const ResidualBlock& b = blocks[k];
-    CostDataResidual::Hessian& h = data.hessians[k];
-    h.ARx.resize(b.rows.size(), b.xcols.size());
-    h.ARu.resize(b.rows.size(), b.ucols.size());
-    for (std::size_t i = 0; i < b.rows.size(); ++i) {
-      h.ARx.row(i) = A[b.rows[i]] * b.Rx.row(i);
-      h.ARu.row(i) = A[b.rows[i]] * b.Ru.row(i);
-    }
-    transposed_product(b.Rx, h.ARx, h.xx);
-    transposed_product(b.Rx, h.ARu, h.xu);
-    transposed_product(b.Ru, h.ARu, h.uu);
-  }
 }
 
 std::shared_ptr<CostDataResidual> CostModelResidual::createData(DataCollector* shared) {

@@ -91,41 +91,6 @@ void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const Cons
   add_up(*data, true);
 }
 
-namespace {
-
-void add_dense(const std::vector<int>& rows, const std::vector<int>& cols, double weight, const Eigen::MatrixXd& values,
-               Eigen::MatrixXd& out) {
-  for (std::size_t j = 0; j < cols.size(); ++j)
-    for (std::size_t i = 0; i < rows.size(); ++i) out(rows[i], cols[j]) += weight * values(i, j);
-}
-
-// One cost's blocks.
-void add_cost(const CostDataResidual& cost, double weight, bool terminal, const CostDataSum::Plan& plan,
-              CostDerivatives& out) {
-  const Eigen::VectorXd& Ar = cost.activation->Ar;
-  for (std::size_t k = 0; k < cost.residual->blocks.size(); ++k) {
-    const ResidualBlock& b = cost.residual->blocks[k];
-    const CostDataResidual::Hessian& h = cost.hessians[k];
-    for (std::size_t i = 0; i < b.rows.size(); ++i) {
-      const double w = weight * Ar[b.rows[i]];
-      for (std::size_t j = 0; j < b.xcols.size(); ++j) out.Lx[b.xcols[j]] += w * b.Rx(i, j);
-      for (std::size_t j = 0; !terminal && j < b.ucols.size(); ++j) out.Lu[b.ucols[j]] += w * b.Ru(i, j);
-    }
-    if (out.storage != MatrixStorage::kSparse) {
-      add_dense(b.xcols, b.xcols, weight, h.xx, out.Lxx);
-      if (!terminal) add_dense(b.xcols, b.ucols, weight, h.xu, out.Lxu);
-      if (!terminal) add_dense(b.ucols, b.ucols, weight, h.uu, out.Luu);
-    }
-    if (out.storage != MatrixStorage::kDense) {
-      out.Lxx_blocks.add(plan.xx + k, weight, h.xx);
-      if (!terminal) out.Lxu_blocks.add(plan.xu + k, weight, h.xu);
-      if (!terminal) out.Luu_blocks.add(plan.uu + k, weight, h.uu);
-    }
-  }
-}
-
-}  // namespace
-
 void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
   CostDerivatives& out = *data.derivatives;
   out.Lx.setZero();
@@ -138,12 +103,9 @@ void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
     out.Lxu_blocks.set_zero();
     out.Luu_blocks.set_zero();
   }
-  auto part = data.costs.begin();
-  auto plan = data.plans.begin();
-  for (const auto& [name, item] : costs_) {
-    if (item->active) add_cost(*part->second, item->weight, terminal, *plan, out);
-    ++part, ++plan;
-  }
+  std::size_t k = 0;
+  for (const auto& [name, item] : costs_) data.weights[k++] = item->active ? item->weight : 0;
+  data.groups.add(data.weights, terminal, out);
 }
 
 std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, CostDerivatives* out) {
@@ -161,20 +123,13 @@ std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, Cos
 
 void CostModelSum::lay_out(CostDataSum& data) const {
   CostDerivatives& out = *data.derivatives;
-  for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
-  data.plans.clear();
-  auto part = data.costs.begin();
-  for (const auto& [name, item] : costs_) {
-    CostDataAbstract& d = *(part++)->second;
-    item->cost->get_residual()->lay_out(*d.residual);
-    data.plans.push_back({out.Lxx_blocks.size(), out.Lxu_blocks.size(), out.Luu_blocks.size()});
-    if (out.storage == MatrixStorage::kDense) continue;
-    for (const ResidualBlock& b : d.residual->blocks) {
-      out.Lxx_blocks.plan(b.xcols, b.xcols);
-      out.Lxu_blocks.plan(b.xcols, b.ucols);
-      out.Luu_blocks.plan(b.ucols, b.ucols);
-    }
+  std::vector<const CostDataResidual*> parts;
+  for (const auto& [name, d] : data.costs) {
+    costs_.at(name)->cost->get_residual()->lay_out(*d->residual);
+    parts.push_back(d.get());
   }
+  data.weights.assign(parts.size(), 0);
+  data.groups.lay_out(parts, out);
   const int ndx = static_cast<int>(state_->get_ndx()), nu = static_cast<int>(nu_);
   out.Lxx_blocks.finish(ndx, ndx);
   out.Lxu_blocks.finish(ndx, nu);

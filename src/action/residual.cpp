@@ -17,7 +17,7 @@ ResidualDataAbstract::ResidualDataAbstract(const ResidualModelAbstract* model, D
 namespace {
 
 Eigen::MatrixXd whole(const std::vector<ResidualBlock>& blocks, Eigen::Index nr, std::size_t n,
-                      std::vector<int> ResidualBlock::*cols, Eigen::MatrixXd ResidualBlock::*J) {
+                      std::vector<int> ResidualBlock::*cols, RowMajorMatrix ResidualBlock::*J) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(nr, n);
   for (const ResidualBlock& b : blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)

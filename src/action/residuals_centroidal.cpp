@@ -127,7 +127,7 @@ void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDat
                                                const ConstVectorRef&) {
   CentroidalData& d = own(data);
   const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
-  Eigen::MatrixXd& Rx = d.blocks[0].Rx;
+  RowMajorMatrix& Rx = d.blocks[0].Rx;
   const Eigen::Index n = Rx.cols() / 2;
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {

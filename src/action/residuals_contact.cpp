@@ -37,6 +37,14 @@ void unit_wrenches(const Contact& contact, Wrenches& P) {
   }
 }
 
+// out = B df. Many of B's entries are zero.
+void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out) {
+  out.setZero();
+  for (Eigen::Index i = 0; i < B.rows(); ++i)
+    for (Eigen::Index k = 0; k < B.cols(); ++k)
+      if (B(i, k) != 0) out.row(i) += B(i, k) * df.row(k);
+}
+
 std::string name_of(ContactType type) { return std::to_string(contact_rows(type)) + "D"; }
 
 std::string only_6d(ContactType type) {
@@ -107,8 +115,8 @@ void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data
                                const ConstVectorRef&) {
   ContactResidualData& d = own(data);
   if (d.blocks.empty()) return;
-  d.blocks[0].Rx = d.B.lazyProduct(d.contact->df_dx);
-  d.blocks[0].Ru = d.B.lazyProduct(d.contact->df_du);
+  multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
+  multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
 }
 
 void ContactResidual::print(std::ostream& os) const {

@@ -189,7 +189,7 @@ void ResidualModelFrameVelocity::calcDiff(const std::shared_ptr<ResidualDataAbst
   const SE3<double> M = d.in_tree();
   const Vec6<double> v = kin.v[d.frame->joint], v_here = at_point(M.p, v);
   const Eigen::Index n = d.chain.size();
-  Eigen::MatrixXd& Rx = d.blocks[0].Rx;
+  RowMajorMatrix& Rx = d.blocks[0].Rx;
   for (Eigen::Index k = 0; k < n; ++k) {
     const int i = d.chain[k], parent = model.joints[model.dof_joint[i]].parent;
     const Vec6<double> S = kin.J.col(i);

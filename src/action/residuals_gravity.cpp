@@ -27,13 +27,14 @@ void set_static_part(GravityData& d, bool contacts) {
     static_torque_derivative(d.shared->scene, d.shared->solution, i, contacts, d.statics, d.dg[i]);
     block.Rx.setZero();
     block.Ru.setZero();
-    for (Eigen::Index k = 0; k < d.dg[i].cols(); ++k) block.Rx.col(d.q_column[i][k]) = -d.dg[i].col(k);
+    for (Eigen::Index j = 0; j < d.dg[i].rows(); ++j)
+      for (Eigen::Index k = 0; k < d.dg[i].cols(); ++k) block.Rx(j, d.q_column[i][k]) = -d.dg[i](j, k);
   }
 }
 
 // out += the part of `matrix` (nv rows) in an island's rows and the columns given.
 void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double>& matrix,
-              const std::vector<int>& columns, Eigen::MatrixXd& out) {
+              const std::vector<int>& columns, RowMajorMatrix& out) {
   if (matrix.nonZeros() == 0) return;
   for (std::size_t j = 0; j < columns.size(); ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, columns[j]); it; ++it)

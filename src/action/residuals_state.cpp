@@ -49,11 +49,14 @@ void ResidualModelState::calcDiff(const std::shared_ptr<ResidualDataAbstract>& d
   auto block = data->blocks.begin();
   for (const Robot& robot : state_->get_model()->scene().robots)
     for (const Joint& joint : robot.model->joints) {
-      Eigen::MatrixXd& J = (block++)->Rx;
-      if (joint.nv() == 1)
-        J(0, 0) = 1;
-      else
+      RowMajorMatrix& Rx = (block++)->Rx;
+      if (joint.nv() == 1) {
+        Rx(0, 0) = 1;
+      } else {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> J(joint.nv(), joint.nv());
         joint_jdiff(joint, data->r.segment(robot.idx_v + joint.idx_v, joint.nv()), false, J);
+        Rx = J;
+      }
       for (int i = 0; i < joint.nv(); ++i) (block++)->Rx(0, 0) = 1;
     }
 }

@@ -35,7 +35,9 @@ struct Reach {
   }
 };
 
-// Robot by robot, so that a block of columns meets only the rows its robot reaches.
+constexpr int kChunk = 64;  // columns: as many as any factor works at a time
+
+// Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
 void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, std::vector<char>& nonzero) {
   const int ld = static_cast<int>(out.X.cols());
   if (d.island.robots.size() == 1 || by_bodies(d)) {
@@ -44,18 +46,21 @@ void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, std
     return;
   }
   Reach reach{scene, d.island, d.K.pattern->iperm.data(), nonzero};
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Model& model = *scene.robots[d.island.robots[k]].model;
-    const auto block = [&](bool wanted, int first, int cols, bool contacts, bool bodies) {
-      if (!wanted || cols == 0) return;
-      reach.none();
-      reach.robot(k);
-      if (contacts) reach.contacts(k, bodies);
-      d.factor->solve_panel(out.X.data(), ld, first, cols, nonzero.data());
-    };
-    block(out.request.q, out.q_first + d.island.dof_offset[k], model.nv, true, true);
-    block(out.request.v, out.v_first + d.island.dof_offset[k], model.nv, true, false);
-    block(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k], false, false);
+  for (int begin = 0; begin < out.cols; begin += kChunk) {
+    const int end = std::min(begin + kChunk, ld);
+    reach.none();
+    for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+      const int nv = scene.robots[d.island.robots[k]].model->nv;
+      const auto block = [&](bool wanted, int first, int cols, bool contacts, bool bodies) {
+        if (!wanted || first >= end || first + cols <= begin) return;
+        reach.robot(k);
+        if (contacts) reach.contacts(k, bodies);
+      };
+      block(out.request.q, out.q_first + d.island.dof_offset[k], nv, true, true);
+      block(out.request.v, out.v_first + d.island.dof_offset[k], nv, true, false);
+      block(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k], false, false);
+    }
+    d.factor->solve_panel(out.X.data(), ld, begin, end - begin, nonzero.data());
   }
 }
 

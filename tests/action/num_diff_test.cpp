@@ -162,20 +162,32 @@ TEST_P(NumDiff, HessiansAreGaussNewtons) {
   const auto data = model->createData();
   model->calc(data, p.x, p.u);
   model->calcDiff(data, p.x, p.u);
+  Eigen::VectorXd Lx = 0 * data->Lx, Lu = 0 * data->Lu;
   Eigen::MatrixXd Lxx = 0 * data->Lxx, Lxu = 0 * data->Lxu, Luu = 0 * data->Luu;
   for (const auto& [name, cost] : as_fwddyn(data).costs->costs) {
     const double w = p.costs->get_costs().at(name)->weight;
     const Eigen::MatrixXd Rx = cost->residual->Rx(), Ru = cost->residual->Ru(), A = cost->activation->Arr;
+    Lx += w * Rx.transpose() * cost->activation->Ar;
+    Lu += w * Ru.transpose() * cost->activation->Ar;
     Lxx += w * Rx.transpose() * A * Rx;
     Lxu += w * Rx.transpose() * A * Ru;
     Luu += w * Ru.transpose() * A * Ru;
+    EXPECT_LT(error_of(cost->Lx(), Rx.transpose() * cost->activation->Ar), 1e-14);
+    EXPECT_LT(error_of(cost->Lu(), Ru.transpose() * cost->activation->Ar), 1e-14);
+    EXPECT_LT(error_of(cost->Lxx(), Rx.transpose() * A * Rx), 1e-14);
+    EXPECT_LT(error_of(cost->Lxu(), Rx.transpose() * A * Ru), 1e-14);
+    EXPECT_LT(error_of(cost->Luu(), Ru.transpose() * A * Ru), 1e-14);
   }
+  EXPECT_LT(error_of(data->Lx, Lx), 1e-12);
+  EXPECT_LT(error_of(data->Lu, Lu), 1e-12);
   EXPECT_LT(error_of(data->Lxx, Lxx), 1e-12);
   EXPECT_LT(error_of(data->Lxu, Lxu), 1e-12);
   EXPECT_LT(error_of(data->Luu, Luu), 1e-12);
   EXPECT_LT(error_of(Eigen::MatrixXd(data->Lxx_sparse()), data->Lxx), 1e-14);
   EXPECT_LT(error_of(Eigen::MatrixXd(data->Lxu_sparse()), data->Lxu), 1e-14);
   EXPECT_LT(error_of(Eigen::MatrixXd(data->Luu_sparse()), data->Luu), 1e-14);
+  EXPECT_EQ(data->Lxx, data->Lxx.transpose().eval());
+  EXPECT_EQ(data->Luu, data->Luu.transpose().eval());
 }
 
 std::vector<Case> cases() {

@@ -150,7 +150,8 @@ TEST(ActionReadme, UmbrellaIncludesEveryHeader) {
 TEST(ActionReadme, EveryClassHasItsTplName) {
   const std::set<std::string> own = {"BlockSparse",     "IslandColumns",   "ResidualBlock",   "Dependence",
                                      "CostDerivatives", "FrameResidual",   "ContactResidual", "CentroidalResidual",
-                                     "GravityResidual", "Vector3MaskType", "MatrixStorage"};
+                                     "GravityResidual", "Vector3MaskType", "MatrixStorage",   "CostGroup",
+                                     "CostGroups"};
   const std::string tpl = read(kFloor / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

@@ -8,6 +8,7 @@
 
 #include "manycontact/sparse/ldl.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 
@@ -80,21 +81,24 @@ Panel poisoned(int rows, int ld, int first, int cols, std::mt19937& rng) {
 void expect_solved(const Factor& f, const Panel& given, int first, int cols, const std::vector<char>& nonzero) {
   const int ld = static_cast<int>(given.cols());
   const Panel expected = f.one_by_one(given, first, cols);
-  for (bool scheduled : {false, true}) {
-    SCOPED_TRACE(scheduled ? "scheduled" : "by pattern");
+  const auto check = [&](const char* how, auto&& solve) {
+    SCOPED_TRACE(how);
     Panel X = given;
     std::vector<char> flags = nonzero;
-    const double *L = f.L.data(), *D = f.D.data();
-    if (scheduled)
-      sparse::ldl_scheduled_solve_panel(f.schedule, L, D, f.row.data(), X.data(), ld, first, cols, flags.data());
-    else
-      sparse::ldl_solve_panel(f.symbolic, L, D, f.row.data(), X.data(), ld, first, cols, flags.data());
+    solve(f.L.data(), f.D.data(), f.row.data(), X.data(), ld, first, cols, flags.data());
     EXPECT_EQ(flags, f.reached(nonzero));
     EXPECT_LE(difference_of(X.middleCols(first, cols), expected.middleCols(first, cols)),
               f.allowed(given.middleCols(first, cols)));
     EXPECT_EQ(X.row(0).middleCols(first, cols), given.row(0).middleCols(first, cols)) << "a row of nobody's";
     EXPECT_TRUE(X.leftCols(first).array().isNaN().all()) << "columns before";
     EXPECT_TRUE(X.rightCols(ld - first - cols).array().isNaN().all()) << "columns behind";
+  };
+  check("by pattern", [&](auto... panel) { sparse::ldl_solve_panel(f.symbolic, panel...); });
+  check("scheduled", [&](auto... panel) { sparse::ldl_scheduled_solve_panel(f.schedule, panel...); });
+  for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+    check(level->name, [&](auto... panel) { level->solve(f.schedule, panel...); });
+    std::vector<double> work(f.n() * level->columns, NAN);
+    check("apart", [&](auto... panel) { level->solve_apart(f.schedule, panel..., work.data()); });
   }
 }
 
@@ -154,19 +158,42 @@ TEST(ResidualPanel, EqualsTheDenseOne) {
   for (const auto& [cols, behind] : {std::pair{1, 0}, {7, 2}, {64, 0}, {33, 3}}) {
     const Panel X = poisoned(f.n() + 1, cols + behind, 0, cols, rng);
     const Panel given = poisoned(f.n() + 1, cols + behind, 0, cols, rng);
-    Panel B = given;
-    sparse::residual_panel(f.A.pattern, f.A.x.data(), f.row.data(), X.data(), B.data(), cols + behind, cols);
-    Eigen::MatrixXd x(f.n(), cols), b(f.n(), cols), r(f.n(), cols);
-    for (int k = 0; k < f.n(); ++k) {
-      x.row(k) = X.row(f.row[k]).head(cols);
-      b.row(k) = given.row(f.row[k]).head(cols);
-      r.row(k) = B.row(f.row[k]).head(cols);
+    for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+      Panel B = given;
+      level->residual(f.A.pattern, f.A.x.data(), f.row.data(), X.data(), B.data(), cols + behind, cols);
+      Eigen::MatrixXd x(f.n(), cols), b(f.n(), cols), r(f.n(), cols);
+      for (int k = 0; k < f.n(); ++k) {
+        x.row(k) = X.row(f.row[k]).head(cols);
+        b.row(k) = given.row(f.row[k]).head(cols);
+        r.row(k) = B.row(f.row[k]).head(cols);
+      }
+      const Eigen::MatrixXd scale = b.cwiseAbs() + A.cwiseAbs() * x.cwiseAbs();
+      EXPECT_LE(size_of(((r - (b - A * x)).array() / scale.array()).matrix().eval()), 16 * kEps);
+      EXPECT_EQ(B.row(0).head(cols), given.row(0).head(cols));
+      EXPECT_TRUE(B.rightCols(behind).array().isNaN().all());
     }
-    const Eigen::MatrixXd scale = b.cwiseAbs() + A.cwiseAbs() * x.cwiseAbs();
-    EXPECT_LE(size_of(((r - (b - A * x)).array() / scale.array()).matrix().eval()), 16 * kEps);
-    EXPECT_EQ(B.row(0).head(cols), given.row(0).head(cols));
-    EXPECT_TRUE(B.rightCols(behind).array().isNaN().all());
   }
+}
+
+// L^T R above its diagonal, whatever stood in H and stands in the columns that fill the rows up.
+TEST(UpperProduct, EqualsTheDenseOne) {
+  std::mt19937 rng(65);
+  for (int cols : {1, 2, 7, 8, 9, 23, 24, 25, 47, 64, 109})
+    for (int depth : {1, 3, 50}) {
+      const int filled = (cols + 7) / 8 * 8, ld = filled + 8;
+      const Panel L = poisoned(depth, ld, 0, cols, rng), R = poisoned(depth, ld, 0, cols, rng);
+      const Eigen::MatrixXd l = L.leftCols(cols), r = R.leftCols(cols);
+      const Eigen::ArrayXXd exact = l.transpose() * r, scale = l.cwiseAbs().transpose() * r.cwiseAbs();
+      for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+        SCOPED_TRACE(testing::Message() << level->name << ", " << depth << " by " << cols);
+        Panel H = Panel::Constant(ld, ld, NAN);
+        level->upper_product(L.data(), R.data(), depth, cols, ld, H.data());
+        for (int j = 0; j < cols; ++j)
+          for (int i = 0; i <= j; ++i) ASSERT_LE(std::abs(H(i, j) - exact(i, j)), depth * kEps * scale(i, j));
+        EXPECT_TRUE(H.rightCols(8).array().isNaN().all()) << "columns behind";
+        EXPECT_TRUE(H.bottomRows(8).array().isNaN().all()) << "rows below";
+      }
+    }
 }
 
 }  // namespace

@@ -23,9 +23,12 @@ class BlockSparse {
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
     double* A = matrix.valuePtr();
-    const int* slot = planned_[block].slots.data();
-    for (Eigen::Index j = 0; j < values.cols(); ++j)
-      for (Eigen::Index i = 0; i < values.rows(); ++i) A[*slot++] += weight * values(i, j);
+    Eigen::Index at = 0;  // in values, by columns
+    for (const Run& run : planned_[block].runs) {
+      const Eigen::Index i = at % values.rows(), j = at / values.rows();
+      for (int k = 0; k < run.count; ++k) A[run.slot + k] += weight * values(i + k, j);
+      at += run.count;
+    }
   }
 
   /// The same of some rows of `values`, as many as the block has.
@@ -40,9 +43,13 @@ class BlockSparse {
   Eigen::SparseMatrix<double> matrix;
 
  private:
+  struct Run {
+    int slot, count;  // entries of one column in slots that follow each other
+  };
   struct Block {
     std::vector<int> rows, cols;
     std::vector<int> slots;  // of each entry, by columns
+    std::vector<Run> runs;   // the same
   };
   std::vector<Block> planned_;
 };

@@ -3,6 +3,7 @@
 
 #include "manycontact/action/activation.hpp"
 #include "manycontact/action/cost_derivatives.hpp"
+#include "manycontact/action/cost_groups.hpp"
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
@@ -16,10 +17,12 @@ struct CostDataResidual {
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  struct Hessian {  // of one block: Rx^T Arr Rx, ...
-    Eigen::MatrixXd ARx, ARu, xx, xu, uu;
-  };
-  std::vector<Hessian> hessians;
+  /// Derivatives of this cost alone, without its weight, after calcDiff: for looking at, made anew at each call.
+  Eigen::VectorXd Lx() const;
+  Eigen::VectorXd Lu() const;
+  Eigen::MatrixXd Lxx() const;
+  Eigen::MatrixXd Lxu() const;
+  Eigen::MatrixXd Luu() const;
 };
 
 class CostModelResidual {
@@ -32,7 +35,7 @@ class CostModelResidual {
   /// data->cost.
   void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
-  /// Jacobians, and data->hessians of each block.
+  /// Jacobians of the residual, derivatives of the activation.
   void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
   std::shared_ptr<CostDataResidual> createData(DataCollector* shared);
@@ -45,7 +48,6 @@ class CostModelResidual {
 
  private:
   void check(const char* where, const std::shared_ptr<CostDataResidual>& data) const;
-  void form_hessians(CostDataResidual& data) const;
   std::shared_ptr<StateMultibody> state_;
   std::shared_ptr<ActivationModelAbstract> activation_;
   std::shared_ptr<ResidualModelAbstract> residual_;
@@ -67,11 +69,9 @@ struct CostDataSum {
   CostDerivatives* derivatives = &own;  // by calcDiff
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
   DataCollector* shared = nullptr;
-  std::size_t version = 0;  // of the model's set of costs
-  struct Plan {
-    std::size_t xx = 0, xu = 0, uu = 0;  // the cost's first block in each sparse matrix
-  };
-  std::vector<Plan> plans;  // per cost, in their order
+  std::size_t version = 0;      // of the model's set of costs
+  CostGroups groups;            // by lay_out
+  std::vector<double> weights;  // scratch of calcDiff
   CostDerivatives own;
 
   CostDataSum() = default;

@@ -14,7 +14,7 @@ struct ResidualBlock {
   std::vector<int> rows;   // in nr
   std::vector<int> xcols;  // in ndx
   std::vector<int> ucols;  // in nu
-  Eigen::MatrixXd Rx, Ru;  // rows x xcols, rows x ucols
+  RowMajorMatrix Rx, Ru;   // rows x xcols, rows x ucols
 };
 
 struct ResidualDataAbstract {

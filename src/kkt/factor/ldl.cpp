@@ -1,10 +1,13 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
 
 namespace {
+
+constexpr std::size_t kStaysInCache = 1 << 15;  // doubles of a panel that is solved in place
 
 class LdlFactor final : public Factor {
  public:
@@ -40,11 +43,16 @@ class LdlFactor final : public Factor {
 
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
     const int* perm = pattern_->perm.data();
-    if (schedule_)
-      sparse::ldl_scheduled_solve_panel(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    else
-      sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    const sparse::PanelKernels& kernels = sparse::panel_kernels();
+    if (!schedule_)
+      return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    const std::size_t n = D_.size();
+    if (n * ld <= kStaysInCache)
+      return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    if (work_.size() < n * kernels.columns) work_.resize(n * kernels.columns);
+    kernels.solve_apart(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
   }
+  void release_panels() override { work_ = {}; }
 
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
@@ -64,6 +72,7 @@ class LdlFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
   std::vector<double> L_, D_;
+  std::vector<double> work_;  // of solve_panel
   double growth_ = 1;
 };
 

@@ -271,9 +271,14 @@ inline constexpr int kColumns = 8;
 template <>
 inline constexpr int kColumns<double> = 8 * kRegister;
 
+/// The rows of a panel in A's order.
+struct InOrder {
+  int operator[](int k) const { return k; }
+};
+
 /// One chunk of N columns of ldl_scheduled_solve_panel: each row takes all it needs before it is stored.
-template <int N, class V>
-void sweep(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, long ld, const char* nonzero) {
+template <int N, class V, class Rows>
+void sweep(const LdlSchedule& schedule, const V* Lx, const V* D, Rows row, V* X, long ld, const char* nonzero) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   const auto at = [&](int k) { return X + row[k] * ld; };
@@ -346,12 +351,9 @@ void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V
   }
 }
 
-/// X <- A^-1 X for a panel, as ldl_solve_panel: columns first ... first+cols-1, of V each, row stride ld in V; row k of
-/// A is row row[k] of X. nonzero: n flags, set where a row of X is not zero in any lane; overwritten.
-template <class V>
-void ldl_scheduled_solve_panel(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, int ld,
-                               int first, int cols, char* nonzero) {
-  for (int k = 0; k < schedule.blocks(); ++k) {  // the rows the forward sweep reaches
+/// Sets the flags of the rows that the forward sweep reaches from those whose flags are set.
+inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
+  for (int k = 0; k < schedule.blocks(); ++k) {
     char any = 0;
     for (int i = schedule.block.data()[k]; i < schedule.block.data()[k + 1]; ++i) nonzero[i] = any |= nonzero[i];
     for (int r = schedule.run.data()[k]; any && r < schedule.run.data()[k + 1]; ++r) {
@@ -359,6 +361,14 @@ void ldl_scheduled_solve_panel(const LdlSchedule& schedule, const V* Lx, const V
       for (int i = 0; i < run.end - run.begin; ++i) nonzero[run.row + i] = 1;
     }
   }
+}
+
+/// X <- A^-1 X for a panel, as ldl_solve_panel: columns first ... first+cols-1, of V each, row stride ld in V; row k of
+/// A is row row[k] of X. nonzero: n flags, set where a row of X is not zero in any lane; overwritten.
+template <class V>
+void ldl_scheduled_solve_panel(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, int ld,
+                               int first, int cols, char* nonzero) {
+  ldl_scheduled_reach(schedule, nonzero);
   kernel::in_chunks<kernel::kColumns<V>>(first, first + cols, [&](int c, auto size) {
     kernel::sweep<size.value>(schedule, Lx, D, row, X + c, ld, nonzero);
   });

@@ -1,0 +1,32 @@
+#pragma once
+// Kernels on row-major panels of doubles, compiled for several levels of instructions and chosen when the program runs.
+// Levels agree to rounding.
+
+#include <span>
+
+#include "manycontact/sparse/ldl_schedule.hpp"
+
+namespace manycontact::sparse {
+
+struct PanelKernels {
+  const char* name;
+  int columns;  // of a panel worked at a time
+  /// ldl_scheduled_solve_panel (ldl_kernels.hpp) of doubles.
+  void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
+                int first, int cols, char* nonzero);
+  /// The same for rows that are far apart: a chunk of columns is worked beside the panel. work: n x `columns`.
+  void (*solve_apart)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
+                      int first, int cols, char* nonzero, double* work);
+  /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
+  void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
+  /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
+  /// L, R: depth x ld; H: ld x ld. cols: of all three, with ld >= cols a multiple of eight.
+  void (*upper_product)(const double* L, const double* R, int depth, int cols, int ld, double* H);
+};
+
+/// The widest level that runs here.
+const PanelKernels& panel_kernels();
+/// All levels of this build that run here, the widest first.
+std::span<const PanelKernels* const> panel_levels();
+
+}  // namespace manycontact::sparse

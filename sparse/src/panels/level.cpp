@@ -1,0 +1,101 @@
+// The kernels on panels of one level of instructions. Compiled once per level with that level's flags and
+// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/lanes.cmake).
+
+#include <algorithm>
+#include <cstddef>
+
+#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+
+namespace manycontact::sparse {
+
+namespace {
+
+using kernel::kRegister;
+using kernel::Tile;
+
+// Rows far apart in memory are brought together in A's order, and a chunk of columns stays in the cache.
+void solve_apart(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
+                 int first, int cols, char* nonzero, double* work) {
+  ldl_scheduled_reach(schedule, nonzero);
+  kernel::in_chunks<kernel::kColumns<double>>(first, first + cols, [&](int c, auto size) {
+    constexpr int N = size.value;
+    const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
+    for (int k = 0; k < schedule.n; ++k) {
+      if (nonzero[k])
+        std::copy_n(at(k), N, work + k * N);
+      else
+        std::fill_n(work + k * N, N, 0.0);
+    }
+    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), work, N, nonzero);
+    for (int k = 0; k < schedule.n; ++k) std::copy_n(work + k * N, N, at(k));
+  });
+}
+
+void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
+  const int *p = A.p.data(), *index = A.i.data();
+  kernel::in_chunks<kernel::kColumns<double>>(0, cols, [&](int first, auto size) {
+    constexpr int N = size.value;
+    const auto at = [&](auto* panel, int k) { return panel + static_cast<std::ptrdiff_t>(row[k]) * ld + first; };
+    for (int j = 0; j < A.n; ++j) {
+      const double* xj = at(X, j);
+      auto bj = Tile<double, N>::load(at(B, j));
+      for (int k = p[j]; k < p[j + 1]; ++k) {
+        const int i = index[k];
+        if (i == j) {
+          bj.add(-Ax[k], xj);
+          continue;
+        }
+        auto bi = Tile<double, N>::load(at(B, i));
+        bi.add(-Ax[k], xj);
+        bi.store(at(B, i));
+        bj.add(-Ax[k], at(X, i));
+      }
+      bj.store(at(B, j));
+    }
+  });
+}
+
+// Rows of H at a time, and columns: as many as registers hold.
+constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
+
+// M x N of H.
+template <int M, int N>
+inline void product_tile(const double* L, const double* R, int depth, std::ptrdiff_t ld, double* H) {
+  const double zeros[N] = {};
+  Tile<double, N> t[M];
+  for (int a = 0; a < M; ++a) t[a] = Tile<double, N>::load(zeros);
+  for (int k = 0; k < depth; ++k, L += ld, R += ld) {
+#pragma GCC unroll 8
+    for (int a = 0; a < M; ++a) t[a].add(L[a], R);
+  }
+  for (int a = 0; a < M; ++a) t[a].store(H + a * ld);
+}
+
+void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
+  const int end = (cols + 7) / 8 * 8;
+  for (int i = 0; i < end; i += kHigh) {
+    double* row = H + static_cast<std::ptrdiff_t>(i) * ld;
+    int j = i / 8 * 8;
+    for (; j + kWide <= end; j += kWide) product_tile<kHigh, kWide>(L + i, R + j, depth, ld, row + j);
+    for (; j + 8 <= end; j += 8) product_tile<kHigh, 8>(L + i, R + j, depth, ld, row + j);
+    for (; j < end; j += 4) product_tile<kHigh, 4>(L + i, R + j, depth, ld, row + j);
+  }
+}
+
+}  // namespace
+
+#define MANYCONTACT_NAME_OF(level) #level
+#define MANYCONTACT_NAME(level) MANYCONTACT_NAME_OF(level)
+#define MANYCONTACT_LEVEL_OF(level) level_##level
+#define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
+
+extern const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
+const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL),
+                                                                kernel::kColumns<double>,
+                                                                ldl_scheduled_solve_panel<double>,
+                                                                solve_apart,
+                                                                panel_residual,
+                                                                upper_product};
+
+}  // namespace manycontact::sparse

@@ -1,0 +1,32 @@
+#include <array>
+
+#include "manycontact/sparse/panel_kernels.hpp"
+
+namespace manycontact::sparse {
+
+extern const PanelKernels level_baseline, level_avx2, level_avx512;
+
+std::span<const PanelKernels* const> panel_levels() {
+  static const std::span<const PanelKernels* const> here = [] {
+    static std::array<const PanelKernels*, 3> list;
+    std::size_t count = 0;
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+#endif
+#ifdef MANYCONTACT_LEVEL_avx512
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("fma"))
+      list[count++] = &level_avx512;
+#endif
+#ifdef MANYCONTACT_LEVEL_avx2
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list[count++] = &level_avx2;
+#endif
+    list[count++] = &level_baseline;
+    return std::span<const PanelKernels* const>(list.data(), count);
+  }();
+  return here;
+}
+
+const PanelKernels& panel_kernels() { return *panel_levels().front(); }
+
+}  // namespace manycontact::sparse
