@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
     {"abi", -1}, {"sparse", 0},   {"spatial", 1},  {"model", 2},  {"algorithm", 3},  {"contact", 4},     {"io", 5},
-    {"kkt", 5},  {"dynamics", 6}, {"analysis", 7}, {"action", 7}, {"simulation", 7}, {"manycontact", 8}, {"cli", 9},
+    {"kkt", 5},  {"dynamics", 6}, {"analysis", 7}, {"action", 7}, {"simulation", 7}, {"control", 8}, {"manycontact", 9}, {"cli", 10},
 };
 
 struct Guarded {
