@@ -8,6 +8,7 @@
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/control_parametrization.hpp"
 #include "manycontact/control/ddp.hpp"
+#include "manycontact/control/diff_lqr.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/fddp.hpp"
 #include "manycontact/control/free_fwddyn.hpp"

@@ -11,7 +11,8 @@ using DataPtr = std::shared_ptr<ActionDataAbstract>;
 ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model) {
   const StateAbstract& state = *model->get_state();
   const Eigen::Index ndx = state.get_ndx(), nu = model->get_nu();
-  const Eigen::Index ng = std::max(model->get_ng(), model->get_ng_T()), nh = std::max(model->get_nh(), model->get_nh_T());
+  const Eigen::Index ng = std::max(model->get_ng(), model->get_ng_T()),
+                     nh = std::max(model->get_nh(), model->get_nh_T());
   xnext.setZero(state.get_nx());
   Fx.setZero(ndx, ndx), Fu.setZero(ndx, nu);
   r.setZero(model->get_nr());

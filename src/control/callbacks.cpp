@@ -24,12 +24,12 @@ void CallbackVerbose::operator()(SolverAbstract& solver) {
     double value;
   };
   const Column columns[] = {
-      {"cost", _0, solver.get_cost()},       {"merit", _1, solver.get_merit()},
-      {"stop", _0, solver.get_stop()},       {"|grad|", _0, std::abs(solver.get_d()[0])},
-      {"preg", _0, solver.get_preg()},       {"dreg", _2, solver.get_dreg()},
-      {"step", _0, solver.get_steplength()}, {"||ffeas||", _1, solver.get_ffeas()},
-      {"||gfeas||", _3, solver.get_gfeas()}, {"||hfeas||", _3, solver.get_hfeas()},
-      {"dV-exp", _0, solver.get_dVexp()},    {"dV", _0, solver.get_dV()},
+      {"cost", _0, solver.get_cost()},        {"merit", _1, solver.get_merit()},
+      {"stop", _0, solver.get_stop()},        {"|grad|", _0, std::abs(solver.get_d()[0])},
+      {"preg", _0, solver.get_preg()},        {"dreg", _2, solver.get_dreg()},
+      {"step", _0, solver.get_steplength()},  {"||ffeas||", _1, solver.get_ffeas()},
+      {"||gfeas||", _3, solver.get_gfeas()},  {"||hfeas||", _3, solver.get_hfeas()},
+      {"dV-exp", _0, solver.get_dVexp()},     {"dV", _0, solver.get_dV()},
       {"dPhi-exp", _4, solver.get_dPhiexp()}, {"dPhi", _4, solver.get_dPhi()},
   };
   std::ostringstream header, line;

@@ -30,8 +30,8 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(
       control_(std::move(control)),
       with_cost_residual_(with_cost_residual) {
   require(control_->get_nw() == differential_->get_nu(), kWho,
-          "the control parametrization has nw = " + std::to_string(control_->get_nw()) + ", the model's nu = " +
-              std::to_string(differential_->get_nu()) + " is expected");
+          "the control parametrization has nw = " + std::to_string(control_->get_nw()) +
+              ", the model's nu = " + std::to_string(differential_->get_nu()) + " is expected");
   set_dt(time_step);
   control_->convertBounds(differential_->get_u_lb(), differential_->get_u_ub(), u_lb_, u_ub_);
   update_has_control_limits();
@@ -39,9 +39,8 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(
 
 IntegratedActionModelAbstract::IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                              double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(
-          model, std::make_shared<ControlParametrizationModelPolyZero>(given(model).get_nu()), time_step,
-          with_cost_residual) {}
+    : IntegratedActionModelAbstract(model, std::make_shared<ControlParametrizationModelPolyZero>(given(model).get_nu()),
+                                    time_step, with_cost_residual) {}
 
 void IntegratedActionModelAbstract::set_dt(double dt) {
   require(dt >= 0 && std::isfinite(dt), kWho,

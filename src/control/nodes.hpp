@@ -8,8 +8,8 @@
 
 namespace manycontact::internal {
 
-/// work(t) for t = 0 ... count - 1, over at most `threads` threads. An exception of the first node that throws is thrown
-/// again.
+/// work(t) for t = 0 ... count - 1, over at most `threads` threads. An exception of the first node that throws is
+/// thrown again.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {

@@ -187,16 +187,15 @@ void ShootingProblem::set_runningModels(const Models& models) {
 
 void ShootingProblem::set_terminalModel(std::shared_ptr<ActionModelAbstract> model) { updateModel(get_T(), model); }
 
-void ShootingProblem::set_nthreads(int nthreads) {
-  nthreads_ = nthreads < 1 ? internal::default_threads() : nthreads;
-}
+void ShootingProblem::set_nthreads(int nthreads) { nthreads_ = nthreads < 1 ? internal::default_threads() : nthreads; }
 
 bool ShootingProblem::is_updated() { return std::exchange(is_updated_, false); }
 
 std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem) {
   os << "ShootingProblem (T=" << problem.get_T() << ", nx=" << problem.get_nx() << ", ndx=" << problem.get_ndx()
      << ")\n  Models:\n";
-  for (std::size_t t = 0; t < problem.get_T(); ++t) os << "    " << t << ": " << *problem.get_runningModels()[t] << "\n";
+  for (std::size_t t = 0; t < problem.get_T(); ++t)
+    os << "    " << t << ": " << *problem.get_runningModels()[t] << "\n";
   return os << "    " << problem.get_T() << ": " << *problem.get_terminalModel();
 }
 

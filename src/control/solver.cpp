@@ -43,8 +43,7 @@ double joined(double a, double b, FeasibilityNorm which) { return which == LInf 
 double violation(const Eigen::VectorXd& g, const Eigen::VectorXd& lb, const Eigen::VectorXd& ub,
                  FeasibilityNorm which) {
   double out = 0;
-  for (Eigen::Index i = 0; i < g.size(); ++i)
-    out = joined(out, std::max({0.0, lb[i] - g[i], g[i] - ub[i]}), which);
+  for (Eigen::Index i = 0; i < g.size(); ++i) out = joined(out, std::max({0.0, lb[i] - g[i], g[i] - ub[i]}), which);
   return out;
 }
 
@@ -76,9 +75,8 @@ double SolverAbstract::computeDynamicFeasibility() {
   const ShootingProblem::Models& models = problem_->get_runningModels();
   const ShootingProblem::Datas& datas = problem_->get_runningDatas();
   models[0]->get_state()->diff(xs_[0], problem_->get_x0(), fs_[0]);
-  internal::each_node(problem_->get_nthreads(), models.size(), [&](std::size_t t) {
-    models[t]->get_state()->diff(xs_[t + 1], datas[t]->xnext, fs_[t + 1]);
-  });
+  internal::each_node(problem_->get_nthreads(), models.size(),
+                      [&](std::size_t t) { models[t]->get_state()->diff(xs_[t + 1], datas[t]->xnext, fs_[t + 1]); });
   double feasibility = 0;
   for (const Eigen::VectorXd& f : fs_) feasibility = joined(feasibility, norm(f, feasnorm_), feasnorm_);
   return feasibility;
@@ -89,9 +87,9 @@ double SolverAbstract::computeInequalityFeasibility() {
   for (std::size_t t = 0; t < problem_->get_T(); ++t) {
     const ActionModelAbstract& model = *problem_->get_runningModels()[t];
     if (model.get_ng() == 0) continue;
-    feasibility = joined(
-        feasibility,
-        violation(problem_->get_runningDatas()[t]->g, model.get_g_lb(), model.get_g_ub(), feasnorm_), feasnorm_);
+    feasibility =
+        joined(feasibility,
+               violation(problem_->get_runningDatas()[t]->g, model.get_g_lb(), model.get_g_ub(), feasnorm_), feasnorm_);
   }
   const ActionModelAbstract& model = *problem_->get_terminalModel();
   if (model.get_ng_T() == 0) return feasibility;

@@ -103,8 +103,8 @@ class ControlParametrizationModelPolyOne : public ControlParametrizationModelPol
   std::array<double, 3> coefficients(double t) const override { return {1 - 2 * t, 2 * t, 0}; }
 };
 
-/// Quadratic through the times at which the integrator looks: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). There is none for
-/// `two`, which throws std::invalid_argument.
+/// Quadratic through the times at which the integrator looks: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). There is none
+/// for `two`, which throws std::invalid_argument.
 class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
  public:
   ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);

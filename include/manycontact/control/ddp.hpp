@@ -65,10 +65,10 @@ class SolverDDP : public SolverAbstract {
   const std::vector<MatrixXdRowMajor>& get_K() const { return K_; }
   const std::vector<Eigen::VectorXd>& get_k() const { return k_; }
   /// Throw std::invalid_argument for numbers out of range.
-  void set_reg_incfactor(double reg_factor);  // > 1
-  void set_reg_decfactor(double reg_factor);  // > 1
-  void set_reg_min(double regmin);            // >= 0
-  void set_reg_max(double regmax);            // >= 0
+  void set_reg_incfactor(double reg_factor);           // > 1
+  void set_reg_decfactor(double reg_factor);           // > 1
+  void set_reg_min(double regmin);                     // >= 0
+  void set_reg_max(double regmax);                     // >= 0
   void set_alphas(const std::vector<double>& alphas);  // positive, falling
   void set_th_stepdec(double th_step);                 // in (0, 1]
   void set_th_stepinc(double th_step);                 // in (0, 1]
@@ -76,8 +76,8 @@ class SolverDDP : public SolverAbstract {
 
  protected:
   /// Sets up the candidate and the regularisation.
-  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
-             bool is_feasible, double init_reg);
+  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
+             double init_reg);
   /// After a new direction, before steps are tried; and after each of them.
   virtual void prepareImprovement() { expectedImprovement(); }
   virtual void updateImprovement() {}

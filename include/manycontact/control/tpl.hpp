@@ -5,6 +5,7 @@
 #include <concepts>
 
 #include "manycontact/action/tpl.hpp"
+#include "manycontact/control/diff_lqr.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/free_fwddyn.hpp"
 #include "manycontact/control/lqr.hpp"
@@ -29,6 +30,7 @@ template <std::same_as<double> Scalar> using ControlParametrizationModelPolyTwoR
 template <std::same_as<double> Scalar> using ControlParametrizationModelPolyZeroTpl = ControlParametrizationModelPolyZero;
 template <std::same_as<double> Scalar> using DifferentialActionDataFreeFwdDynamicsTpl = DifferentialActionDataFreeFwdDynamics;
 template <std::same_as<double> Scalar> using DifferentialActionModelFreeFwdDynamicsTpl = DifferentialActionModelFreeFwdDynamics;
+template <std::same_as<double> Scalar> using DifferentialActionModelLQRTpl = DifferentialActionModelLQR;
 template <std::same_as<double> Scalar> using IntegratedActionDataEulerTpl = IntegratedActionDataEuler;
 template <std::same_as<double> Scalar> using IntegratedActionDataRKTpl = IntegratedActionDataRK;
 template <std::same_as<double> Scalar> using IntegratedActionModelAbstractTpl = IntegratedActionModelAbstract;
