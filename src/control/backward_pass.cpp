@@ -1,28 +1,58 @@
-// The Riccati recursion of SolverDDP.
+// The Riccati recursion of SolverDDP, on row-major panels F = [fu fx].
+
+#include <algorithm>
+#include <typeinfo>
 
 #include "manycontact/control/ddp.hpp"
+#include "manycontact/control/euler.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 
 namespace manycontact {
 
 namespace {
 
-// Lower triangle += A B, of a product that is symmetric.
-template <class A, class B>
-void add_symmetric(double sign, const A& a, const B& b, Eigen::MatrixXd& out) {
-  out.triangularView<Eigen::Lower>() += sign * (a * b);
+using sparse::panel_kernels;
+using Index = Eigen::Index;
+
+constexpr int padded(Index n) { return static_cast<int>((n + 7) / 8 * 8); }
+
+void grow(std::vector<double>& panel, std::size_t size) {
+  if (panel.size() < size) panel.resize(size);
 }
 
-void mirror(Eigen::MatrixXd& out) { out.triangularView<Eigen::StrictlyUpper>() = out.transpose(); }
+// out, row-major, = A.
+template <class Matrix>
+void copy_rows(const Matrix& A, double* out, Index ld) {
+  constexpr Index kTile = 8;
+  const Index rows = A.rows(), cols = A.cols(), stride = A.outerStride();
+  for (Index j = 0; j < cols; j += kTile)
+    for (Index i = 0; i < rows; i += kTile) {
+      const double* from = A.data() + j * stride + i;
+      double* to = out + i * ld + j;
+      if (i + kTile <= rows && j + kTile <= cols) {
+        for (Index a = 0; a < kTile; ++a)
+          for (Index b = 0; b < kTile; ++b) to[a * ld + b] = from[b * stride + a];
+      } else {
+        for (Index a = 0; a < std::min(kTile, rows - i); ++a)
+          for (Index b = 0; b < std::min(kTile, cols - j); ++b) to[a * ld + b] = from[b * stride + a];
+      }
+    }
+}
+
+// The upper triangle from the lower one.
+void mirror(Eigen::MatrixXd& A) {
+  constexpr Index kTile = 8;
+  const Index n = A.rows();
+  for (Index j = 0; j < n; j += kTile)
+    for (Index i = j; i < n; i += kTile)
+      for (Index b = j; b < std::min(j + kTile, n); ++b)
+        for (Index a = std::max(i, b + 1); a < std::min(i + kTile, n); ++a) A(b, a) = A(a, b);
+}
 
 // Of the lower triangle and v: finite and below 1e30.
 bool is_sound(const Eigen::MatrixXd& V, const Eigen::VectorXd& v) {
-  double largest = 0;
-  for (Eigen::Index j = 0; j < V.cols(); ++j) {
-    double sum = std::abs(v[j]);
-    for (Eigen::Index i = j; i < V.rows(); ++i) sum += std::abs(V(i, j));
-    if (!(sum <= largest)) largest = sum;
-    if (!(largest < 1e30)) return false;
-  }
+  for (Index j = 0; j < V.cols(); ++j)
+    if (!(std::abs(v[j]) + V.col(j).tail(V.rows() - j).lpNorm<1>() < 1e30)) return false;
   return true;
 }
 
@@ -48,52 +78,139 @@ void SolverDDP::backwardPass() {
   }
 }
 
+void SolverDDP::layOutPanels(Index nu) {
+  const Index ndx = problem_->get_ndx();
+  if (panels_.u == padded(nu) && panels_.x == ndx) return;
+  panels_.u = padded(nu);
+  panels_.x = static_cast<int>(ndx);
+  panels_.ld = panels_.u + padded(ndx);
+  const std::size_t ld = panels_.ld, rows = ndx;
+  panels_.F.assign(rows * ld, 0);  // the columns between u and x stay zero
+  grow(panels_.VF, rows * ld);
+  grow(panels_.YF, rows * ld);
+  grow(panels_.H, ld * ld);
+  for (auto* panel : {&panels_.Qux, &panels_.K}) grow(*panel, static_cast<std::size_t>(panels_.u) * padded(ndx));
+  grow(panels_.QuxK, static_cast<std::size_t>(padded(ndx)) * padded(ndx));
+}
+
+// H = F^T V F, of which the upper triangle.
+void SolverDDP::multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V) {
+  const int n = panels_.x, ld = panels_.ld, cols = panels_.u + n;
+  copy_rows(data.Fu, panels_.F.data(), ld);
+  copy_rows(data.Fx, panels_.F.data() + panels_.u, ld);
+  panel_kernels().product(V.data(), n, panels_.F.data(), n, n, cols, ld, panels_.VF.data());
+  panel_kernels().upper_product(panels_.F.data(), panels_.VF.data(), n, cols, ld, panels_.H.data());
+}
+
+// Symplectic Euler steps q by the new velocity: with B = dv'/d[u x], the lower half of F, and E = [0 I 0] (dq of x),
+//
+//     F = G B + [J1; 0] E,    G = [h J2; I],    W = G^T V G,    Y = G^T V [J1; 0]
+//     F^T V F = B^T (W B + Y E) + E^T Y^T B + E^T J1^T Vqq J1 E
+//
+// which takes half the operations.
+void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V) {
+  const Index n = panels_.x / 2, ld = panels_.ld;
+  const int nv = static_cast<int>(n), cols = panels_.u + panels_.x;
+  Eigen::MatrixXd &U = panels_.U, &W = panels_.W, &Y = panels_.Y, &A = panels_.A;
+  U = h * V.leftCols(n) + V.rightCols(n);  // V G
+  for (const auto& [first, size, J1, J2] : data.wide_joints)
+    U.middleCols(first, size) =
+        h * (V.middleCols(first, size).lazyProduct(J2.topLeftCorner(size, size))) + V.middleCols(n + first, size);
+  W = h * U.topRows(n) + U.bottomRows(n);
+  Y = U.topRows(n);  // transposed, as the kernels read it by rows
+  A = V.topLeftCorner(n, n);
+  for (const auto& [first, size, J1, J2] : data.wide_joints) {
+    const auto j1 = J1.topLeftCorner(size, size), j2 = J2.topLeftCorner(size, size);
+    W.middleRows(first, size) =
+        h * j2.transpose().lazyProduct(U.middleRows(first, size)) + U.middleRows(n + first, size);
+    Y.middleRows(first, size) = j1.transpose().lazyProduct(U.middleRows(first, size));
+    A.middleCols(first, size) = V.block(0, first, n, size).lazyProduct(j1);
+  }
+  for (const auto& [first, size, J1, J2] : data.wide_joints)
+    for (Index j = 0; j < n; ++j)
+      A.col(j).segment(first, size) = (J1.topLeftCorner(size, size).transpose() * A.col(j).segment(first, size)).eval();
+
+  double *F = panels_.F.data(), *VF = panels_.VF.data(), *H = panels_.H.data(), *YF = panels_.YF.data();
+  copy_rows(data.Fu.bottomRows(n), F, ld);
+  copy_rows(data.Fx.bottomRows(n), F + panels_.u, ld);
+  panel_kernels().product(W.data(), nv, F, nv, nv, cols, panels_.ld, VF);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j) VF[i * ld + panels_.u + j] += Y(j, i);
+  panel_kernels().upper_product(F, VF, nv, cols, panels_.ld, H);
+  panel_kernels().product(Y.data(), nv, F + panels_.u, nv, nv, panels_.x, panels_.ld, YF);
+  for (Index i = 0; i < n; ++i) {
+    double* row = H + (panels_.u + i) * ld + panels_.u;
+    for (Index j = i; j < panels_.x; ++j) row[j] += YF[i * ld + j];
+    for (Index j = i; j < n; ++j) row[j] += A(j, i);
+  }
+}
+
 void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                            const std::shared_ptr<ActionDataAbstract>& data) {
   require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
-  const Eigen::MatrixXd &Fx = data->Fx, &Fu = data->Fu, &V = Vxx_[t + 1];
-  const Eigen::VectorXd& v = Vx_[t + 1];
-  VxxFx_.noalias() = V * Fx;
+  const Index nu = model->get_nu(), ndx = problem_->get_ndx();
+  layOutPanels(nu);
   Qx_[t] = data->Lx;
-  Qx_[t].noalias() += Fx.transpose() * v;
-  Qxx_[t] = data->Lxx;
-  add_symmetric(1, Fx.transpose(), VxxFx_, Qxx_[t]);
-  mirror(Qxx_[t]);
-  if (model->get_nu() == 0) return;
-  VxxFu_.resize(V.rows(), Fu.cols());
-  VxxFu_.noalias() = V * Fu;
+  Qx_[t].noalias() += data->Fx.transpose() * Vx_[t + 1];
   Qu_[t] = data->Lu;
-  Qu_[t].noalias() += Fu.transpose() * v;
-  Quu_[t] = data->Luu;
-  add_symmetric(1, Fu.transpose(), VxxFu_, Quu_[t]);
+  Qu_[t].noalias() += data->Fu.transpose() * Vx_[t + 1];
+  const ActionModelAbstract& m = *model;
+  const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives
+  if (typeid(m) == typeid(IntegratedActionModelEuler)) euler = dynamic_cast<IntegratedActionDataEuler*>(data.get());
+  if (euler && euler->joints_are_known)
+    multiplyEuler(*euler, static_cast<const IntegratedActionModelEuler&>(m).get_dt(), Vxx_[t + 1]);
+  else
+    multiplyDense(*data, Vxx_[t + 1]);
+
+  const double* H = panels_.H.data();
+  const Index ld = panels_.ld, u = panels_.u;
+  using Row = Eigen::Map<const Eigen::VectorXd>;
+  for (Index i = 0; i < ndx; ++i)
+    Qxx_[t].col(i).tail(ndx - i) = data->Lxx.col(i).tail(ndx - i) + Row(H + (u + i) * ld + u + i, ndx - i);
+  mirror(Qxx_[t]);
+  for (Index a = 0; a < nu; ++a) {
+    Quu_[t].col(a).tail(nu - a) = data->Luu.col(a).tail(nu - a) + Row(H + a * ld + a, nu - a);
+    Qxu_[t].col(a) = data->Lxu.col(a) + Row(H + a * ld + u, ndx);
+  }
   mirror(Quu_[t]);
   Quu_[t].diagonal().array() += preg_;
-  Qxu_[t] = data->Lxu;
-  Qxu_[t].noalias() += Fx.transpose() * VxxFu_;
 }
 
 void SolverDDP::computeGains(std::size_t t) {
   require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
-  if (problem_->get_runningModels()[t]->get_nu() == 0) return;
+  const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x, ld = padded(ndx);
+  if (nu == 0) return;
   Quu_llt_[t].compute(Quu_[t]);
   if (Quu_llt_[t].info() != Eigen::Success) {
     sound_ = false;
     return;
   }
-  K_[t] = Qxu_[t].transpose();
-  Quu_llt_[t].solveInPlace(K_[t]);
+  const double* L = Quu_llt_[t].matrixLLT().data();
+  for (int a = 0; a < nu; ++a) std::copy_n(Qxu_[t].col(a).data(), ndx, panels_.K.data() + a * ld);
+  panel_kernels().lower_solve(L, nu, nu, panels_.K.data(), ndx, ld);
+  panel_kernels().upper_solve(L, nu, nu, panels_.K.data(), ndx, ld);
+  for (int a = 0; a < nu; ++a) std::copy_n(panels_.K.data() + a * ld, ndx, K_[t].row(a).data());
   k_[t] = Qu_[t];
   Quu_llt_[t].solveInPlace(k_[t]);
 }
 
 void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) {
   require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
+  const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = padded(ndx);
   Vx_[t] = Qx_[t];
-  Vxx_[t] = Qxx_[t];
-  if (model->get_nu() != 0) {
+  if (nu == 0) {
+    Vxx_[t] = Qxx_[t];
+  } else {
     Quuk_[t].noalias() = Quu_[t] * k_[t];
     Vx_[t].noalias() -= K_[t].transpose() * Qu_[t];
-    add_symmetric(-1, Qxu_[t], K_[t], Vxx_[t]);
+    for (int a = 0; a < nu; ++a) {
+      std::copy_n(Qxu_[t].col(a).data(), ndx, panels_.Qux.data() + a * ld);
+      std::copy_n(K_[t].row(a).data(), ndx, panels_.K.data() + a * ld);
+    }
+    panel_kernels().upper_product(panels_.Qux.data(), panels_.K.data(), nu, ndx, ld, panels_.QuxK.data());
+    for (int i = 0; i < ndx; ++i)
+      Vxx_[t].col(i).tail(ndx - i) =
+          Qxx_[t].col(i).tail(ndx - i) - Eigen::Map<const Eigen::VectorXd>(panels_.QuxK.data() + i * ld + i, ndx - i);
     mirror(Vxx_[t]);
   }
   Vxx_[t].diagonal().array() += preg_;

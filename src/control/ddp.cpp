@@ -51,7 +51,6 @@ void SolverDDP::allocateData() {
   }
   for (Eigen::VectorXd* x : {&fTVxx_p_, &step_}) fit(*x, ndx, 1);
   fit(xnext_, nx, 1);
-  fit(VxxFx_, ndx, ndx);
 }
 
 void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,

@@ -1,5 +1,8 @@
 #include "manycontact/control/euler.hpp"
 
+#include <typeinfo>
+
+#include "manycontact/control/state_vector.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -14,7 +17,34 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
       control(model->get_control()->createData()),
       dx(Eigen::VectorXd::Zero(model->get_state()->get_ndx())),
       da_du(Eigen::MatrixXd::Zero(model->get_state()->get_nv(), model->get_nu())),
-      Lwu(Eigen::MatrixXd::Zero(model->get_control()->get_nw(), model->get_nu())) {}
+      Lwu(Eigen::MatrixXd::Zero(model->get_control()->get_nw(), model->get_nu())) {
+  const StateAbstract* state = model->get_state().get();
+  joints_are_known = typeid(*state) == typeid(StateVector) || typeid(*state) == typeid(StateMultibody);
+  if (typeid(*state) != typeid(StateMultibody)) return;
+  for (const Robot& robot : static_cast<const StateMultibody*>(state)->get_model()->scene().robots)
+    for (const Joint& joint : robot.model->joints)
+      if (joint.nv() > 1)
+        wide_joints.push_back(
+            {robot.idx_v + joint.idx_v, joint.nv(), Mat6<double>::Identity(), Mat6<double>::Identity()});
+  if (!wide_joints.empty()) joint_columns.setZero(state->get_ndx(), 6);
+}
+
+namespace {
+
+// The joints' blocks of J1 or J2, by their action on identities.
+void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, Data& d) {
+  if (d.wide_joints.empty()) return;
+  for (const Jcomponent which : {first, second}) {
+    for (const Data::WideJoint& joint : d.wide_joints)
+      d.joint_columns.block(joint.first, 0, joint.size, joint.size).setIdentity();
+    state.JintegrateTransport(x, d.dx, d.joint_columns, which);
+    for (Data::WideJoint& joint : d.wide_joints)
+      (which == first ? joint.of_x : joint.of_dx).topLeftCorner(joint.size, joint.size) =
+          d.joint_columns.block(joint.first, 0, joint.size, joint.size);
+  }
+}
+
+}  // namespace
 
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calc", x, u);
@@ -58,6 +88,7 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
   state_->JintegrateTransport(x, d.dx, d.Fx, second);
   state_->Jintegrate(x, d.dx, d.Fx, d.Fx, first, addto);
   state_->JintegrateTransport(x, d.dx, d.Fu, second);
+  differentiate_joints(*state_, x, d);
 
   d.Lx = h * a.Lx;
   d.Lxx = h * a.Lxx;

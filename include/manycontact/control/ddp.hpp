@@ -16,6 +16,8 @@
 
 namespace manycontact {
 
+struct IntegratedActionDataEuler;
+
 class SolverDDP : public SolverAbstract {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -104,12 +106,25 @@ class SolverDDP : public SolverAbstract {
   std::vector<MatrixXdRowMajor> K_;
   std::vector<Eigen::VectorXd> k_;
   Eigen::VectorXd xnext_, step_, fTVxx_p_;  // nx, ndx, ndx
-  Eigen::MatrixXd VxxFx_, VxxFu_;           // ndx x ndx, ndx x nu
   std::vector<Eigen::LLT<Eigen::MatrixXd>> Quu_llt_;
   std::vector<Eigen::VectorXd> Quuk_;
   std::vector<double> alphas_;
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   bool sound_ = false;
+
+ private:
+  /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.
+  struct Panels {
+    int u = 0, x = 0, ld = 0;          // where x begins, its columns, columns of a row
+    std::vector<double> F, VF, H;      // [fu fx], Vxx' [fu fx], their product
+    std::vector<double> Qux, K, QuxK;  // nu rows of x
+    Eigen::MatrixXd U, W, Y, A;        // of symplectic Euler
+    std::vector<double> YF;
+  };
+  void layOutPanels(Eigen::Index nu);
+  void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V);
+  void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V);
+  Panels panels_;
 };
 
 }  // namespace manycontact

@@ -33,6 +33,16 @@ struct IntegratedActionDataEuler : ActionDataAbstract {
   Eigen::VectorXd dx;     // ndx: the step, by calc
   Eigen::MatrixXd da_du;  // nv x nu: by calcDiff
   Eigen::MatrixXd Lwu;    // nw x nu: by calcDiff
+
+  /// J1, J2 of x (+) dx, which are identities but for joints of several coordinates: by calcDiff. With them and
+  /// dv'/dx = [A B], the lower half of Fx, the upper half is J1 [I 0] + h J2 [A B]; that of Fu is h J2 dv'/du.
+  struct WideJoint {
+    int first = 0, size = 0;   // coordinates in v
+    Mat6<double> of_x, of_dx;  // J1, J2: size x size
+  };
+  std::vector<WideJoint> wide_joints;
+  bool joints_are_known = false;  // false for states of other kinds than this library's
+  Eigen::MatrixXd joint_columns;  // ndx x 6: workspace
 };
 
 }  // namespace manycontact
