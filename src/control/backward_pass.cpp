@@ -44,9 +44,16 @@ void mirror(Eigen::MatrixXd& A) {
   constexpr Index kTile = 8;
   const Index n = A.rows();
   for (Index j = 0; j < n; j += kTile)
-    for (Index i = j; i < n; i += kTile)
-      for (Index b = j; b < std::min(j + kTile, n); ++b)
-        for (Index a = std::max(i, b + 1); a < std::min(i + kTile, n); ++a) A(b, a) = A(a, b);
+    for (Index i = j; i < n; i += kTile) {
+      double *from = A.data() + j * n + i, *to = A.data() + i * n + j;
+      if (i > j && i + kTile <= n) {
+        for (Index a = 0; a < kTile; ++a)
+          for (Index b = 0; b < kTile; ++b) to[a * n + b] = from[b * n + a];
+      } else {
+        for (Index b = 0; b < std::min(kTile, n - j); ++b)
+          for (Index a = i == j ? b + 1 : 0; a < std::min(kTile, n - i); ++a) to[a * n + b] = from[b * n + a];
+      }
+    }
 }
 
 // Of the lower triangle and v: finite and below 1e30.
@@ -89,26 +96,29 @@ void SolverDDP::layOutPanels(Index nu) {
   grow(panels_.VF, rows * ld);
   grow(panels_.YF, rows * ld);
   grow(panels_.H, ld * ld);
+  grow(panels_.Fv, ld);
   for (auto* panel : {&panels_.Qux, &panels_.K}) grow(*panel, static_cast<std::size_t>(panels_.u) * padded(ndx));
   grow(panels_.QuxK, static_cast<std::size_t>(padded(ndx)) * padded(ndx));
 }
 
-// H = F^T V F, of which the upper triangle.
-void SolverDDP::multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V) {
+// Fv = F^T v and H = F^T V F, of which the upper triangle.
+void SolverDDP::multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v) {
   const int n = panels_.x, ld = panels_.ld, cols = panels_.u + n;
   copy_rows(data.Fu, panels_.F.data(), ld);
   copy_rows(data.Fx, panels_.F.data() + panels_.u, ld);
   panel_kernels().product(V.data(), n, panels_.F.data(), n, n, cols, ld, panels_.VF.data());
+  panel_kernels().product(v.data(), 1, panels_.F.data(), n, 1, cols, ld, panels_.Fv.data());
   panel_kernels().upper_product(panels_.F.data(), panels_.VF.data(), n, cols, ld, panels_.H.data());
 }
 
 // Symplectic Euler steps q by the new velocity: with B = dv'/d[u x], the lower half of F, and E = [0 I 0] (dq of x),
 //
 //     F = G B + [J1; 0] E,    G = [h J2; I],    W = G^T V G,    Y = G^T V [J1; 0]
-//     F^T V F = B^T (W B + Y E) + E^T Y^T B + E^T J1^T Vqq J1 E
+//     F^T V F = B^T (W B + Y E) + E^T Y^T B + E^T J1^T Vqq J1 E,    F^T v = B^T G^T v + E^T J1^T vq
 //
 // which takes half the operations.
-void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V) {
+void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
+                              const Eigen::VectorXd& v) {
   const Index n = panels_.x / 2, ld = panels_.ld;
   const int nv = static_cast<int>(n), cols = panels_.u + panels_.x;
   Eigen::MatrixXd &U = panels_.U, &W = panels_.W, &Y = panels_.Y, &A = panels_.A;
@@ -130,6 +140,14 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
     for (Index j = 0; j < n; ++j)
       A.col(j).segment(first, size) = (J1.topLeftCorner(size, size).transpose() * A.col(j).segment(first, size)).eval();
 
+  Eigen::VectorXd &g = panels_.g, &j1v = panels_.j1v;  // G^T v, J1^T vq
+  g = h * v.head(n) + v.tail(n);
+  j1v = v.head(n);
+  for (const auto& [first, size, J1, J2] : data.wide_joints) {
+    const auto vq = v.segment(first, size);
+    g.segment(first, size) = h * J2.topLeftCorner(size, size).transpose().lazyProduct(vq) + v.segment(n + first, size);
+    j1v.segment(first, size) = J1.topLeftCorner(size, size).transpose().lazyProduct(vq);
+  }
   double *F = panels_.F.data(), *VF = panels_.VF.data(), *H = panels_.H.data(), *YF = panels_.YF.data();
   copy_rows(data.Fu.bottomRows(n), F, ld);
   copy_rows(data.Fx.bottomRows(n), F + panels_.u, ld);
@@ -137,6 +155,8 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) VF[i * ld + panels_.u + j] += Y(j, i);
   panel_kernels().upper_product(F, VF, nv, cols, panels_.ld, H);
+  panel_kernels().product(g.data(), 1, F, nv, 1, cols, panels_.ld, panels_.Fv.data());
+  for (Index i = 0; i < n; ++i) panels_.Fv[panels_.u + i] += j1v[i];
   panel_kernels().product(Y.data(), nv, F + panels_.u, nv, nv, panels_.x, panels_.ld, YF);
   for (Index i = 0; i < n; ++i) {
     double* row = H + (panels_.u + i) * ld + panels_.u;
@@ -150,21 +170,19 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
   require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
   const Index nu = model->get_nu(), ndx = problem_->get_ndx();
   layOutPanels(nu);
-  Qx_[t] = data->Lx;
-  Qx_[t].noalias() += data->Fx.transpose() * Vx_[t + 1];
-  Qu_[t] = data->Lu;
-  Qu_[t].noalias() += data->Fu.transpose() * Vx_[t + 1];
   const ActionModelAbstract& m = *model;
   const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives
   if (typeid(m) == typeid(IntegratedActionModelEuler)) euler = dynamic_cast<IntegratedActionDataEuler*>(data.get());
   if (euler && euler->joints_are_known)
-    multiplyEuler(*euler, static_cast<const IntegratedActionModelEuler&>(m).get_dt(), Vxx_[t + 1]);
+    multiplyEuler(*euler, static_cast<const IntegratedActionModelEuler&>(m).get_dt(), Vxx_[t + 1], Vx_[t + 1]);
   else
-    multiplyDense(*data, Vxx_[t + 1]);
+    multiplyDense(*data, Vxx_[t + 1], Vx_[t + 1]);
 
   const double* H = panels_.H.data();
   const Index ld = panels_.ld, u = panels_.u;
   using Row = Eigen::Map<const Eigen::VectorXd>;
+  Qx_[t] = data->Lx + Row(panels_.Fv.data() + u, ndx);
+  Qu_[t] = data->Lu + Row(panels_.Fv.data(), nu);
   for (Index i = 0; i < ndx; ++i)
     Qxx_[t].col(i).tail(ndx - i) = data->Lxx.col(i).tail(ndx - i) + Row(H + (u + i) * ld + u + i, ndx - i);
   mirror(Qxx_[t]);

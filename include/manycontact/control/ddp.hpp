@@ -119,11 +119,13 @@ class SolverDDP : public SolverAbstract {
     std::vector<double> F, VF, H;      // [fu fx], Vxx' [fu fx], their product
     std::vector<double> Qux, K, QuxK;  // nu rows of x
     Eigen::MatrixXd U, W, Y, A;        // of symplectic Euler
-    std::vector<double> YF;
+    std::vector<double> YF, Fv;
+    Eigen::VectorXd g, j1v;
   };
   void layOutPanels(Eigen::Index nu);
-  void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V);
-  void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V);
+  void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
+  void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
+                     const Eigen::VectorXd& v);
   Panels panels_;
 };
 

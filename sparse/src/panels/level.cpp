@@ -95,13 +95,17 @@ inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, i
   for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, depth, ld, H + j);
 }
 
+// The last rows are done again with some before them: fewer at a time would wait for each other.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
-  int i = 0;
-  for (; i + kHigh <= rows; i += kHigh)
-    product_rows<kHigh>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
-  for (; i + 2 <= rows; i += 2)
-    product_rows<2>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
-  if (i < rows) product_rows<1>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
+  const auto rows_from = [&](int i, auto high) {
+    product_rows<high.value>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
+  };
+  if (rows >= kHigh) {
+    for (int i = 0; i + kHigh <= rows; i += kHigh) rows_from(i, kernel::Size<kHigh>{});
+    if (rows % kHigh != 0) rows_from(rows - kHigh, kernel::Size<kHigh>{});
+  } else {
+    for (int i = 0; i < rows; ++i) rows_from(i, kernel::Size<1>{});
+  }
 }
 
 // f(first, number) for the columns, 4 registers of them at a time.
