@@ -1,6 +1,7 @@
 // The Riccati recursion of SolverDDP, on row-major panels F = [fu fx].
 
 #include <algorithm>
+#include <type_traits>
 #include <typeinfo>
 
 #include "manycontact/control/ddp.hpp"
@@ -54,6 +55,18 @@ void mirror(Eigen::MatrixXd& A) {
           for (Index a = i == j ? b + 1 : 0; a < std::min(kTile, n - i); ++a) to[a * n + b] = from[b * n + a];
       }
     }
+}
+
+// use(first coordinate, number of them, J1, J2), floating joints and planar ones.
+template <class Use>
+void each_wide_joint(const IntegratedActionDataEuler& data, Use&& use) {
+  for (const IntegratedActionDataEuler::WideJoint& joint : data.wide_joints) {
+    if (joint.size == 6)
+      use(joint.first, std::integral_constant<int, 6>(), joint.of_x, joint.of_dx);
+    else
+      use(joint.first, std::integral_constant<int, 3>(), Mat3<double>(joint.of_x.topLeftCorner<3, 3>()),
+          Mat3<double>(joint.of_dx.topLeftCorner<3, 3>()));
+  }
 }
 
 // Of the lower triangle and v: finite and below 1e30.
@@ -122,32 +135,29 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
   const Index n = panels_.x / 2, ld = panels_.ld;
   const int nv = static_cast<int>(n), cols = panels_.u + panels_.x;
   Eigen::MatrixXd &U = panels_.U, &W = panels_.W, &Y = panels_.Y, &A = panels_.A;
-  U = h * V.leftCols(n) + V.rightCols(n);  // V G
-  for (const auto& [first, size, J1, J2] : data.wide_joints)
-    U.middleCols(first, size) =
-        h * (V.middleCols(first, size).lazyProduct(J2.topLeftCorner(size, size))) + V.middleCols(n + first, size);
+  Eigen::VectorXd &g = panels_.g, &j1v = panels_.j1v;  // G^T v, J1^T vq
+  U = h * V.leftCols(n) + V.rightCols(n);              // V G
+  A = V.topLeftCorner(n, n);
+  each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
+    constexpr int k = size.value;
+    U.middleCols<k>(q) = V.middleCols<k>(q).lazyProduct((h * J2).eval()) + V.middleCols<k>(n + q);
+    A.middleCols<k>(q) = V.block(0, q, n, k).lazyProduct(J1);
+  });
   W = h * U.topRows(n) + U.bottomRows(n);
   Y = U.topRows(n);  // transposed, as the kernels read it by rows
-  A = V.topLeftCorner(n, n);
-  for (const auto& [first, size, J1, J2] : data.wide_joints) {
-    const auto j1 = J1.topLeftCorner(size, size), j2 = J2.topLeftCorner(size, size);
-    W.middleRows(first, size) =
-        h * j2.transpose().lazyProduct(U.middleRows(first, size)) + U.middleRows(n + first, size);
-    Y.middleRows(first, size) = j1.transpose().lazyProduct(U.middleRows(first, size));
-    A.middleCols(first, size) = V.block(0, first, n, size).lazyProduct(j1);
-  }
-  for (const auto& [first, size, J1, J2] : data.wide_joints)
-    for (Index j = 0; j < n; ++j)
-      A.col(j).segment(first, size) = (J1.topLeftCorner(size, size).transpose() * A.col(j).segment(first, size)).eval();
-
-  Eigen::VectorXd &g = panels_.g, &j1v = panels_.j1v;  // G^T v, J1^T vq
   g = h * v.head(n) + v.tail(n);
   j1v = v.head(n);
-  for (const auto& [first, size, J1, J2] : data.wide_joints) {
-    const auto vq = v.segment(first, size);
-    g.segment(first, size) = h * J2.topLeftCorner(size, size).transpose().lazyProduct(vq) + v.segment(n + first, size);
-    j1v.segment(first, size) = J1.topLeftCorner(size, size).transpose().lazyProduct(vq);
-  }
+  each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
+    constexpr int k = size.value;
+    const auto transformed = [](const auto& J, const auto& x) { return (J.transpose() * x).eval(); };
+    for (Index j = 0; j < n; ++j) {
+      W.col(j).segment<k>(q) = h * transformed(J2, U.col(j).segment<k>(q)) + U.col(j).segment<k>(n + q);
+      Y.col(j).segment<k>(q) = transformed(J1, U.col(j).segment<k>(q));
+      A.col(j).segment<k>(q) = transformed(J1, A.col(j).segment<k>(q));
+    }
+    g.segment<k>(q) = h * transformed(J2, v.segment<k>(q)) + v.segment<k>(n + q);
+    j1v.segment<k>(q) = transformed(J1, v.segment<k>(q));
+  });
   double *F = panels_.F.data(), *VF = panels_.VF.data(), *H = panels_.H.data(), *YF = panels_.YF.data();
   copy_rows(data.Fu.bottomRows(n), F, ld);
   copy_rows(data.Fx.bottomRows(n), F + panels_.u, ld);

@@ -28,12 +28,12 @@ TEST(Product, EqualsTheDenseOne) {
         const int filled = (cols + 7) / 8 * 8, ld = filled + 8, ldl = rows + 1;
         const Panel L = poisoned(depth, ldl, rows, rng), R = poisoned(depth, ld, cols, rng);
         const Eigen::MatrixXd l = L.leftCols(rows), r = R.leftCols(cols);
-        const Eigen::ArrayXXd exact = l.transpose() * r, scale = l.cwiseAbs().transpose() * r.cwiseAbs();
+        const Eigen::MatrixXd exact = l.transpose() * r, scale = l.cwiseAbs().transpose() * r.cwiseAbs();
         for (const sparse::PanelKernels* level : sparse::panel_levels()) {
           SCOPED_TRACE(testing::Message() << level->name << ", " << rows << " by " << cols);
           Panel H = Panel::Constant(rows + 1, ld, NAN);
           level->product(L.data(), ldl, R.data(), depth, rows, cols, ld, H.data());
-          EXPECT_TRUE(((H.topLeftCorner(rows, cols).array() - exact).abs() <= depth * kEps * scale).all());
+          EXPECT_TRUE(((H.topLeftCorner(rows, cols) - exact).array().abs() <= depth * kEps * scale.array()).all());
           EXPECT_TRUE(H.rightCols(8).array().isNaN().all()) << "columns behind";
           EXPECT_TRUE(H.row(rows).array().isNaN().all()) << "the row below";
         }
@@ -59,8 +59,8 @@ TEST(CholeskySolves, LeaveSmallResiduals) {
           Panel X = B;
           (transposed ? level->upper_solve : level->lower_solve)(L.data(), ldl, n, X.data(), cols, ld);
           const Eigen::MatrixXd A = transposed ? Eigen::MatrixXd(lower.transpose()) : lower, x = X.leftCols(cols);
-          const Eigen::ArrayXXd scale = A.cwiseAbs() * x.cwiseAbs();
-          EXPECT_TRUE(((A * x - B.leftCols(cols)).array().abs() <= (2 * n + 2) * kEps * scale).all());
+          const Eigen::MatrixXd scale = A.cwiseAbs() * x.cwiseAbs();
+          EXPECT_TRUE(((A * x - B.leftCols(cols)).array().abs() <= (2 * n + 2) * kEps * scale.array()).all());
           EXPECT_TRUE(X.rightCols(8).array().isNaN().all()) << "columns behind";
         }
     }
