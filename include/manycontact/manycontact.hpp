@@ -1,6 +1,6 @@
 #pragma once
 // All it takes to load or build a scene, solve it, differentiate it and follow it through time. Crocoddyl's action
-// model has a header of its own, manycontact/action.hpp.
+// model and its optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/load_scene.hpp"

@@ -173,7 +173,7 @@ void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& d
     check_size("StateMultibody::Jintegrate", of_x ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     if (op == setto) J.setZero();
     J.bottomRightCorner(nv_, nv_).diagonal().array() += op == rmfrom ? -1 : 1;
-    Eigen::MatrixXd block(6, 6);
+    M6 block;
     each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
       const int n = joint.nv();
       joint_jintegrate(joint, dx.segment(iv, n), of_x, block.topLeftCorner(n, n));
@@ -184,18 +184,34 @@ void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& d
   if (which != first) fill(false, Jsecond);
 }
 
+namespace {
+
+// rows <- J rows
+template <int n, class Rows>
+void transport(const Eigen::Matrix<double, n, n>& J, Rows&& rows) {
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+    const Eigen::Matrix<double, n, 1> column = rows.col(j);
+    rows.col(j).noalias() = J * column;
+  }
+}
+
+}  // namespace
+
 void StateMultibody::JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                                          Jcomponent which) const {
   check_size("StateMultibody::JintegrateTransport", "x", x.size(), nx_);
   check_size("StateMultibody::JintegrateTransport", "dx", dx.size(), ndx_);
   check_size("StateMultibody::JintegrateTransport", "a column of Jin", Jin.rows(), ndx_);
   require(which != both, "StateMultibody::JintegrateTransport", "firstsecond is `both`, first or second is expected");
-  Eigen::MatrixXd block(6, 6);
+  M6 block = M6::Identity();
   each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
     const int n = joint.nv();
     if (n == 1) return;
     joint_jintegrate(joint, dx.segment(iv, n), which == first, block.topLeftCorner(n, n));
-    Jin.middleRows(iv, n) = (block.topLeftCorner(n, n) * Jin.middleRows(iv, n)).eval();
+    if (n == 6)
+      transport<6>(block, Jin.middleRows<6>(iv));
+    else
+      transport<3>(block.topLeftCorner<3, 3>(), Jin.middleRows<3>(iv));
   });
 }
 

@@ -88,6 +88,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
+  const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
+  const Eigen::VectorXd& get_g_ub_T() const override { return constraints_ ? constraints_->get_ub_T() : g_ub_; }
   void set_g_lb(const Eigen::VectorXd& g_lb) override;
   void set_g_ub(const Eigen::VectorXd& g_ub) override;
 

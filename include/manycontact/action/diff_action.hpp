@@ -76,6 +76,9 @@ class DifferentialActionModelAbstract {
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }
   virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }
+  /// Of a terminal node's g.
+  virtual const Eigen::VectorXd& get_g_lb_T() const { return get_g_lb(); }
+  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }
   const Eigen::VectorXd& get_u_lb() const { return u_lb_; }
   const Eigen::VectorXd& get_u_ub() const { return u_ub_; }
   bool get_has_control_limits() const { return has_control_limits_; }

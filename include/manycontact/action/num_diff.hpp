@@ -37,6 +37,8 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
   std::size_t get_nh_T() const override { return model_->get_nh_T(); }
   const Eigen::VectorXd& get_g_lb() const override { return model_->get_g_lb(); }
   const Eigen::VectorXd& get_g_ub() const override { return model_->get_g_ub(); }
+  const Eigen::VectorXd& get_g_lb_T() const override { return model_->get_g_lb_T(); }
+  const Eigen::VectorXd& get_g_ub_T() const override { return model_->get_g_ub_T(); }
   /// Of the model.
   void set_g_lb(const Eigen::VectorXd& g_lb) override { model_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { model_->set_g_ub(g_ub); }

@@ -61,11 +61,12 @@ constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * k
 
 // M x N of H.
 template <int M, int N>
-inline void product_tile(const double* L, const double* R, int depth, std::ptrdiff_t ld, double* H) {
+inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, int depth, std::ptrdiff_t ld,
+                         double* H) {
   const double zeros[N] = {};
   Tile<double, N> t[M];
   for (int a = 0; a < M; ++a) t[a] = Tile<double, N>::load(zeros);
-  for (int k = 0; k < depth; ++k, L += ld, R += ld) {
+  for (int k = 0; k < depth; ++k, L += ldl, R += ld) {
 #pragma GCC unroll 8
     for (int a = 0; a < M; ++a) t[a].add(L[a], R);
   }
@@ -77,10 +78,69 @@ void upper_product(const double* L, const double* R, int depth, int cols, int ld
   for (int i = 0; i < end; i += kHigh) {
     double* row = H + static_cast<std::ptrdiff_t>(i) * ld;
     int j = i / 8 * 8;
-    for (; j + kWide <= end; j += kWide) product_tile<kHigh, kWide>(L + i, R + j, depth, ld, row + j);
-    for (; j + 8 <= end; j += 8) product_tile<kHigh, 8>(L + i, R + j, depth, ld, row + j);
-    for (; j < end; j += 4) product_tile<kHigh, 4>(L + i, R + j, depth, ld, row + j);
+    for (; j + kWide <= end; j += kWide) product_tile<kHigh, kWide>(L + i, ld, R + j, depth, ld, row + j);
+    for (; j + 8 <= end; j += 8) product_tile<kHigh, 8>(L + i, ld, R + j, depth, ld, row + j);
+    for (; j < end; j += 4) product_tile<kHigh, 4>(L + i, ld, R + j, depth, ld, row + j);
   }
+}
+
+// M rows of H.
+template <int M>
+inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, int depth, int cols, std::ptrdiff_t ld,
+                         double* H) {
+  const int end = (cols + 7) / 8 * 8;
+  int j = 0;
+  for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, depth, ld, H + j);
+  for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, depth, ld, H + j);
+  for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, depth, ld, H + j);
+}
+
+// The last rows are done again with some before them: fewer at a time would wait for each other.
+void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
+  const auto rows_from = [&](int i, auto high) {
+    product_rows<high.value>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
+  };
+  if (rows >= kHigh) {
+    for (int i = 0; i + kHigh <= rows; i += kHigh) rows_from(i, kernel::Size<kHigh>{});
+    if (rows % kHigh != 0) rows_from(rows - kHigh, kernel::Size<kHigh>{});
+  } else {
+    for (int i = 0; i < rows; ++i) rows_from(i, kernel::Size<1>{});
+  }
+}
+
+// f(first, number) for the columns, 4 registers of them at a time.
+template <class F>
+inline void in_wide_chunks(int cols, F&& f) {
+  constexpr int kMost = 4 * kRegister;
+  const int end = (cols + 7) / 8 * 8;
+  int j = 0;
+  for (; j + kMost <= end; j += kMost) f(j, kernel::Size<kMost>{});
+  for (; j < end; j += 8) f(j, kernel::Size<8>{});
+}
+
+void lower_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
+  in_wide_chunks(cols, [&](int first, auto size) {
+    constexpr int N = size.value;
+    const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(k) * ld + first; };
+    for (int i = 0; i < n; ++i) {
+      auto x = Tile<double, N>::load(at(i));
+      for (int j = 0; j < i; ++j) x.add(-L[static_cast<std::ptrdiff_t>(j) * ldl + i], at(j));
+      x.times(1 / L[static_cast<std::ptrdiff_t>(i) * ldl + i]).store(at(i));
+    }
+  });
+}
+
+void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
+  in_wide_chunks(cols, [&](int first, auto size) {
+    constexpr int N = size.value;
+    const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(k) * ld + first; };
+    for (int i = n - 1; i >= 0; --i) {
+      const double* column = L + static_cast<std::ptrdiff_t>(i) * ldl;
+      auto x = Tile<double, N>::load(at(i));
+      for (int j = i + 1; j < n; ++j) x.add(-column[j], at(j));
+      x.times(1 / column[i]).store(at(i));
+    }
+  });
 }
 
 }  // namespace
@@ -96,6 +156,9 @@ const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME
                                                                 ldl_scheduled_solve_panel<double>,
                                                                 solve_apart,
                                                                 panel_residual,
-                                                                upper_product};
+                                                                upper_product,
+                                                                product,
+                                                                lower_solve,
+                                                                upper_solve};
 
 }  // namespace manycontact::sparse

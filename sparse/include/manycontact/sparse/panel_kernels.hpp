@@ -22,6 +22,13 @@ struct PanelKernels {
   /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
   /// L, R: depth x ld; H: ld x ld. cols: of all three, with ld >= cols a multiple of eight.
   void (*upper_product)(const double* L, const double* R, int depth, int cols, int ld, double* H);
+  /// H = L^T R. L: depth x ldl, of which the first `rows` columns; R: depth x ld, H: rows x ld, of which the first
+  /// `cols` columns, with ld >= cols a multiple of eight.
+  void (*product)(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H);
+  /// X <- L^-1 X (L^-T X) for the n x n factor of a Cholesky decomposition, by columns, column j at L + j ldl.
+  /// X: n x ld, of which the first `cols` columns, with ld >= cols a multiple of eight.
+  void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
+  void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 };
 
 /// The widest level that runs here.

@@ -1,0 +1,23 @@
+#pragma once
+// All of the control floor, and the action floor below it: what a user of Crocoddyl looks for.
+
+#include "manycontact/action.hpp"
+#include "manycontact/control/action_model.hpp"
+#include "manycontact/control/box_qp.hpp"
+#include "manycontact/control/box_solvers.hpp"
+#include "manycontact/control/callbacks.hpp"
+#include "manycontact/control/control_parametrization.hpp"
+#include "manycontact/control/ddp.hpp"
+#include "manycontact/control/diff_lqr.hpp"
+#include "manycontact/control/euler.hpp"
+#include "manycontact/control/fddp.hpp"
+#include "manycontact/control/free_fwddyn.hpp"
+#include "manycontact/control/integrated_action.hpp"
+#include "manycontact/control/lqr.hpp"
+#include "manycontact/control/num_diff.hpp"
+#include "manycontact/control/rk.hpp"
+#include "manycontact/control/shooting.hpp"
+#include "manycontact/control/solver.hpp"
+#include "manycontact/control/state_vector.hpp"
+#include "manycontact/control/tpl.hpp"
+#include "manycontact/control/unicycle.hpp"

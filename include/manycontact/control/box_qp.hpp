@@ -1,0 +1,65 @@
+#pragma once
+// minimise 1/2 x^T H x + q^T x with lb <= x <= ub, H positive definite, by projected Newton steps (Bertsekas, SIAM J.
+// Control Optim. 1982; Tassa et al., ICRA 2014). Interface, algorithm and defaults of Crocoddyl 3.0's BoxQP.
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "manycontact/abi.hpp"
+
+namespace manycontact {
+
+struct BoxQPSolution {
+  Eigen::MatrixXd Hff_inv;  // inverse of H's rows and columns of the free components
+  Eigen::VectorXd x;
+  std::vector<std::size_t> free_idx, clamped_idx;
+};
+
+class BoxQP {
+ public:
+  /// nx: number of unknowns; reg is added to the diagonal of H. Throws std::invalid_argument for numbers out of range.
+  explicit BoxQP(std::size_t nx, std::size_t maxiter = 100, double th_acceptstep = 0.1, double th_grad = 1e-9,
+                 double reg = 1e-9);
+
+  /// From xinit. Where H is not positive definite on the free components, is_sound() is false and x of no use. Throws
+  /// std::invalid_argument on wrong sizes.
+  const BoxQPSolution& solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
+                             const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
+  /// The same without Hff_inv, and without taking memory; false where it fails.
+  [[nodiscard]] bool minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
+                              const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
+  bool is_sound() const { return sound_; }
+  /// inverse (nx x nx) = that of H on the free components, zero elsewhere; after either of them.
+  void free_inverse(Eigen::MatrixXd& inverse);
+  const BoxQPSolution& get_solution() const { return solution_; }
+
+  std::size_t get_nx() const { return nx_; }
+  std::size_t get_maxiter() const { return maxiter_; }
+  double get_th_acceptstep() const { return th_acceptstep_; }
+  double get_th_grad() const { return th_grad_; }
+  double get_reg() const { return reg_; }
+  const std::vector<double>& get_alphas() const { return alphas_; }
+  void set_nx(std::size_t nx);
+  void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }
+  void set_th_acceptstep(double th_acceptstep);  // in (0, 0.5)
+  void set_th_grad(double th_grad);              // >= 0
+  void set_reg(double reg);                      // >= 0
+  void set_alphas(const std::vector<double>& alphas);
+
+ private:
+  void sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);
+  [[nodiscard]] bool newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, double& gradient);
+  void search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);
+  std::size_t nx_, maxiter_;
+  double th_acceptstep_, th_grad_, reg_;
+  BoxQPSolution solution_;
+  std::vector<double> alphas_;
+  Eigen::VectorXd x_, xnew_, g_, dx_, Hx_, qf_, dxf_;
+  Eigen::MatrixXd L_, inverse_;  // factor of Hff in the top left corner; workspace
+  bool sound_ = false;
+};
+
+/// Throws std::invalid_argument unless step lengths are positive and falling.
+void check_alphas(const char* where, const std::vector<double>& alphas);
+
+}  // namespace manycontact

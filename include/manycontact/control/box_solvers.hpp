@@ -1,0 +1,42 @@
+#pragma once
+// DDP and FDDP with the models' limits on controls: feed-forward terms by BoxQP, no feedback on controls at a limit,
+// and steps clamped to the limits (Tassa et al., ICRA 2014; Mastalli et al., Autonomous Robots 2022). A candidate with
+// gaps is treated as if there were no limits. Interface, algorithm and defaults of Crocoddyl 3.0's SolverBoxDDP and
+// SolverBoxFDDP.
+
+#include "manycontact/control/box_qp.hpp"
+#include "manycontact/control/fddp.hpp"
+
+namespace manycontact {
+
+/// What the two have in common.
+template <class Base>
+class SolverWithBox : public Base {
+ public:
+  explicit SolverWithBox(std::shared_ptr<ShootingProblem> problem);
+  void allocateData() override;
+  void computeGains(std::size_t t) override;
+  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const { return Quu_inv_; }
+
+ protected:
+  void limitControl(std::size_t t) override;
+  BoxQP qp_;
+  std::vector<Eigen::MatrixXd> Quu_inv_;
+  std::vector<Eigen::VectorXd> du_lb_, du_ub_;
+};
+
+class SolverBoxDDP : public SolverWithBox<SolverDDP> {
+ public:
+  using SolverWithBox::SolverWithBox;
+  void forwardPass(double steplength) override;
+};
+
+class SolverBoxFDDP : public SolverWithBox<SolverFDDP> {
+ public:
+  using SolverWithBox::SolverWithBox;
+};
+
+extern template class SolverWithBox<SolverDDP>;
+extern template class SolverWithBox<SolverFDDP>;
+
+}  // namespace manycontact

@@ -1,0 +1,45 @@
+#pragma once
+// Callbacks that print and that log each iteration.
+
+#include <iosfwd>
+#include <string>
+
+#include "manycontact/control/solver.hpp"
+
+namespace manycontact {
+
+/// Columns: _0 cost, stop, |grad|, preg, step, dV expected and found; _1 also merit and gaps; _2 also dreg; _3 also
+/// violations of g and h; _4 also the merit's reductions.
+enum VerboseLevel { _0 = 0, _1, _2, _3, _4 };
+
+/// One line for each iteration, on standard output unless another stream is given. Crocoddyl's CallbackVerbose.
+class CallbackVerbose : public CallbackAbstract {
+ public:
+  explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);
+  explicit CallbackVerbose(std::ostream& out, VerboseLevel level = _4, int precision = 3);
+  void operator()(SolverAbstract& solver) override;
+
+  VerboseLevel get_level() const { return level_; }
+  void set_level(VerboseLevel level) { level_ = level; }
+  int get_precision() const { return precision_; }
+  void set_precision(int precision);  // >= 0, or std::invalid_argument
+
+ private:
+  std::ostream* out_;
+  VerboseLevel level_;
+  int precision_;
+};
+
+/// Keeps what each iteration reports, by the names of Crocoddyl's CallbackLogger (in Python).
+class CallbackLogger : public CallbackAbstract {
+ public:
+  void operator()(SolverAbstract& solver) override;
+
+  std::vector<Eigen::VectorXd> xs, us;           // of the last iteration
+  std::vector<std::vector<Eigen::VectorXd>> fs;  // gaps before each iteration
+  std::vector<std::size_t> iters;
+  std::vector<double> costs, stops, grads, pregs, dregs, steps, ffeass, gfeass, hfeass;
+  std::vector<bool> feasible;  // after each iteration
+};
+
+}  // namespace manycontact

@@ -1,0 +1,117 @@
+#pragma once
+// Controls w(t) within one integration step, t in [0, 1] of its length, as a polynomial whose parameters are the
+// control u of the node:
+//
+//     w = sum_k c_k(t) u_k,    u = [u_0; u_1; ...], each of nw numbers.
+//
+// Crocoddyl's ControlParametrizationModelPolyZero, PolyOne and PolyTwoRK.
+
+#include <array>
+
+#include "manycontact/action/state.hpp"
+
+namespace manycontact {
+
+enum RKType { two = 2, three = 3, four = 4 };
+
+class ControlParametrizationModelAbstract;
+
+struct ControlParametrizationDataAbstract {
+  explicit ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model);
+  virtual ~ControlParametrizationDataAbstract() = default;
+
+  Eigen::VectorXd w;      // nw: by calc
+  Eigen::VectorXd u;      // nu: by params
+  Eigen::MatrixXd dw_du;  // nw x nu: by calcDiff
+};
+
+class ControlParametrizationModelAbstract {
+ public:
+  using Data = std::shared_ptr<ControlParametrizationDataAbstract>;
+
+  ControlParametrizationModelAbstract(std::size_t nw, std::size_t nu) : nw_(nw), nu_(nu) {}
+  virtual ~ControlParametrizationModelAbstract() = default;
+
+  /// data->w at the time t.
+  virtual void calc(const Data& data, double t, const ConstVectorRef& u) const = 0;
+  /// data->dw_du at the t of the last calc.
+  virtual void calcDiff(const Data& data, double t, const ConstVectorRef& u) const = 0;
+  virtual Data createData();
+  virtual bool checkData(const Data& data);
+  /// data->u of the constant control w.
+  virtual void params(const Data& data, double t, const ConstVectorRef& w) const = 0;
+  /// Bounds on u that keep w within its own (of PolyTwoRK at the nodes only).
+  virtual void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
+                             VectorRef u_ub) const = 0;
+  /// out = A dw_du (out = dw_du^T A), at the t of the last calc; set, added or subtracted.
+  virtual void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                                  AssignmentOp op = setto) const = 0;
+  virtual void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                                           AssignmentOp op = setto) const = 0;
+  Eigen::MatrixXd multiplyByJacobian_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
+  Eigen::MatrixXd multiplyJacobianTransposeBy_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
+
+  std::size_t get_nw() const { return nw_; }
+  std::size_t get_nu() const { return nu_; }
+
+ protected:
+  std::size_t nw_, nu_;
+};
+
+struct ControlParametrizationDataPoly : ControlParametrizationDataAbstract {
+  using ControlParametrizationDataAbstract::ControlParametrizationDataAbstract;
+  std::array<double, 3> c{};  // coefficients at the t of the last calc
+};
+
+/// The polynomials have all but the coefficients in common.
+class ControlParametrizationModelPoly : public ControlParametrizationModelAbstract {
+ public:
+  void calc(const Data& data, double t, const ConstVectorRef& u) const override;
+  void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
+  Data createData() override;
+  bool checkData(const Data& data) override;
+  void params(const Data& data, double t, const ConstVectorRef& w) const override;
+  void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
+                     VectorRef u_ub) const override;
+  void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                          AssignmentOp op = setto) const override;
+  void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                                   AssignmentOp op = setto) const override;
+
+ protected:
+  ControlParametrizationModelPoly(std::size_t nw, std::size_t terms)
+      : ControlParametrizationModelAbstract(nw, terms * nw), terms_(terms) {}
+  virtual std::array<double, 3> coefficients(double t) const = 0;
+  std::size_t terms_;
+};
+
+/// w = u.
+class ControlParametrizationModelPolyZero : public ControlParametrizationModelPoly {
+ public:
+  explicit ControlParametrizationModelPolyZero(std::size_t nw) : ControlParametrizationModelPoly(nw, 1) {}
+
+ private:
+  std::array<double, 3> coefficients(double) const override { return {1, 0, 0}; }
+};
+
+/// Linear: u_0 at t = 0, u_1 at t = 1/2.
+class ControlParametrizationModelPolyOne : public ControlParametrizationModelPoly {
+ public:
+  explicit ControlParametrizationModelPolyOne(std::size_t nw) : ControlParametrizationModelPoly(nw, 2) {}
+
+ private:
+  std::array<double, 3> coefficients(double t) const override { return {1 - 2 * t, 2 * t, 0}; }
+};
+
+/// Quadratic through the times at which the integrator looks: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). There is none
+/// for `two`, which throws std::invalid_argument.
+class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
+ public:
+  ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);
+
+ private:
+  std::array<double, 3> coefficients(double t) const override;
+  RKType rktype_;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,132 @@
+#pragma once
+// Differential dynamic programming. The backward pass solves the linear-quadratic problem around the candidate: from
+// V_T = l_T, for t = T - 1 ... 0, with V' of t + 1 and the regularisation rho (of Vxx and Quu),
+//
+//     Qx  = lx  + fx^T Vx'        Qu  = lu  + fu^T Vx'
+//     Qxx = lxx + fx^T Vxx' fx    Qxu = lxu + fx^T Vxx' fu    Quu = luu + fu^T Vxx' fu + rho I
+//     k = Quu^-1 Qu,  K = Quu^-1 Qxu^T
+//     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t where the candidate has gaps)
+//
+// and the forward pass of step length s rolls u = us - s k - K (x (-) xs) out from x0, closing all gaps. Interface,
+// algorithm and defaults of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
+
+#include <Eigen/Cholesky>
+
+#include "manycontact/control/solver.hpp"
+
+namespace manycontact {
+
+struct IntegratedActionDataEuler;
+
+class SolverDDP : public SolverAbstract {
+ public:
+  using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
+
+  bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
+             const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
+             bool is_feasible = false, double init_reg = NAN) override;
+  void computeDirection(bool recalc = true) override;
+  double tryStep(double steplength = 1) override;
+  /// |d0 + d1 / 2|, the expected reduction of a full step.
+  double stoppingCriteria() override;
+  const Eigen::Vector2d& expectedImprovement() override;
+  void resizeData() override;
+
+  /// Derivatives of all nodes at the candidate, and its feasibilities; returns the cost.
+  virtual double calcDiff();
+  /// Where it fails, direction_is_sound() is false and what it leaves is of no use.
+  virtual void backwardPass();
+  bool direction_is_sound() const { return sound_; }
+  /// xs_try, us_try and cost_try, which is NaN where numbers are not finite. The step length is in [0, 1].
+  virtual void forwardPass(double steplength);
+  virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                          const std::shared_ptr<ActionDataAbstract>& data);
+  virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model);
+  virtual void computeGains(std::size_t t);
+  void increaseRegularization();
+  void decreaseRegularization();
+  virtual void allocateData();
+
+  double get_reg_incfactor() const { return reg_incfactor_; }
+  double get_reg_decfactor() const { return reg_decfactor_; }
+  double get_reg_min() const { return reg_min_; }
+  double get_reg_max() const { return reg_max_; }
+  const std::vector<double>& get_alphas() const { return alphas_; }
+  double get_th_stepdec() const { return th_stepdec_; }
+  double get_th_stepinc() const { return th_stepinc_; }
+  double get_th_grad() const { return th_grad_; }
+  const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
+  const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const { return Qxx_; }
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const { return Qxu_; }
+  const std::vector<Eigen::MatrixXd>& get_Quu() const { return Quu_; }
+  const std::vector<Eigen::VectorXd>& get_Qx() const { return Qx_; }
+  const std::vector<Eigen::VectorXd>& get_Qu() const { return Qu_; }
+  const std::vector<MatrixXdRowMajor>& get_K() const { return K_; }
+  const std::vector<Eigen::VectorXd>& get_k() const { return k_; }
+  /// Throw std::invalid_argument for numbers out of range.
+  void set_reg_incfactor(double reg_factor);           // > 1
+  void set_reg_decfactor(double reg_factor);           // > 1
+  void set_reg_min(double regmin);                     // >= 0
+  void set_reg_max(double regmax);                     // >= 0
+  void set_alphas(const std::vector<double>& alphas);  // positive, falling
+  void set_th_stepdec(double th_step);                 // in (0, 1]
+  void set_th_stepinc(double th_step);                 // in (0, 1]
+  void set_th_grad(double th_grad);                    // >= 0
+
+ protected:
+  /// Sets up the candidate and the regularisation.
+  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
+             double init_reg);
+  /// After a new direction, before steps are tried; and after each of them.
+  virtual void prepareImprovement() { expectedImprovement(); }
+  virtual void updateImprovement() {}
+  /// Whether the step tried is accepted, by dV and dVexp, and if so whether its states are feasible.
+  virtual bool accepts() const;
+  virtual bool closesGaps() const { return true; }
+  bool findDirection(bool recalc);
+  bool searchLine();
+  double stepNode(std::size_t t, double steplength);
+  double stepTerminal();
+  /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
+  void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
+  /// us_try[t] onto the control limits, for box solvers.
+  virtual void limitControl(std::size_t) {}
+
+  double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
+  double cost_try_ = 0;
+  std::vector<Eigen::VectorXd> xs_try_, us_try_;
+  std::vector<Eigen::VectorXd> dx_;  // T
+  std::vector<Eigen::MatrixXd> Vxx_;
+  std::vector<Eigen::VectorXd> Vx_;
+  std::vector<Eigen::MatrixXd> Qxx_, Qxu_, Quu_;
+  std::vector<Eigen::VectorXd> Qx_, Qu_;
+  std::vector<MatrixXdRowMajor> K_;
+  std::vector<Eigen::VectorXd> k_;
+  Eigen::VectorXd xnext_, step_, fTVxx_p_;  // nx, ndx, ndx
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> Quu_llt_;
+  std::vector<Eigen::VectorXd> Quuk_;
+  std::vector<double> alphas_;
+  double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
+  bool sound_ = false;
+
+ private:
+  /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.
+  struct Panels {
+    int u = 0, x = 0, ld = 0;          // where x begins, its columns, columns of a row
+    std::vector<double> F, VF, H;      // [fu fx], Vxx' [fu fx], their product
+    std::vector<double> Qux, K, QuxK;  // nu rows of x
+    Eigen::MatrixXd U, W, Y, A;        // of symplectic Euler
+    std::vector<double> YF, Fv;
+    Eigen::VectorXd g, j1v;
+  };
+  void layOutPanels(Eigen::Index nu);
+  void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
+  void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
+                     const Eigen::VectorXd& v);
+  Panels panels_;
+};
+
+}  // namespace manycontact

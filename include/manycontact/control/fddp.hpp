@@ -1,0 +1,30 @@
+#pragma once
+// Feasibility-driven DDP: a step of length s < 1 from a candidate with gaps leaves (1 - s) of them, and may increase
+// the cost while they close. Interface, algorithm and defaults of Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA
+// 2020).
+
+#include "manycontact/control/ddp.hpp"
+
+namespace manycontact {
+
+class SolverFDDP : public SolverDDP {
+ public:
+  using SolverDDP::SolverDDP;
+
+  const Eigen::Vector2d& expectedImprovement() override;
+  /// The parts of the expected improvement that do not depend on the step tried.
+  void updateExpectedImprovement();
+  void forwardPass(double steplength) override;
+  double get_th_acceptnegstep() const { return th_acceptnegstep_; }
+  void set_th_acceptnegstep(double th_acceptnegstep);  // >= 0
+
+ protected:
+  void prepareImprovement() override { updateExpectedImprovement(); }
+  void updateImprovement() override { expectedImprovement(); }
+  bool accepts() const override;
+  bool closesGaps() const override { return was_feasible_ || steplength_ == 1; }
+  double dg_ = 0, dq_ = 0, dv_ = 0;
+  double th_acceptnegstep_ = 2;
+};
+
+}  // namespace manycontact

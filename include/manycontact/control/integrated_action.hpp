@@ -1,0 +1,48 @@
+#pragma once
+// A differential action model integrated over one time step h: interface of Crocoddyl's IntegratedActionModelAbstract.
+// The cost is h times that of the differential model (of RK the weighted sum over its stages); a terminal node's,
+// calc(data, x), is not scaled. Constraints are those at the step's start.
+
+#include "manycontact/control/action_model.hpp"
+#include "manycontact/control/control_parametrization.hpp"
+
+namespace manycontact {
+
+class IntegratedActionModelAbstract : public ActionModelAbstract {
+ public:
+  using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
+  using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;
+
+  /// time_step in s; `with_cost_residual`: data->r has the costs' residuals. Throws std::invalid_argument when the
+  /// step is negative or not finite (Crocoddyl takes 1e-3 then), or the control's nw is not the model's nu.
+  IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
+                                bool with_cost_residual = true);
+  explicit IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                         double time_step = 1e-3, bool with_cost_residual = true);
+
+  std::size_t get_nr() const override { return differential_->get_nr(); }
+  std::size_t get_ng() const override { return differential_->get_ng(); }
+  std::size_t get_nh() const override { return differential_->get_nh(); }
+  std::size_t get_ng_T() const override { return differential_->get_ng_T(); }
+  std::size_t get_nh_T() const override { return differential_->get_nh_T(); }
+  const Eigen::VectorXd& get_g_lb() const override { return differential_->get_g_lb(); }
+  const Eigen::VectorXd& get_g_ub() const override { return differential_->get_g_ub(); }
+  const Eigen::VectorXd& get_g_lb_T() const override { return differential_->get_g_lb_T(); }
+  const Eigen::VectorXd& get_g_ub_T() const override { return differential_->get_g_ub_T(); }
+  void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
+  void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
+  const std::shared_ptr<DifferentialActionModelAbstract>& get_differential() const { return differential_; }
+  const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
+  double get_dt() const { return time_step_; }
+  void set_dt(double dt);
+
+ protected:
+  void print_as(const char* name, std::ostream& os) const;
+  std::shared_ptr<DifferentialActionModelAbstract> differential_;
+  std::shared_ptr<ControlParametrizationModelAbstract> control_;
+  double time_step_, time_step2_;  // h, h^2
+  bool with_cost_residual_;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,55 @@
+#pragma once
+// x' = A x + B u + f,  l = 1/2 x^T Q x + 1/2 u^T R u + x^T N u + q^T x + r^T u,  g = G [x; u] + g0,  h = H [x; u] + h0.
+// Crocoddyl's ActionModelLQR.
+
+#include "manycontact/control/action_model.hpp"
+#include "manycontact/control/state_vector.hpp"
+
+namespace manycontact {
+
+class ActionModelLQR : public ActionModelAbstract {
+ public:
+  using MatrixXs = Eigen::MatrixXd;
+  using VectorXs = Eigen::VectorXd;
+
+  /// Throw std::invalid_argument when sizes do not fit or [Q N; N^T R] has an eigenvalue below -1e-12.
+  ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N);
+  ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N,
+                 const VectorXs& f, const VectorXs& q, const VectorXs& r);
+  ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N,
+                 const MatrixXs& G, const MatrixXs& H, const VectorXs& f, const VectorXs& q, const VectorXs& r,
+                 const VectorXs& g, const VectorXs& h);
+  /// Identities, q and r of ones; f zero when drift_free, else ones.
+  ActionModelLQR(std::size_t nx, std::size_t nu, bool drift_free = true);
+  /// Entries within +-1, the cost convex; the same sequence in every run.
+  static ActionModelLQR Random(std::size_t nx, std::size_t nu, std::size_t ng = 0, std::size_t nh = 0);
+
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void print(std::ostream& os) const override;
+
+  const MatrixXs& get_A() const { return A_; }
+  const MatrixXs& get_B() const { return B_; }
+  const VectorXs& get_f() const { return f_; }
+  const MatrixXs& get_Q() const { return Q_; }
+  const MatrixXs& get_R() const { return R_; }
+  const MatrixXs& get_N() const { return N_; }
+  const MatrixXs& get_G() const { return G_; }
+  const MatrixXs& get_H() const { return H_; }
+  const VectorXs& get_q() const { return q_; }
+  const VectorXs& get_r() const { return r_; }
+  const VectorXs& get_g() const { return g_; }
+  const VectorXs& get_h() const { return h_; }
+  void set_LQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N,
+               const MatrixXs& G, const MatrixXs& H, const VectorXs& f, const VectorXs& q, const VectorXs& r,
+               const VectorXs& g, const VectorXs& h);
+
+ private:
+  MatrixXs A_, B_, Q_, R_, N_, G_, H_;
+  VectorXs f_, q_, r_, g_, h_;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,55 @@
+#pragma once
+// A numerical twin of an action model: its derivatives by central differences. For users' own models, and for tests.
+
+#include "manycontact/control/action_model.hpp"
+
+namespace manycontact {
+
+class ActionModelNumDiff : public ActionModelAbstract {
+ public:
+  /// with_gauss_approx: Hessians Rx^T Rx, ... of the residuals, right for costs 1/2 |r|^2; otherwise second differences
+  /// of the cost.
+  explicit ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx = false);
+
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  std::shared_ptr<ActionDataAbstract> createData() override;
+  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
+                   std::size_t maxiter = 100, double tol = 1e-9) override;
+
+  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }
+  /// The step, absolute in x's tangent, relative to max(1, |u_i|) in u.
+  double get_disturbance() const { return step_; }
+  void set_disturbance(double disturbance);
+  bool get_with_gauss_approx() const { return gauss_; }
+
+  std::size_t get_nr() const override { return model_->get_nr(); }
+  std::size_t get_ng() const override { return model_->get_ng(); }
+  std::size_t get_nh() const override { return model_->get_nh(); }
+  std::size_t get_ng_T() const override { return model_->get_ng_T(); }
+  std::size_t get_nh_T() const override { return model_->get_nh_T(); }
+  const Eigen::VectorXd& get_g_lb() const override { return model_->get_g_lb(); }
+  const Eigen::VectorXd& get_g_ub() const override { return model_->get_g_ub(); }
+  const Eigen::VectorXd& get_g_lb_T() const override { return model_->get_g_lb_T(); }
+  const Eigen::VectorXd& get_g_ub_T() const override { return model_->get_g_ub_T(); }
+  void print(std::ostream& os) const override;
+
+ private:
+  struct At;
+  void differentiate(ActionDataAbstract& data, At& at) const;
+  void second_differences(ActionDataAbstract& data, At& at) const;
+  std::shared_ptr<ActionModelAbstract> model_;
+  bool gauss_;
+  double step_;
+};
+
+struct ActionDataNumDiff : ActionDataAbstract {
+  explicit ActionDataNumDiff(ActionModelNumDiff* model);
+  std::shared_ptr<ActionDataAbstract> data_0, data_step;  // of the model, at the point and beside it
+  Eigen::MatrixXd Rx, Ru;                                 // nr x ndx, nr x nu
+};
+
+}  // namespace manycontact

@@ -1,0 +1,61 @@
+#pragma once
+// Explicit Runge-Kutta methods of two, three (Heun's) and four stages: with y_0 = x,
+//
+//     y_i = x (+) c_i h k_(i-1),    k_i = [v(y_i); a(y_i, w(c_i))],
+//     x'  = x (+) h sum_i b_i k_i,  cost = h sum_i b_i l(y_i, w(c_i))
+//
+//     two:   c = 0, 1/2            b = 0, 1
+//     three: c = 0, 1/3, 2/3       b = 1/4, 0, 3/4
+//     four:  c = 0, 1/2, 1/2, 1    b = 1/6, 1/3, 1/3, 1/6
+//
+// Crocoddyl's IntegratedActionModelRK. Hessians of the cost are Gauss-Newton's: the second derivatives of y_i are left
+// out.
+
+#include "manycontact/control/integrated_action.hpp"
+
+namespace manycontact {
+
+class IntegratedActionModelRK : public IntegratedActionModelAbstract {
+ public:
+  IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
+                          std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
+                          double time_step = 1e-3, bool with_cost_residual = true);
+  IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
+                          double time_step = 1e-3, bool with_cost_residual = true);
+
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  std::shared_ptr<ActionDataAbstract> createData() override;
+  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
+                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  void print(std::ostream& os) const override;
+
+  std::size_t get_ni() const { return c_.size(); }  // stages
+
+ private:
+  std::vector<double> c_, b_;
+};
+
+struct IntegratedActionDataRK : ActionDataAbstract {
+  explicit IntegratedActionDataRK(IntegratedActionModelRK* model);
+
+  // Of each stage.
+  std::vector<std::shared_ptr<DifferentialActionDataAbstract>> differential;
+  std::vector<std::shared_ptr<ControlParametrizationDataAbstract>> control;
+  std::vector<double> integral;                 // its cost
+  std::vector<Eigen::VectorXd> ki, y, ws;       // ndx, nx, nw
+  std::vector<Eigen::VectorXd> dx_rk;           // ndx: y_i = x (+) dx_rk_i
+  std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: by calcDiff
+  std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: by calcDiff
+  Eigen::VectorXd dx;                           // ndx: the step, by calc
+
+  // Workspace of calcDiff, of one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
+  Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;
+  Eigen::VectorXd Lu_i;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,130 @@
+#pragma once
+// What solvers of a ShootingProblem have in common: the candidate xs, us, its gaps
+//
+//     fs_0 = x0 (-) xs_0,    fs_(t+1) = f_t(xs_t, us_t) (-) xs_(t+1),
+//
+// feasibilities, thresholds and callbacks. Interface of Crocoddyl's SolverAbstract. Numerical failure is no exception:
+// solve() returns false, and reason() says why it stopped; misuse throws std::invalid_argument.
+
+#include <cmath>
+
+#include "manycontact/control/shooting.hpp"
+
+namespace manycontact {
+
+class CallbackAbstract;
+inline const std::vector<Eigen::VectorXd> DEFAULT_VECTOR;
+
+enum FeasibilityNorm { LInf = 0, L1 };
+
+enum class StopReason {
+  kNone,         // solve() has not run
+  kConverged,    // the stopping value fell below th_stop at a feasible candidate
+  kIterations,   // maxiter iterations were done
+  kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
+  kNoStep,       // no step of a direction was accepted up to the largest regularisation
+  kInterrupted,  // interrupt() was called
+};
+const char* to_string(StopReason reason);
+
+class SolverAbstract {
+ public:
+  explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
+  virtual ~SolverAbstract() = default;
+
+  /// From the candidate init_xs (T + 1; empty: the states' zeros), init_us (T; empty: zeros). is_feasible: init_xs is
+  /// what init_us lead to. init_reg: the first regularisation, NaN for the smallest. True when converged.
+  virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
+                     const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
+                     bool is_feasible = false, double init_reg = NAN) = 0;
+  /// The step of the linear-quadratic problem around the candidate; with `recalc` its derivatives are evaluated first.
+  virtual void computeDirection(bool recalc) = 0;
+  /// Goes along the direction; returns the reduction of the cost, NaN when numbers are not finite there.
+  virtual double tryStep(double steplength = 1) = 0;
+  virtual double stoppingCriteria() = 0;
+  /// d = (d0, d1): a step of length s is expected to reduce the cost by s (d0 + s d1 / 2).
+  virtual const Eigen::Vector2d& expectedImprovement() = 0;
+  /// Fits the memory to the problem's nodes.
+  virtual void resizeData();
+
+  /// Of the last problem.calc: gaps into fs; violation of g's bounds; |h|. In the norm get_feasnorm().
+  double computeDynamicFeasibility();
+  double computeInequalityFeasibility();
+  double computeEqualityFeasibility();
+  void setCandidate(const std::vector<Eigen::VectorXd>& xs_warm = DEFAULT_VECTOR,
+                    const std::vector<Eigen::VectorXd>& us_warm = DEFAULT_VECTOR, bool is_feasible = false);
+  /// Called after each iteration.
+  void setCallbacks(const std::vector<std::shared_ptr<CallbackAbstract>>& callbacks);
+  const std::vector<std::shared_ptr<CallbackAbstract>>& getCallbacks() const { return callbacks_; }
+  /// Ends solve() after the iteration at hand; for callbacks.
+  void interrupt() { interrupted_ = true; }
+  StopReason reason() const { return reason_; }
+
+  const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }
+  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }
+  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }
+  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }
+  bool get_is_feasible() const { return is_feasible_; }
+  double get_cost() const { return cost_; }
+  double get_merit() const { return merit_; }
+  double get_stop() const { return stop_; }
+  const Eigen::Vector2d& get_d() const { return d_; }
+  double get_dV() const { return dV_; }
+  double get_dPhi() const { return dPhi_; }
+  double get_dVexp() const { return dVexp_; }
+  double get_dPhiexp() const { return dPhiexp_; }
+  double get_dfeas() const { return dfeas_; }
+  double get_feas() const { return feas_; }
+  double get_ffeas() const { return ffeas_; }
+  double get_gfeas() const { return gfeas_; }
+  double get_hfeas() const { return hfeas_; }
+  double get_ffeas_try() const { return ffeas_try_; }
+  double get_gfeas_try() const { return gfeas_try_; }
+  double get_hfeas_try() const { return hfeas_try_; }
+  double get_preg() const { return preg_; }
+  double get_dreg() const { return dreg_; }
+  double get_steplength() const { return steplength_; }
+  double get_th_acceptstep() const { return th_acceptstep_; }
+  double get_th_stop() const { return th_stop_; }
+  double get_th_gaptol() const { return th_gaptol_; }
+  FeasibilityNorm get_feasnorm() const { return feasnorm_; }
+  std::size_t get_iter() const { return iter_; }
+  void set_xs(const std::vector<Eigen::VectorXd>& xs);
+  void set_us(const std::vector<Eigen::VectorXd>& us);
+  /// Throw std::invalid_argument for numbers out of range.
+  void set_preg(double preg);
+  void set_dreg(double dreg);
+  void set_th_acceptstep(double th_acceptstep);  // in (0, 1]
+  void set_th_stop(double th_stop);              // > 0
+  void set_th_gaptol(double th_gaptol);          // >= 0
+  void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }
+
+ protected:
+  void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
+  void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
+  std::shared_ptr<ShootingProblem> problem_;
+  std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
+  std::vector<std::shared_ptr<CallbackAbstract>> callbacks_;
+  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the one before
+  double cost_ = 0, merit_ = 0, stop_ = 0;
+  Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
+  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, found and expected
+  double dfeas_ = 0, feas_ = 0, ffeas_ = 0, gfeas_ = 0, hfeas_ = 0, ffeas_try_ = 0, gfeas_try_ = 0, hfeas_try_ = 0;
+  double preg_ = 0, dreg_ = 0;  // regularisation of the primal, dual variables
+  double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
+  FeasibilityNorm feasnorm_ = LInf;
+  std::size_t iter_ = 0;
+  bool interrupted_ = false;
+  StopReason reason_ = StopReason::kNone;
+};
+
+class CallbackAbstract {
+ public:
+  virtual ~CallbackAbstract() = default;
+  virtual void operator()(SolverAbstract& solver) = 0;
+};
+
+/// True for a number that is not finite, or >= 1e30.
+bool raiseIfNaN(double value);
+
+}  // namespace manycontact

@@ -1,0 +1,35 @@
+#pragma once
+// A wheel in the plane, x = [x; y; theta], u = [v; omega]:
+//
+//     x' = x + dt [v cos(theta); v sin(theta); omega],    l = 1/2 |wx x|^2 + 1/2 |wu u|^2.
+//
+// Crocoddyl's ActionModelUnicycle.
+
+#include "manycontact/control/action_model.hpp"
+#include "manycontact/control/state_vector.hpp"
+
+namespace manycontact {
+
+class ActionModelUnicycle : public ActionModelAbstract {
+ public:
+  ActionModelUnicycle();
+
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void print(std::ostream& os) const override;
+
+  /// wx, wu; at first 10, 1.
+  const Eigen::Vector2d& get_cost_weights() const { return weights_; }
+  void set_cost_weights(const Eigen::Vector2d& weights) { weights_ = weights; }
+  double get_dt() const { return dt_; }  // at first 0.1 s
+  void set_dt(double dt);                // > 0, or std::invalid_argument
+
+ private:
+  Eigen::Vector2d weights_{10, 1};
+  double dt_ = 0.1;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,66 @@
+#include "manycontact/control/box_solvers.hpp"
+
+namespace manycontact {
+
+template <class Base>
+SolverWithBox<Base>::SolverWithBox(std::shared_ptr<ShootingProblem> problem)
+    : Base(std::move(problem)), qp_(this->problem_->get_runningModels()[0]->get_nu(), 100, 0.1, 1e-5, 0) {
+  SolverWithBox::allocateData();
+  // The multipliers of the limits are not part of the expected improvement, which stays larger than without limits.
+  this->th_stop_ = 5e-5;
+}
+
+template <class Base>
+void SolverWithBox<Base>::allocateData() {
+  Base::allocateData();
+  const std::size_t T = this->problem_->get_T();
+  Quu_inv_.resize(T);
+  du_lb_.resize(T);
+  du_ub_.resize(T);
+  for (std::size_t t = 0; t < T; ++t) {
+    const Eigen::Index nu = this->problem_->get_runningModels()[t]->get_nu();
+    if (du_lb_[t].size() == nu) continue;
+    Quu_inv_[t].setZero(nu, nu);
+    du_lb_[t].setZero(nu);
+    du_ub_[t].setZero(nu);
+  }
+}
+
+// k: the box QP's answer; K: Quu^-1 Qxu^T of the free controls, zero of those at a limit. Qu at limits is set to zero:
+// it is balanced by the limit's multiplier.
+template <class Base>
+void SolverWithBox<Base>::computeGains(std::size_t t) {
+  require(t < this->problem_->get_T(), "SolverBox::computeGains", "there is no such node");
+  const ActionModelAbstract& model = *this->problem_->get_runningModels()[t];
+  if (model.get_nu() == 0) return;
+  if (!model.get_has_control_limits() || !this->is_feasible_) {
+    Base::computeGains(t);
+    return;
+  }
+  du_lb_[t] = model.get_u_lb() - this->us_[t];
+  du_ub_[t] = model.get_u_ub() - this->us_[t];
+  if (qp_.get_nx() != model.get_nu()) qp_.set_nx(model.get_nu());
+  if (!qp_.minimise(this->Quu_[t], this->Qu_[t], du_lb_[t], du_ub_[t], this->k_[t])) {
+    this->sound_ = false;
+    return;
+  }
+  qp_.free_inverse(Quu_inv_[t]);
+  this->K_[t].noalias() = Quu_inv_[t] * this->Qxu_[t].transpose();
+  this->k_[t] = -qp_.get_solution().x;
+  for (std::size_t i : qp_.get_solution().clamped_idx) this->Qu_[t][i] = 0;
+}
+
+template <class Base>
+void SolverWithBox<Base>::limitControl(std::size_t t) {
+  const ActionModelAbstract& model = *this->problem_->get_runningModels()[t];
+  if (model.get_has_control_limits())
+    this->us_try_[t] = this->us_try_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+}
+
+template class SolverWithBox<SolverDDP>;
+template class SolverWithBox<SolverFDDP>;
+
+// The terminal gap closes by the step length, as in Crocoddyl.
+void SolverBoxDDP::forwardPass(double steplength) { rollOut(steplength, false, !is_feasible_ && steplength != 1); }
+
+}  // namespace manycontact

@@ -1,0 +1,260 @@
+#include "manycontact/control/ddp.hpp"
+
+#include <algorithm>
+
+#include "manycontact/control/box_qp.hpp"
+
+namespace manycontact {
+
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverAbstract(std::move(problem)) {
+  SolverDDP::allocateData();
+  for (int n = 0; n < 10; ++n) alphas_.push_back(std::ldexp(1, -n));
+}
+
+void SolverDDP::resizeData() {
+  SolverAbstract::resizeData();
+  allocateData();
+}
+
+namespace {
+
+template <class M>
+void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
+  if (matrix.rows() != rows || matrix.cols() != cols) matrix.setZero(rows, cols);
+}
+
+}  // namespace
+
+// Only what does not fit yet is allocated.
+void SolverDDP::allocateData() {
+  const std::size_t T = problem_->get_T();
+  const Eigen::Index nx = problem_->get_nx(), ndx = problem_->get_ndx();
+  for (auto* states : {&xs_try_, &Vx_}) states->resize(T + 1);
+  for (auto* vectors : {&us_try_, &dx_, &Qx_, &Qu_, &k_, &Quuk_}) vectors->resize(T);
+  for (auto* matrices : {&Qxx_, &Qxu_, &Quu_}) matrices->resize(T);
+  Vxx_.resize(T + 1);
+  K_.resize(T);
+  Quu_llt_.resize(T);
+  for (std::size_t t = 0; t <= T; ++t) {
+    fit(xs_try_[t], nx, 1);
+    fit(Vx_[t], ndx, 1);
+    fit(Vxx_[t], ndx, ndx);
+    if (t == T) break;
+    const Eigen::Index nu = problem_->get_runningModels()[t]->get_nu();
+    for (auto* u : {&us_try_, &Qu_, &k_, &Quuk_}) fit((*u)[t], nu, 1);
+    for (auto* x : {&dx_, &Qx_}) fit((*x)[t], ndx, 1);
+    fit(Qxx_[t], ndx, ndx);
+    fit(Qxu_[t], ndx, nu);
+    fit(Quu_[t], nu, nu);
+    fit(K_[t], nu, ndx);
+    if (Quu_llt_[t].rows() != nu) Quu_llt_[t] = Eigen::LLT<Eigen::MatrixXd>(nu);
+  }
+  for (Eigen::VectorXd* x : {&fTVxx_p_, &step_}) fit(*x, ndx, 1);
+  fit(xnext_, nx, 1);
+}
+
+void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
+                      bool is_feasible, double init_reg) {
+  (void)problem_->is_updated();
+  resizeData();
+  setCandidate(init_xs, init_us, is_feasible);
+  preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ : init_reg;
+  was_feasible_ = false;
+  interrupted_ = false;
+  reason_ = StopReason::kNone;
+}
+
+bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
+                      std::size_t maxiter, bool is_feasible, double init_reg) {
+  start(init_xs, init_us, is_feasible, init_reg);
+  bool recalc = true;
+  reason_ = StopReason::kIterations;
+  for (iter_ = 0; iter_ < maxiter; ++iter_) {
+    if (!findDirection(recalc)) {
+      reason_ = StopReason::kNoDirection;
+      break;
+    }
+    recalc = searchLine();
+    if (steplength_ > th_stepdec_) decreaseRegularization();
+    if (steplength_ <= th_stepinc_) {
+      increaseRegularization();
+      if (preg_ == reg_max_) {
+        reason_ = StopReason::kNoStep;
+        break;
+      }
+    }
+    stoppingCriteria();
+    for (const auto& callback : callbacks_) (*callback)(*this);
+    if (was_feasible_ && stop_ < th_stop_) {
+      reason_ = StopReason::kConverged;
+      break;
+    }
+    if (interrupted_) {
+      reason_ = StopReason::kInterrupted;
+      break;
+    }
+  }
+  return reason_ == StopReason::kConverged;
+}
+
+// More and more regularised until there is one.
+bool SolverDDP::findDirection(bool recalc) {
+  for (computeDirection(recalc); !sound_; computeDirection(false)) {
+    increaseRegularization();
+    if (preg_ == reg_max_) return false;
+  }
+  return true;
+}
+
+// The first of the step lengths that is accepted becomes the candidate; false when none is.
+bool SolverDDP::searchLine() {
+  prepareImprovement();
+  for (double alpha : alphas_) {
+    steplength_ = alpha;
+    const double dV = tryStep(alpha);
+    if (std::isnan(dV)) continue;
+    dV_ = dV;
+    updateImprovement();
+    dVexp_ = alpha * (d_[0] + 0.5 * alpha * d_[1]);
+    if (!accepts()) continue;
+    was_feasible_ = is_feasible_;
+    setCandidate(xs_try_, us_try_, closesGaps());
+    cost_ = cost_try_;
+    return true;
+  }
+  return false;
+}
+
+bool SolverDDP::accepts() const {
+  return dVexp_ >= 0 && (std::abs(d_[0]) < th_grad_ || !is_feasible_ || dV_ > th_acceptstep_ * dVexp_);
+}
+
+void SolverDDP::computeDirection(bool recalc) {
+  if (recalc) calcDiff();
+  backwardPass();
+}
+
+double SolverDDP::tryStep(double steplength) {
+  forwardPass(steplength);
+  return cost_ - cost_try_;
+}
+
+double SolverDDP::stoppingCriteria() {
+  stop_ = std::abs(d_[0] + 0.5 * d_[1]);
+  return stop_;
+}
+
+// Of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
+const Eigen::Vector2d& SolverDDP::expectedImprovement() {
+  d_.setZero();
+  for (std::size_t t = 0; t < problem_->get_T(); ++t) {
+    d_[0] += Qu_[t].dot(k_[t]);
+    d_[1] -= k_[t].dot(Quuk_[t]);
+  }
+  return d_;
+}
+
+double SolverDDP::calcDiff() {
+  if (iter_ == 0) problem_->calc(xs_, us_);
+  cost_ = problem_->calcDiff(xs_, us_);
+  ffeas_ = computeDynamicFeasibility();
+  gfeas_ = computeInequalityFeasibility();
+  hfeas_ = computeEqualityFeasibility();
+  return cost_;
+}
+
+void SolverDDP::forwardPass(double steplength) { rollOut(steplength, false, false); }
+
+namespace {
+
+// All finite and below 1e30.
+bool is_sound(const Eigen::VectorXd& x) {
+  for (double number : x)
+    if (!(std::abs(number) < 1e30)) return false;
+  return true;
+}
+
+}  // namespace
+
+void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap) {
+  require(steplength >= 0 && steplength <= 1, "Solver::forwardPass", "a step length in [0, 1] is expected");
+  const std::size_t T = problem_->get_T();
+  cost_try_ = 0;
+  xnext_ = problem_->get_x0();
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionModelAbstract& model = t < T ? *problem_->get_runningModels()[t] : *problem_->get_terminalModel();
+    if (t < T ? keep_gaps : keep_terminal_gap) {
+      step_ = (steplength - 1) * fs_[t];
+      model.get_state()->integrate(xnext_, step_, xs_try_[t]);
+    } else {
+      xs_try_[t] = xnext_;
+    }
+    cost_try_ += t < T ? stepNode(t, steplength) : stepTerminal();
+    if (raiseIfNaN(cost_try_) || !is_sound(xnext_)) {
+      cost_try_ = std::numeric_limits<double>::quiet_NaN();
+      return;
+    }
+  }
+}
+
+// u = us - s k - K (x (-) xs); xnext and the node's cost there.
+double SolverDDP::stepNode(std::size_t t, double steplength) {
+  const auto& model = problem_->get_runningModels()[t];
+  const auto& data = problem_->get_runningDatas()[t];
+  model->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
+  if (model->get_nu() != 0) {
+    us_try_[t] = us_[t] - steplength * k_[t];
+    us_try_[t].noalias() -= K_[t] * dx_[t];
+    limitControl(t);
+    model->calc(data, xs_try_[t], us_try_[t]);
+  } else {
+    model->calc(data, xs_try_[t]);
+  }
+  xnext_ = data->xnext;
+  return data->cost;
+}
+
+double SolverDDP::stepTerminal() {
+  const auto& data = problem_->get_terminalData();
+  problem_->get_terminalModel()->calc(data, xs_try_.back());
+  return data->cost;
+}
+
+void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_); }
+
+void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_decfactor_, reg_min_); }
+
+void SolverDDP::set_reg_incfactor(double regfactor) {
+  require(regfactor > 1, "SolverDDP::set_reg_incfactor", "a number above 1 is expected");
+  reg_incfactor_ = regfactor;
+}
+void SolverDDP::set_reg_decfactor(double regfactor) {
+  require(regfactor > 1, "SolverDDP::set_reg_decfactor", "a number above 1 is expected");
+  reg_decfactor_ = regfactor;
+}
+void SolverDDP::set_reg_min(double regmin) {
+  require(regmin >= 0, "SolverDDP::set_reg_min", "a number that is not negative is expected");
+  reg_min_ = regmin;
+}
+void SolverDDP::set_reg_max(double regmax) {
+  require(regmax >= 0, "SolverDDP::set_reg_max", "a number that is not negative is expected");
+  reg_max_ = regmax;
+}
+void SolverDDP::set_alphas(const std::vector<double>& alphas) {
+  check_alphas("SolverDDP::set_alphas", alphas);
+  alphas_ = alphas;
+}
+void SolverDDP::set_th_stepdec(double th_stepdec) {
+  require(th_stepdec > 0 && th_stepdec <= 1, "SolverDDP::set_th_stepdec", "a number in (0, 1] is expected");
+  th_stepdec_ = th_stepdec;
+}
+void SolverDDP::set_th_stepinc(double th_stepinc) {
+  require(th_stepinc > 0 && th_stepinc <= 1, "SolverDDP::set_th_stepinc", "a number in (0, 1] is expected");
+  th_stepinc_ = th_stepinc;
+}
+void SolverDDP::set_th_grad(double th_grad) {
+  require(th_grad >= 0, "SolverDDP::set_th_grad", "a number that is not negative is expected");
+  th_grad_ = th_grad;
+}
+
+}  // namespace manycontact

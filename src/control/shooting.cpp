@@ -1,0 +1,202 @@
+#include "manycontact/control/shooting.hpp"
+
+#include <algorithm>
+#include <ostream>
+#include <utility>
+
+#include "nodes.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr const char* kWho = "ShootingProblem";
+
+std::shared_ptr<ActionDataAbstract> data_of(const std::shared_ptr<ActionModelAbstract>& model) {
+  require(model != nullptr, kWho, "an action model is a null pointer");
+  return model->createData();
+}
+
+ShootingProblem::Datas datas_of(const ShootingProblem::Models& models) {
+  ShootingProblem::Datas datas;
+  for (const auto& model : models) datas.push_back(data_of(model));
+  return datas;
+}
+
+const ActionModelAbstract& first_of(const ShootingProblem::Models& models) {
+  require(!models.empty() && models[0] != nullptr, kWho, "there is no running model, one at least is expected");
+  return *models[0];
+}
+
+}  // namespace
+
+ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
+                                 std::shared_ptr<ActionModelAbstract> terminal_model)
+    : ShootingProblem(x0, running_models, terminal_model, datas_of(running_models), data_of(terminal_model)) {}
+
+ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
+                                 std::shared_ptr<ActionModelAbstract> terminal_model, const Datas& running_datas,
+                                 std::shared_ptr<ActionDataAbstract> terminal_data)
+    : x0_(x0),
+      terminal_model_(std::move(terminal_model)),
+      terminal_data_(std::move(terminal_data)),
+      running_models_(running_models),
+      running_datas_(running_datas),
+      nx_(first_of(running_models).get_state()->get_nx()),
+      ndx_(first_of(running_models).get_state()->get_ndx()) {
+  check_size(kWho, "x0", x0.size(), nx_);
+  require(running_datas_.size() == running_models_.size(), kWho,
+          std::to_string(running_datas_.size()) + " running data were given, as many as running models are expected: " +
+              std::to_string(running_models_.size()));
+  for (std::size_t t = 0; t < get_T(); ++t) check_data(kWho, running_models_[t], running_datas_[t]);
+  check_data(kWho, terminal_model_, terminal_data_);
+  set_nthreads(0);
+}
+
+void ShootingProblem::check_node(const char* where, const std::shared_ptr<ActionModelAbstract>& model) const {
+  require(model != nullptr, where, "an action model is a null pointer");
+  const StateAbstract& state = *model->get_state();
+  require(state.get_nx() == nx_ && state.get_ndx() == ndx_, where,
+          "an action model's state has nx, ndx that differ from the other nodes'");
+}
+
+void ShootingProblem::check_data(const char* where, const std::shared_ptr<ActionModelAbstract>& model,
+                                 const std::shared_ptr<ActionDataAbstract>& data) const {
+  check_node(where, model);
+  require(model->checkData(data), where, "action data are not of their model, data of its createData() are expected");
+}
+
+void ShootingProblem::check_sizes(const char* where, std::size_t xs, std::size_t expected_xs, std::size_t us) const {
+  require(xs == expected_xs, where, "the number of states does not fit the number of nodes");
+  require(us == get_T(), where, "the number of controls is not the number of running nodes");
+}
+
+// In the nodes' order, whatever the number of threads.
+double ShootingProblem::total_cost() const {
+  double cost = 0;
+  for (const auto& data : running_datas_) cost += data->cost;
+  return cost + terminal_data_->cost;
+}
+
+double ShootingProblem::calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
+  check_sizes("ShootingProblem::calc", xs.size(), get_T() + 1, us.size());
+  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) {
+    if (t == get_T())
+      terminal_model_->calc(terminal_data_, xs[t]);
+    else if (running_models_[t]->get_nu() == 0)
+      running_models_[t]->calc(running_datas_[t], xs[t]);
+    else
+      running_models_[t]->calc(running_datas_[t], xs[t], us[t]);
+  });
+  return total_cost();
+}
+
+double ShootingProblem::calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
+  check_sizes("ShootingProblem::calcDiff", xs.size(), get_T() + 1, us.size());
+  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) {
+    if (t == get_T())
+      terminal_model_->calcDiff(terminal_data_, xs[t]);
+    else if (running_models_[t]->get_nu() == 0)
+      running_models_[t]->calcDiff(running_datas_[t], xs[t]);
+    else
+      running_models_[t]->calcDiff(running_datas_[t], xs[t], us[t]);
+  });
+  return total_cost();
+}
+
+void ShootingProblem::rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs) {
+  check_sizes("ShootingProblem::rollout", xs.size(), get_T() + 1, us.size());
+  xs[0] = x0_;
+  for (std::size_t t = 0; t < get_T(); ++t) {
+    if (running_models_[t]->get_nu() == 0)
+      running_models_[t]->calc(running_datas_[t], xs[t]);
+    else
+      running_models_[t]->calc(running_datas_[t], xs[t], us[t]);
+    xs[t + 1] = running_datas_[t]->xnext;
+  }
+  terminal_model_->calc(terminal_data_, xs.back());
+}
+
+std::vector<Eigen::VectorXd> ShootingProblem::rollout_us(const std::vector<Eigen::VectorXd>& us) {
+  std::vector<Eigen::VectorXd> xs(get_T() + 1);
+  rollout(us, xs);
+  return xs;
+}
+
+void ShootingProblem::quasiStatic(std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& xs) {
+  check_sizes("ShootingProblem::quasiStatic", xs.size(), get_T(), us.size());
+  internal::each_node(nthreads_, get_T(), [&](std::size_t t) {
+    us[t].setZero(running_models_[t]->get_nu());
+    running_models_[t]->quasiStatic(running_datas_[t], us[t], xs[t]);
+  });
+}
+
+std::vector<Eigen::VectorXd> ShootingProblem::quasiStatic_xs(const std::vector<Eigen::VectorXd>& xs) {
+  std::vector<Eigen::VectorXd> us(get_T());
+  quasiStatic(us, xs);
+  return us;
+}
+
+void ShootingProblem::circularAppend(std::shared_ptr<ActionModelAbstract> model,
+                                     std::shared_ptr<ActionDataAbstract> data) {
+  check_data("ShootingProblem::circularAppend", model, data);
+  std::rotate(running_models_.begin(), running_models_.begin() + 1, running_models_.end());
+  std::rotate(running_datas_.begin(), running_datas_.begin() + 1, running_datas_.end());
+  running_models_.back() = std::move(model);
+  running_datas_.back() = std::move(data);
+  is_updated_ = true;
+}
+
+void ShootingProblem::circularAppend(std::shared_ptr<ActionModelAbstract> model) {
+  check_node("ShootingProblem::circularAppend", model);
+  circularAppend(model, model->createData());
+}
+
+void ShootingProblem::updateNode(std::size_t i, std::shared_ptr<ActionModelAbstract> model,
+                                 std::shared_ptr<ActionDataAbstract> data) {
+  require(i <= get_T(), "ShootingProblem::updateNode", "there is no such node, 0 ... T are expected");
+  check_data("ShootingProblem::updateNode", model, data);
+  (i == get_T() ? terminal_model_ : running_models_[i]) = std::move(model);
+  (i == get_T() ? terminal_data_ : running_datas_[i]) = std::move(data);
+  is_updated_ = true;
+}
+
+void ShootingProblem::updateModel(std::size_t i, std::shared_ptr<ActionModelAbstract> model) {
+  check_node("ShootingProblem::updateModel", model);
+  updateNode(i, model, model->createData());
+}
+
+std::size_t ShootingProblem::get_nu_max() const {
+  std::size_t nu = 0;
+  for (const auto& model : running_models_) nu = std::max(nu, model->get_nu());
+  return nu;
+}
+
+void ShootingProblem::set_x0(const Eigen::VectorXd& x0) {
+  check_size("ShootingProblem::set_x0", "x0", x0.size(), nx_);
+  x0_ = x0;
+}
+
+void ShootingProblem::set_runningModels(const Models& models) {
+  (void)first_of(models);
+  for (const auto& model : models) check_node("ShootingProblem::set_runningModels", model);
+  running_datas_ = datas_of(models);
+  running_models_ = models;
+  is_updated_ = true;
+}
+
+void ShootingProblem::set_terminalModel(std::shared_ptr<ActionModelAbstract> model) { updateModel(get_T(), model); }
+
+void ShootingProblem::set_nthreads(int nthreads) { nthreads_ = nthreads < 1 ? internal::default_threads() : nthreads; }
+
+bool ShootingProblem::is_updated() { return std::exchange(is_updated_, false); }
+
+std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem) {
+  os << "ShootingProblem (T=" << problem.get_T() << ", nx=" << problem.get_nx() << ", ndx=" << problem.get_ndx()
+     << ")\n  Models:\n";
+  for (std::size_t t = 0; t < problem.get_T(); ++t)
+    os << "    " << t << ": " << *problem.get_runningModels()[t] << "\n";
+  return os << "    " << problem.get_T() << ": " << *problem.get_terminalModel();
+}
+
+}  // namespace manycontact

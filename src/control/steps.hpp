@@ -1,0 +1,42 @@
+#pragma once
+// What the integrators have in common: what they pass on from the differential model's data.
+
+#include "manycontact/control/integrated_action.hpp"
+
+namespace manycontact::internal {
+
+/// Throws std::invalid_argument when the differential model leaves its dense matrices out.
+inline void check_dense(const char* where, const DifferentialActionDataAbstract& from) {
+  require(from.storage != MatrixStorage::kSparse, where,
+          "the differential model's storage is kSparse, kDense or kBoth is expected");
+}
+
+/// g, h and, if asked for, r.
+inline void copy_values(const DifferentialActionDataAbstract& from, bool with_residual, ActionDataAbstract& to) {
+  to.g = from.g;
+  to.h = from.h;
+  if (with_residual) to.r = from.r;
+}
+
+inline void copy_constraint_derivatives(const ControlParametrizationModelAbstract& control,
+                                        const std::shared_ptr<ControlParametrizationDataAbstract>& w,
+                                        const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
+  to.Gx = from.Gx;
+  to.Hx = from.Hx;
+  to.Gu.resize(from.Gu.rows(), to.Gu.cols());
+  to.Hu.resize(from.Hu.rows(), to.Hu.cols());
+  if (to.Gu.size()) control.multiplyByJacobian(w, from.Gu, to.Gu);
+  if (to.Hu.size()) control.multiplyByJacobian(w, from.Hu, to.Hu);
+}
+
+/// Of a terminal node: xnext = x.
+inline void copy_terminal_derivatives(const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
+  check_dense("IntegratedActionModel::calcDiff", from);
+  to.Fx.setIdentity();
+  to.Lx = from.Lx;
+  to.Lxx = from.Lxx;
+  to.Gx = from.Gx;
+  to.Hx = from.Hx;
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,86 @@
+// The backward pass: the structure of symplectic Euler against dense matrices, and against the formulas of ddp.hpp.
+
+#include <Eigen/Cholesky>
+
+#include "control/nodes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+// Of another class, whose derivatives the solver takes as they are.
+struct DenseEuler : IntegratedActionModelEuler {
+  using IntegratedActionModelEuler::IntegratedActionModelEuler;
+};
+
+// With random gaps, at random states near p.x.
+template <class Solver>
+void prepare(Solver& solver, const Problem& p) {
+  std::mt19937 rng(9);
+  std::vector<Eigen::VectorXd> xs, us;
+  for (std::size_t t = 0; t <= solver.get_problem()->get_T(); ++t)
+    xs.push_back(p.state->integrate_x(p.x, random_vector(static_cast<int>(p.state->get_ndx()), rng, 0.1)));
+  for (std::size_t t = 0; t < solver.get_problem()->get_T(); ++t)
+    us.push_back(random_vector(static_cast<int>(p.actuation->get_nu()), rng));
+  solver.solve(xs, us, 0);
+  solver.set_preg(1e-3);
+  solver.computeDirection(true);
+}
+
+class BackwardPass : public testing::TestWithParam<int> {};
+
+TEST_P(BackwardPass, OfSymplecticEulerIsThatOfItsMatrices) {
+  const Problem p = problem_with_costs(GetParam());
+  const auto model = p.model();
+  const NodePtr terminal = std::make_shared<IntegratedActionModelEuler>(model, 0);
+  const auto solved = [&](const NodePtr& node) {
+    SolverFDDP solver(std::make_shared<ShootingProblem>(p.x, std::vector<NodePtr>(3, node), terminal));
+    prepare(solver, p);
+    EXPECT_TRUE(solver.direction_is_sound());
+    return solver;
+  };
+  const SolverFDDP by_structure = solved(std::make_shared<IntegratedActionModelEuler>(model, 0.02));
+  const SolverFDDP by_matrices = solved(std::make_shared<DenseEuler>(model, 0.02));
+  for (std::size_t t = 0; t < 3; ++t) {
+    EXPECT_LT(error_of(by_structure.get_Qxx()[t], by_matrices.get_Qxx()[t]), 1e-9);
+    EXPECT_LT(error_of(by_structure.get_Qxu()[t], by_matrices.get_Qxu()[t]), 1e-9);
+    EXPECT_LT(error_of(by_structure.get_Quu()[t], by_matrices.get_Quu()[t]), 1e-9);
+    EXPECT_LT(error_of(by_structure.get_Qx()[t], by_matrices.get_Qx()[t]), 1e-9);
+    EXPECT_LT(error_of(by_structure.get_Qu()[t], by_matrices.get_Qu()[t]), 1e-9);
+    EXPECT_GT(size_of(by_structure.get_Vxx()[t]), 0);
+  }
+}
+
+TEST_P(BackwardPass, FollowsItsFormulas) {
+  const Problem p = problem_with_costs(GetParam());
+  const NodePtr node = std::make_shared<DenseEuler>(p.model(), 0.02);
+  SolverFDDP solver(std::make_shared<ShootingProblem>(p.x, std::vector<NodePtr>(3, node), node));
+  prepare(solver, p);
+  for (std::size_t t = 0; t < 3; ++t) {
+    const ActionDataAbstract& d = *solver.get_problem()->get_runningDatas()[t];
+    const Eigen::MatrixXd &V = solver.get_Vxx()[t + 1], I = Eigen::MatrixXd::Identity(V.rows(), V.rows());
+    const Eigen::VectorXd &v = solver.get_Vx()[t + 1], &gap = solver.get_fs()[t];
+    const Eigen::MatrixXd Qxx = d.Lxx + d.Fx.transpose() * V * d.Fx, Qxu = d.Lxu + d.Fx.transpose() * V * d.Fu;
+    Eigen::MatrixXd Quu = d.Luu + d.Fu.transpose() * V * d.Fu;
+    Quu.diagonal().array() += 1e-3;
+    const Eigen::VectorXd Qx = d.Lx + d.Fx.transpose() * v, Qu = d.Lu + d.Fu.transpose() * v;
+    EXPECT_LT(error_of(solver.get_Qxx()[t], Qxx), 1e-11);
+    EXPECT_LT(error_of(solver.get_Qxu()[t], Qxu), 1e-11);
+    EXPECT_LT(error_of(solver.get_Quu()[t], Quu), 1e-11);
+    EXPECT_LT(error_of(solver.get_Qx()[t], Qx), 1e-11);
+    EXPECT_LT(error_of(solver.get_Qu()[t], Qu), 1e-11);
+    const Eigen::MatrixXd K = solver.get_K()[t];
+    EXPECT_LT(difference_of(solver.get_Quu()[t] * K, solver.get_Qxu()[t].transpose()),
+              1e-11 * size_of(Quu) * size_of(K) * K.rows());
+    EXPECT_LT(error_of(solver.get_Vxx()[t], Qxx - Qxu * K + 1e-3 * I),
+              1e-9 * size_of(Qxx) / size_of(solver.get_Vxx()[t]));
+    EXPECT_LT(difference_of(solver.get_Vx()[t], Qx - K.transpose() * Qu + solver.get_Vxx()[t] * gap),
+              1e-9 * (size_of(Qx) + size_of(Qxx)));
+    EXPECT_GT(size_of(gap), 0);
+    EXPECT_TRUE(solver.get_Vxx()[t] == solver.get_Vxx()[t].transpose());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, BackwardPass, testing::Range(40, 46));
+
+}  // namespace
+}  // namespace manycontact::test

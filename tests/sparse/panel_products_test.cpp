@@ -1,0 +1,70 @@
+// Products of panels and solves with a Cholesky factor, of every level of instructions.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "spatial/compare.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Random numbers in the first columns, NaN behind them.
+Panel poisoned(int rows, int ld, int cols, std::mt19937& rng) {
+  Panel out = Panel::Constant(rows, ld, NAN);
+  for (int i = 0; i < rows; ++i) out.row(i).head(cols) = random_vector(cols, rng).transpose();
+  return out;
+}
+
+TEST(Product, EqualsTheDenseOne) {
+  std::mt19937 rng(66);
+  for (int rows : {1, 3, 4, 7, 8, 9, 38})
+    for (int cols : {1, 7, 8, 25, 47, 109})
+      for (int depth : {1, 40}) {
+        const int filled = (cols + 7) / 8 * 8, ld = filled + 8, ldl = rows + 1;
+        const Panel L = poisoned(depth, ldl, rows, rng), R = poisoned(depth, ld, cols, rng);
+        const Eigen::MatrixXd l = L.leftCols(rows), r = R.leftCols(cols);
+        const Eigen::MatrixXd exact = l.transpose() * r, scale = l.cwiseAbs().transpose() * r.cwiseAbs();
+        for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+          SCOPED_TRACE(testing::Message() << level->name << ", " << rows << " by " << cols);
+          Panel H = Panel::Constant(rows + 1, ld, NAN);
+          level->product(L.data(), ldl, R.data(), depth, rows, cols, ld, H.data());
+          EXPECT_TRUE(((H.topLeftCorner(rows, cols) - exact).array().abs() <= depth * kEps * scale.array()).all());
+          EXPECT_TRUE(H.rightCols(8).array().isNaN().all()) << "columns behind";
+          EXPECT_TRUE(H.row(rows).array().isNaN().all()) << "the row below";
+        }
+      }
+}
+
+// |L x - b| <= n eps |L| |x|, Higham, Accuracy and Stability of Numerical Algorithms, theorem 8.5.
+TEST(CholeskySolves, LeaveSmallResiduals) {
+  std::mt19937 rng(67);
+  for (int n : {1, 5, 32})
+    for (int cols : {1, 8, 33, 76}) {
+      const int ld = (cols + 7) / 8 * 8 + 8, ldl = n + 2;
+      Eigen::MatrixXd L = Eigen::MatrixXd::Constant(ldl, n, NAN);  // what is above the diagonal is not read
+      for (int j = 0; j < n; ++j) {
+        L.col(j).segment(j, n - j) = random_vector(n - j, rng, 0.3);
+        L(j, j) = 1 + std::abs(L(j, j));
+      }
+      const Eigen::MatrixXd lower = Eigen::MatrixXd(L.topRows(n).triangularView<Eigen::Lower>());
+      const Panel B = poisoned(n, ld, cols, rng);
+      for (const sparse::PanelKernels* level : sparse::panel_levels())
+        for (const bool transposed : {false, true}) {
+          SCOPED_TRACE(testing::Message() << level->name << ", " << n << " by " << cols);
+          Panel X = B;
+          (transposed ? level->upper_solve : level->lower_solve)(L.data(), ldl, n, X.data(), cols, ld);
+          const Eigen::MatrixXd A = transposed ? Eigen::MatrixXd(lower.transpose()) : lower, x = X.leftCols(cols);
+          const Eigen::MatrixXd scale = A.cwiseAbs() * x.cwiseAbs();
+          EXPECT_TRUE(((A * x - B.leftCols(cols)).array().abs() <= (2 * n + 2) * kEps * scale.array()).all());
+          EXPECT_TRUE(X.rightCols(8).array().isNaN().all()) << "columns behind";
+        }
+    }
+}
+
+}  // namespace
+}  // namespace manycontact::test
