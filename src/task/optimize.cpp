@@ -1,0 +1,128 @@
+#include "manycontact/task/optimize.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "manycontact/control/box_solvers.hpp"
+#include "manycontact/control/fddp.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double us_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+double median(std::vector<double> x) {
+  if (x.empty()) return 0;
+  std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
+  return x[x.size() / 2];
+}
+
+// Times of whole passes [us].
+struct Passes {
+  std::vector<double> forward, derivatives, backward;
+};
+
+// A solver of the control floor that times its passes.
+template <class Base>
+class Timed : public Base {
+ public:
+  Timed(std::shared_ptr<ShootingProblem> problem, Passes& passes) : Base(std::move(problem)), passes_(passes) {}
+
+  double calcDiff() override {
+    const auto start = Clock::now();
+    const double cost = Base::calcDiff();
+    if (this->iter_ > 0) passes_.derivatives.push_back(us_since(start));  // the first evaluates the nodes too
+    return cost;
+  }
+  void backwardPass() override {
+    const auto start = Clock::now();
+    Base::backwardPass();
+    passes_.backward.push_back(us_since(start));
+  }
+  void forwardPass(double steplength) override {
+    const auto start = Clock::now();
+    Base::forwardPass(steplength);
+    passes_.forward.push_back(us_since(start));
+  }
+
+ private:
+  Passes& passes_;
+};
+
+// Keeps what each iteration did, and ends the solve where the caller says so.
+class Record : public CallbackAbstract {
+ public:
+  Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)
+      : options_(options), iterations_(iterations) {}
+
+  void operator()(SolverAbstract& solver) override {
+    iterations_.push_back({solver.get_cost(), solver.get_stop(), solver.get_preg(), solver.get_steplength(),
+                           solver.get_ffeas(), solver.get_is_feasible()});
+    if (options_.each && !options_.each(iterations_.back())) solver.interrupt();
+  }
+
+ private:
+  const TaskOptions& options_;
+  std::vector<TaskIteration>& iterations_;
+};
+
+bool has_constraints(const TaskFile& task) {
+  return !task.terminal.constraints.empty() || std::any_of(task.phases.begin(), task.phases.end(),
+                                                           [](const TaskPhase& p) { return !p.constraints.empty(); });
+}
+
+// What `auto` is.
+TaskSolver chosen(TaskSolver solver) { return solver == TaskSolver::kAuto ? TaskSolver::kFddp : solver; }
+
+std::shared_ptr<SolverAbstract> make_solver(TaskSolver solver, const TaskProblem& problem, Passes& passes) {
+  if (solver == TaskSolver::kBoxFddp) return std::make_shared<Timed<SolverBoxFDDP>>(problem.problem, passes);
+  return std::make_shared<Timed<SolverFDDP>>(problem.problem, passes);
+}
+
+TaskTimes times_of(const Passes& passes, std::size_t nodes) {
+  const double n = static_cast<double>(nodes);
+  return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
+}
+
+}  // namespace
+
+std::string why_not(const TaskFile& task, TaskSolver solver) {
+  const TaskSolver type = chosen(solver);
+  if (type == TaskSolver::kSparse) return "solver sparse is not built yet, expected fddp, box-fddp or auto";
+  if (has_constraints(task))
+    return "solver " + std::string(to_string(type)) + " leaves constraints out, expected a task without <constraint>";
+  return "";
+}
+
+TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
+  const std::string why = why_not(task, options.solver);
+  if (!why.empty()) throw InputError(task.path, task.solver_line, why);
+  const TaskSolver type = chosen(options.solver);
+  problem.problem->set_nthreads(options.threads);
+  Passes passes;
+  TaskSolution out;
+  const std::shared_ptr<SolverAbstract> solver = make_solver(type, problem, passes);
+  solver->set_th_stop(task.tolerance);
+  solver->setCallbacks({std::make_shared<Record>(options, out.iterations)});
+
+  const auto start = Clock::now();
+  out.converged = solver->solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
+  const double total = us_since(start);
+  out.times = times_of(passes, problem.problem->get_T());
+  out.times.total = total;
+  out.cost = solver->get_cost();
+  out.reason = to_string(solver->reason());
+  out.xs = solver->get_xs();
+  out.us = solver->get_us();
+  out.solver = to_string(type);
+  out.blocks = {static_cast<int>(problem.actuation->get_nu())};
+  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, type == TaskSolver::kBoxFddp);
+  return out;
+}
+
+}  // namespace manycontact
