@@ -50,19 +50,19 @@ void read_activation(const Element& e, TaskTerm& term) {
   term.weight = e.number("weight", 1);
   if (term.weight < 0) e.where("weight").fail(e.label("weight") + " is " + show(term.weight) + ", expected 0 or more");
   const bool weighted = e.has("weights");
-  const int otherwise = static_cast<int>(is_cone(term.residual) ? (weighted ? TaskActivation::kWeightedQuadraticBarrier
-                                                                            : TaskActivation::kQuadraticBarrier)
-                                                                : (weighted ? TaskActivation::kWeightedQuad
-                                                                            : TaskActivation::kQuad));
-  term.activation = static_cast<TaskActivation>(
-      e.choice("activation",
-               {"quad", "weighted_quad", "quadratic_barrier", "weighted_quadratic_barrier", "smooth_1norm"}, otherwise));
+  const int otherwise =
+      static_cast<int>(is_cone(term.residual)
+                           ? (weighted ? TaskActivation::kWeightedQuadraticBarrier : TaskActivation::kQuadraticBarrier)
+                           : (weighted ? TaskActivation::kWeightedQuad : TaskActivation::kQuad));
+  term.activation = static_cast<TaskActivation>(e.choice(
+      "activation", {"quad", "weighted_quad", "quadratic_barrier", "weighted_quadratic_barrier", "smooth_1norm"},
+      otherwise));
   const TaskActivation a = term.activation;
   const std::string with = e.optional("activation", "quad");
   const bool needs_weights = a == TaskActivation::kWeightedQuad || a == TaskActivation::kWeightedQuadraticBarrier;
   if (needs_weights) {
-    const auto list = parse_numbers(e.where("weights"), e.label("weights"), e.required("weights"),
-                                    static_cast<std::size_t>(term.nr));
+    const auto list =
+        parse_numbers(e.where("weights"), e.label("weights"), e.required("weights"), static_cast<std::size_t>(term.nr));
     term.weights = Eigen::Map<const Eigen::VectorXd>(list.data(), term.nr);
     if (term.weights.minCoeff() < 0)
       e.where("weights").fail(e.label("weights") + " has " + show(term.weights.minCoeff()) +

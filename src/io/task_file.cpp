@@ -123,10 +123,11 @@ TaskFile read_task(const std::string& path) {
   io::read_head(root, out);
 
   io::TermReader reader(out.scene);
-  for (auto e = root.child("phase"); e; e = e->next("phase"))
+  for (auto e = root.child("phase"); e; e = e->next("phase")) {
     out.phases.push_back(io::read_phase(*e, out.scene.scene, reader));
+    if (out.nodes() > io::kMostNodes) e->fail("<task> has more than 1000000 nodes by this phase, expected fewer");
+  }
   if (out.phases.empty()) root.fail("<task> has no <phase>, expected one or more");
-  if (out.nodes() > io::kMostNodes) root.fail("<task> has more than 1000000 nodes, expected fewer");
 
   out.terminal.active = out.phases.back().active;
   if (const auto e = io::only_child(root, "terminal")) {

@@ -21,13 +21,14 @@ class TermReader {
   void read_robots(const Element& e, TaskTerm& term) const;
   void read_contact(const Element& e, const std::vector<bool>& active, TaskTerm& term) const;
   void read_numbers(const Element& e, TaskTerm& term) const;
+  void normalise_bases(const Element& e, TaskTerm& term) const;
   int reference_size(const TaskTerm& term) const;
   int rows(const TaskTerm& term) const;
   const SceneFile& scene_;
   EndReader ends_;
 };
 
-/// What `name` is in the residual's list of attributes, or "activation", ...: refuses attributes of other residuals.
+/// Refuses attributes that belong to other residuals.
 void check_attributes(const Element& e, TaskResidual residual);
 
 TaskResidual read_residual(const Element& e);

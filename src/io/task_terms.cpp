@@ -33,8 +33,8 @@ double read_positive(const Element& e, const char* attribute) {
 TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, bool terminal) {
   const bool cost = e.name() == "cost";
   if (cost)
-    e.allow_attributes({"name", "type", "weight", "activation", "weights", "lower", "upper", "eps", "robot", "reference",
-                        "frame", "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "box"});
+    e.allow_attributes({"name", "type", "weight", "activation", "weights", "lower", "upper", "eps", "robot",
+                        "reference", "frame", "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "box"});
   else
     e.allow_attributes({"name", "type", "lower", "upper", "robot", "reference", "frame", "xyz", "quat_xyzw",
                         "reference_frame", "twist", "contact", "mu", "box"});
@@ -76,8 +76,7 @@ void TermReader::read_robots(const Element& e, TaskTerm& term) const {
   if (!e.has("robot")) return;
   const std::string name = e.required("robot");
   const End end = ends_.robot(e, "robot", name);
-  if (end.shifted)
-    e.where("robot").fail(e.label("robot") + " is " + quote(name) + ", expected it without +k or -k");
+  if (end.shifted) e.where("robot").fail(e.label("robot") + " is " + quote(name) + ", expected it without +k or -k");
   term.robots.resize(static_cast<std::size_t>(end.count));
   std::iota(term.robots.begin(), term.robots.end(), end.first);
 }
@@ -115,7 +114,8 @@ void TermReader::read_contact(const Element& e, const std::vector<bool>& active,
 
 int TermReader::rows(const TaskTerm& term) const {
   const Scene& scene = scene_.scene;
-  const Model* model = term.robots.empty() ? nullptr : scene.robots[static_cast<std::size_t>(term.robots[0])].model.get();
+  const Model* model =
+      term.robots.empty() ? nullptr : scene.robots[static_cast<std::size_t>(term.robots[0])].model.get();
   const int nv = model ? model->nv : scene.nv, nu = model ? model->nu() : scene.nu;
   switch (term.residual) {
     case TaskResidual::kState:
@@ -156,6 +156,20 @@ int TermReader::reference_size(const TaskTerm& term) const {
   return model.nq + model.nv;
 }
 
+// Quaternions of floating joints in a state.
+void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
+  const Scene& scene = scene_.scene;
+  const auto normalise = [&](const Model& model, int first) {
+    for (const Joint& joint : model.joints)
+      if (joint.type == JointType::kFloating)
+        normalise_quaternion(e.where("reference"),
+                             "the quaternion of joint " + quote(joint.name) + " in " + e.label("reference"),
+                             term.reference.segment<4>(first + joint.idx_q + 3));
+  };
+  if (!term.robots.empty()) return normalise(*scene.robots[static_cast<std::size_t>(term.robots[0])].model, 0);
+  for (const Robot& robot : scene.robots) normalise(*robot.model, robot.idx_q);
+}
+
 void TermReader::read_numbers(const Element& e, TaskTerm& term) const {
   const TaskResidual r = term.residual;
   if (r == TaskResidual::kCom) (void)e.required("reference");
@@ -164,6 +178,7 @@ void TermReader::read_numbers(const Element& e, TaskTerm& term) const {
     const auto list = parse_numbers(e.where(reference), e.label(reference), e.required(reference),
                                     static_cast<std::size_t>(reference_size(term)));
     term.reference = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+    if (r == TaskResidual::kState) normalise_bases(e, term);
   }
   if (r == TaskResidual::kFramePlacement || r == TaskResidual::kFrameTranslation) {
     (void)e.required("xyz");

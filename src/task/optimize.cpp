@@ -72,16 +72,24 @@ class Record : public CallbackAbstract {
 };
 
 bool has_constraints(const TaskFile& task) {
-  return !task.terminal.constraints.empty() || std::any_of(task.phases.begin(), task.phases.end(),
-                                                           [](const TaskPhase& p) { return !p.constraints.empty(); });
+  return !task.terminal.constraints.empty() ||
+         std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& p) { return !p.constraints.empty(); });
 }
 
 // What `auto` is.
 TaskSolver chosen(TaskSolver solver) { return solver == TaskSolver::kAuto ? TaskSolver::kFddp : solver; }
 
-std::shared_ptr<SolverAbstract> make_solver(TaskSolver solver, const TaskProblem& problem, Passes& passes) {
+std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const TaskProblem& problem, Passes& passes) {
   if (solver == TaskSolver::kBoxFddp) return std::make_shared<Timed<SolverBoxFDDP>>(problem.problem, passes);
   return std::make_shared<Timed<SolverFDDP>>(problem.problem, passes);
+}
+
+// Gradients of the value function at the candidate. (Those of a plain adjoint recursion, without the feedback, would
+// grow with the unstable motions of the robots.)
+std::vector<Eigen::VectorXd> multipliers_of(SolverDDP& solver) {
+  solver.get_problem()->calc(solver.get_xs(), solver.get_us());
+  solver.computeDirection(true);
+  return solver.get_Vx();
 }
 
 TaskTimes times_of(const Passes& passes, std::size_t nodes) {
@@ -106,7 +114,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   problem.problem->set_nthreads(options.threads);
   Passes passes;
   TaskSolution out;
-  const std::shared_ptr<SolverAbstract> solver = make_solver(type, problem, passes);
+  const std::shared_ptr<SolverDDP> solver = make_solver(type, problem, passes);
   solver->set_th_stop(task.tolerance);
   solver->setCallbacks({std::make_shared<Record>(options, out.iterations)});
 
@@ -121,7 +129,8 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   out.us = solver->get_us();
   out.solver = to_string(type);
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
-  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, type == TaskSolver::kBoxFddp);
+  out.kkt_residual =
+      kkt_residual(*problem.problem, out.xs, out.us, multipliers_of(*solver), type == TaskSolver::kBoxFddp);
   return out;
 }
 

@@ -68,10 +68,9 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;
   if (term.reference.size() > 0 && term.robots.empty()) return term.reference;
-  Eigen::VectorXd out =
-      state ? x0_of(file)
-            : Eigen::VectorXd(Eigen::VectorXd::Zero(term.residual == TaskResidual::kJointAcceleration ? scene.nv
-                                                                                                       : scene.nu));
+  Eigen::VectorXd out = state ? x0_of(file)
+                              : Eigen::VectorXd(Eigen::VectorXd::Zero(
+                                    term.residual == TaskResidual::kJointAcceleration ? scene.nv : scene.nu));
   if (term.reference.size() == 0) return out;
   for (const int r : term.robots) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
@@ -85,8 +84,8 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
     out.segment(robot.idx_q, model.nq) = term.reference.head(model.nq);
     out.segment(scene.nq + robot.idx_v, model.nv) = term.reference.tail(model.nv);
     if (model.floating_base)
-      out.segment<7>(robot.idx_q) = pose_of_placement(
-          move(file, term.robots, r) * placement_of_pose(term.reference.head<7>()));
+      out.segment<7>(robot.idx_q) =
+          pose_of_placement(move(file, term.robots, r) * placement_of_pose(term.reference.head<7>()));
   }
   return out;
 }

@@ -51,13 +51,17 @@ std::string why_not(const TaskFile& task, TaskSolver solver);
 /// <solver>, where why_not says something. Numerical failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
-/// The largest violation of the optimality conditions of a shooting problem without g, h at xs, us:
+/// The largest violation of the optimality conditions of a shooting problem without g, h, at states, controls and
+/// multipliers l_0 ... l_T of the dynamics:
 ///
-///     gaps              x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
-///     stationarity      lu_t + fu_t^T l_(t+1),  with l_T = lx_T,  l_t = lx_t + fx_t^T l_(t+1)
+///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
+///     stationarity in x  lx_t + fx_t^T l_(t+1) - l_t,  lx_T - l_T
+///     stationarity in u  lu_t + fu_t^T l_(t+1)
 ///
-/// Where the problem has limits on controls and they are used, stationarity is u - min(max(u - that, u_lb), u_ub).
+/// Where the problem has limits on controls and they are used, the last is u - min(max(u - that, u_lb), u_ub). The nodes
+/// are evaluated, with derivatives, at xs, us. Infinite where a number is not finite.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
-                    const std::vector<Eigen::VectorXd>& us, bool limits);
+                    const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
+                    bool limits);
 
 }  // namespace manycontact
