@@ -11,7 +11,8 @@
 
 namespace manycontact {
 
-/// What a solver's callback sees after an iteration; gaps are those before it.
+/// What a solver's callback sees after an iteration; gaps are those before it. Cost is the task's own, the others are
+/// of the augmented problem where there are constraints.
 struct TaskIteration {
   double cost = 0, stop = 0, regularisation = 0, step_length = 0, gaps = 0;
   bool feasible = false;
@@ -34,6 +35,7 @@ struct TaskSolution {
   std::string solver;
   std::vector<int> blocks;  // sizes of the matrices factorized at a node
   double kkt_residual = 0;
+  double constraint_violation = 0;  // largest over all nodes and rows
   TaskTimes times;
 };
 
@@ -44,22 +46,23 @@ struct TaskOptions {
   std::function<bool(const TaskIteration&)> each = {};
 };
 
-/// Why the solver cannot do this task; empty when it can.
-std::string why_not(const TaskFile& task, TaskSolver solver);
+/// Why the solver cannot be had; empty when it can.
+std::string why_not(TaskSolver solver);
 
-/// From the problem's guess, with the task's iterations and tolerance. Throws InputError, with the line of the task's
-/// <solver>, where why_not says something. Numerical failure is no exception: `reason` says it.
+/// From the problem's guess, with the task's iterations and tolerance. Constraints are met by rounds of an augmented
+/// Lagrangian (augmented.hpp), to 1e-9. Throws InputError, with the line of the task's <solver>, where why_not says
+/// something. Numerical failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
-/// The largest violation of the optimality conditions of a shooting problem without g, h, at states, controls and
-/// multipliers l_0 ... l_T of the dynamics:
+/// The largest violation of the optimality conditions of a shooting problem (g and h are left out), at states, controls
+/// and multipliers l_0 ... l_T of the dynamics:
 ///
 ///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
 ///     stationarity in x  lx_t + fx_t^T l_(t+1) - l_t,  lx_T - l_T
 ///     stationarity in u  lu_t + fu_t^T l_(t+1)
 ///
-/// Where the problem has limits on controls and they are used, the last is u - min(max(u - that, u_lb), u_ub). The nodes
-/// are evaluated, with derivatives, at xs, us. Infinite where a number is not finite.
+/// Where the problem has limits on controls and they are used, the last is u - min(max(u - that, u_lb), u_ub). The
+/// nodes are evaluated, with derivatives, at xs, us. Infinite where a number is not finite.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits);

@@ -23,6 +23,7 @@ Json report(const TaskSolution& s) {
       {"solver", s.solver},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
+      {"constraint_violation", s.constraint_violation},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };
 }
