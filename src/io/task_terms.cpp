@@ -68,6 +68,7 @@ void TermReader::read_subject(const Element& e, TaskTerm& term) {
   if (end.shifted)
     e.where("frame").fail(e.label("frame") + " is " + quote(e.required("frame")) + ", expected it without +k or -k");
   term.frame = end.frame.name;
+  term.copied = end.copied;
   term.robots.resize(static_cast<std::size_t>(end.count));
   std::iota(term.robots.begin(), term.robots.end(), end.first);
 }
@@ -77,6 +78,7 @@ void TermReader::read_robots(const Element& e, TaskTerm& term) const {
   const std::string name = e.required("robot");
   const End end = ends_.robot(e, "robot", name);
   if (end.shifted) e.where("robot").fail(e.label("robot") + " is " + quote(name) + ", expected it without +k or -k");
+  term.copied = end.copied;
   term.robots.resize(static_cast<std::size_t>(end.count));
   std::iota(term.robots.begin(), term.robots.end(), end.first);
 }

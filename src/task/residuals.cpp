@@ -13,16 +13,9 @@ namespace manycontact::task {
 
 namespace {
 
-// Where a robot's base stands at the scene's q.
-SE3<double> base_of(const SceneFile& file, int robot) {
-  const Robot& r = file.scene.robots[static_cast<std::size_t>(robot)];
-  return r.model->floating_base ? placement_of_pose(file.q.segment<7>(r.idx_q)) : r.base;
-}
-
-// From the first of the copies to robot `to`.
-SE3<double> move(const SceneFile& file, const std::vector<int>& robots, int to) {
-  if (robots.empty() || to == robots[0]) return {};
-  return base_of(file, to) * base_of(file, robots[0]).inverse();
+// From where the term's places are given to where robot `to` is.
+SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
+  return term.copied ? file.moved[static_cast<std::size_t>(to)] : SE3<double>{};
 }
 
 Vec6<double> turned(const Mat3<double>& R, const Vec6<double>& m) {
@@ -85,7 +78,7 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
     out.segment(scene.nq + robot.idx_v, model.nv) = term.reference.tail(model.nv);
     if (model.floating_base)
       out.segment<7>(robot.idx_q) =
-          pose_of_placement(move(file, term.robots, r) * placement_of_pose(term.reference.head<7>()));
+          pose_of_placement(move(file, term, r) * placement_of_pose(term.reference.head<7>()));
   }
   return out;
 }
@@ -118,7 +111,7 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
 // ---- of the whole scene or a robot; of a frame; of a contact
 
 std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Parts& p, int robot) {
-  const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term.robots, robot);
+  const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term, robot);
   if (term.residual == TaskResidual::kCom)
     return std::make_shared<ResidualModelCoMPosition>(p.state, T.R * Vec3<double>(term.reference) + T.p, p.nu(), robot);
   return std::make_shared<ResidualModelCentroidalMomentum>(p.state, turned(T.R, six(term.reference)), p.nu(), robot);
@@ -127,7 +120,7 @@ std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Part
 std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Parts& p, int robot) {
   const Multibody& model = *p.state->get_model();
   const FrameIndex id = model.getFrameId(model.scene().robots[static_cast<std::size_t>(robot)].name + "/" + term.frame);
-  const SE3<double> T = move(p.task.scene, term.robots, robot);
+  const SE3<double> T = move(p.task.scene, term, robot);
   switch (term.residual) {
     case TaskResidual::kFramePlacement:
       return std::make_shared<ResidualModelFramePlacement>(p.state, id, T * term.placement, p.nu());

@@ -34,8 +34,8 @@ const char* to_string(TaskResidual residual);
 /// Of a cost; cones have a barrier at their own bounds unless the file says otherwise.
 enum class TaskActivation { kQuad, kWeightedQuad, kQuadraticBarrier, kWeightedQuadraticBarrier, kSmooth1Norm };
 
-/// One <cost> or <constraint>. Of the numbers those are set that the residual has; they are given for one robot, frame
-/// or contact, the first of its copies.
+/// One <cost> or <constraint>. Of the numbers those are set that the residual has, for one copy of the
+/// robot or contact.
 struct TaskTerm {
   std::string name;
   int line = 1;
@@ -44,7 +44,8 @@ struct TaskTerm {
 
   // Whom it is about: robots, or a frame on each of them, or contacts of the scene. No robot: the whole scene.
   std::vector<int> robots, contacts;
-  std::string frame;  // of the robots
+  bool copied = false;  // all copies are meant, and places are those of the robot before `arrange` moved it
+  std::string frame;    // of the robots
 
   Eigen::VectorXd reference;  // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
   SE3<double> placement;      // xyz, quat_xyzw

@@ -2,8 +2,9 @@
 // The shooting problem of a task file: one differential model per phase, shared by its nodes, integrated over the
 // task's step; the terminal node is Euler's with step 0.
 //
-// A term about copied robots holds for every copy: places, twists and momenta in world axes are those of the first copy
-// and move with the others' bases, B_i B_0^-1 of the bases at the scene's q; a reference left out is the copy's own x0.
+// A term about copied robots holds for every copy: places, and twists and momenta in world axes, are given for the
+// robot as its element places it and are moved as `arrange` moves the copies; a reference left out is the copy's own
+// x0.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/shooting.hpp"
