@@ -5,6 +5,7 @@
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
   return run_program(
-      {solve_command(), inspect_command(), chart_command(), simulate_command(), batch_command(), stability_command()},
+      {solve_command(), inspect_command(), chart_command(), simulate_command(), optimize_command(), batch_command(),
+       stability_command()},
       {argv + (argc > 0), argv + argc});
 }

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <unordered_map>
 
 #include "manycontact/contact/reference.hpp"
@@ -6,16 +5,6 @@
 
 namespace manycontact::io {
 namespace {
-
-/// "robot/link" as written, looked up. A copied robot's name stands for all its copies.
-struct End {
-  int first = -1;        // robot, or first copy
-  int count = 1;         // copies
-  bool copied = false;   // all copies are meant
-  bool shifted = false;  // with +k or -k
-  long long shift = 0;   // k
-  Frame frame;
-};
 
 /// A <contact> element as written; `contact` holds what all its copies share.
 struct ContactElement {
@@ -28,10 +17,7 @@ struct ContactElement {
 
 class ContactReader {
  public:
-  explicit ContactReader(SceneFile& out) : out_(out), references_(out.scene, out.q) {
-    for (std::size_t g = 0; g < out.robot_groups.size(); ++g)
-      if (out.robot_groups[g].copied) groups_.emplace(out.robot_groups[g].name, static_cast<int>(g));
-  }
+  explicit ContactReader(SceneFile& out) : out_(out), references_(out.scene, out.q), ends_(out) {}
 
   void add(const Element& e) {
     const ContactElement c = read(e);
@@ -70,7 +56,7 @@ class ContactReader {
     c.contact.active = e.choice("active", {"false", "true"}, 1) == 1;
     if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
     read_axis(e, c.contact);
-    c.A = read_end(e, "frame");
+    c.A = ends_.read(e, "frame");
     if (c.A.shifted)
       e.where("frame").fail("frame of <contact> is " + quote(e.required("frame")) +
                             ", expected it without +k or -k, which belongs in 'to'");
@@ -94,15 +80,6 @@ class ContactReader {
     return xyz.has_value();
   }
 
-  static bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
-    const auto xyzw = e.numbers<4>(attribute);
-    if (!xyzw) return false;
-    Eigen::Vector4d quat(xyzw->data());
-    normalise_quaternion(e.where(attribute), e.label(attribute), quat);
-    R = rotation_of_quaternion(quat[0], quat[1], quat[2], quat[3]);
-    return true;
-  }
-
   // B': on another body, or in the world.
   void read_target(const Element& e, ContactElement& c) {
     c.to_robot = e.has("to");
@@ -116,7 +93,7 @@ class ContactReader {
     c.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
     if (!c.to_robot) return;
 
-    c.B = read_end(e, "to");
+    c.B = ends_.read(e, "to");
     const Where here = e.where("to");
     const std::string to = "to of <contact> is " + quote(e.required("to"));
     if (e.has("wrap") && !c.B.shifted)
@@ -126,68 +103,6 @@ class ContactReader {
     if (c.B.copied && c.B.count != c.A.count)
       here.fail(to + ", of " + std::to_string(c.B.count) + " copies, expected " + std::to_string(c.A.count) +
                 " as in 'frame'");
-  }
-
-  // ---- looking up "robot/link", "copies/link", "copies+k/link"
-
-  End read_end(const Element& e, const char* attribute) {
-    const std::string text = e.required(attribute);
-    const Where here = e.where(attribute);
-    const std::size_t slash = text.find('/');
-    if (slash == std::string::npos) here.fail(e.label(attribute) + " is " + quote(text) + ", expected robot/link");
-    const std::string robot = text.substr(0, slash);
-    const std::string frame = text.substr(slash + 1);
-    End end;
-    if (!find_robot(robot, end) && !find_shifted(here, robot, end)) fail_unknown_robot(here, e.label(attribute), robot);
-    const Model& model = *out_.scene.robots[end.first].model;
-    const auto& frames = frames_of(model);
-    const auto found = frames.find(frame);
-    if (found == frames.end()) here.fail(e.label(attribute) + ": " + no_frame(robot, model, frame));
-    end.frame = model.frames[found->second];
-    return end;
-  }
-
-  bool find_robot(const std::string& name, End& end) const {
-    const auto& robots = out_.scene.robot_index;
-    if (const auto robot = robots.find(name); robot != robots.end()) {
-      end.first = robot->second;
-      return true;
-    }
-    const auto group = groups_.find(name);
-    if (group == groups_.end()) return false;
-    end.first = out_.robot_groups[group->second].first;
-    end.count = out_.robot_groups[group->second].count;
-    end.copied = true;
-    return true;
-  }
-
-  bool find_shifted(const Where& here, const std::string& text, End& end) const {
-    const std::size_t sign = text.find_last_of("+-");
-    if (sign == std::string::npos || sign + 1 == text.size()) return false;
-    const char* last = text.data() + text.size();
-    long long k = 0;
-    const auto [stop, error] = std::from_chars(text.data() + sign + 1, last, k);
-    if (stop != last || error != std::errc() || text[sign + 1] == '-') return false;
-    const std::string name = text.substr(0, sign);
-    if (!find_robot(name, end)) return false;
-    if (!end.copied) here.fail("robot " + quote(name) + " is not copied, expected no +k or -k after it");
-    if (k > 1000000) here.fail(quote(text) + " is beyond all copies, expected +k or -k with k up to 1000000");
-    end.shifted = true;
-    end.shift = text[sign] == '-' ? -k : k;
-    return true;
-  }
-
-  [[noreturn]] void fail_unknown_robot(const Where& here, const std::string& what, const std::string& name) const {
-    std::vector<std::string> known;
-    for (const RobotGroup& g : out_.robot_groups) known.push_back(g.name);
-    here.fail(what + ": there is no robot " + quote(name) + ", " + suggestion(name, known));
-  }
-
-  const std::unordered_map<std::string, int>& frames_of(const Model& model) {
-    auto& frames = frames_[&model];
-    if (frames.empty())
-      for (std::size_t i = 0; i < model.frames.size(); ++i) frames.emplace(model.frames[i].name, static_cast<int>(i));
-    return frames;
   }
 
   // ---- adding copy i
@@ -213,9 +128,8 @@ class ContactReader {
 
   SceneFile& out_;
   ReferenceResolver references_;
-  std::unordered_map<std::string, int> groups_;  // copied robots: index into robot_groups
-  std::unordered_map<std::string, int> names_;   // of <contact> elements, with their lines
-  std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
+  EndReader ends_;
+  std::unordered_map<std::string, int> names_;  // of <contact> elements, with their lines
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "manycontact/io/scene_file.hpp"
@@ -59,10 +60,42 @@ struct Arrangement {
 /// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
 void add_robots(const Element& scene, SceneFile& out);
 
+/// "robot/link" as written, looked up. A copied robot's name stands for all its copies.
+struct End {
+  int first = -1;        // robot, or first copy
+  int count = 1;         // copies
+  bool copied = false;   // all copies are meant
+  bool shifted = false;  // with +k or -k
+  long long shift = 0;   // k
+  Frame frame;
+};
+
+/// Looks up "robot/link", "copies/link", "copies+k/link" in a scene that has all its robots.
+class EndReader {
+ public:
+  explicit EndReader(const SceneFile& scene);
+
+  /// Of an attribute that must be there.
+  End read(const Element& e, const char* attribute);
+  /// The robot `name`, or copies, an attribute names; `frame` is left empty.
+  End robot(const Element& e, const char* attribute, const std::string& name) const;
+
+ private:
+  bool find_robot(const std::string& name, End& end) const;
+  bool find_shifted(const Where& here, const std::string& text, End& end) const;
+  const std::unordered_map<std::string, int>& frames_of(const Model& model);
+  const SceneFile& scene_;
+  std::unordered_map<std::string, int> groups_;  // copied robots: index into robot_groups
+  std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
+};
+
 /// Adds all contacts; out.q must be complete.
 void add_contacts(const Element& scene, SceneFile& out);
 
 /// The quaternion x, y, z, w made unit; refuses one that is not within 1e-6 of it.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);
+
+/// The rotation of an attribute x y z w; false when it is missing.
+bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R);
 
 }  // namespace manycontact::io

@@ -188,11 +188,11 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
     arrangement.place(i, translation, yaw);
     Eigen::VectorXd q = state.q;
     SE3<double> at;
+    const SE3<double> arranged{rotation_about<double>(Vec3<double>::UnitZ(), yaw), translation};
     if (model->floating_base) {
       move_base(q, translation, yaw);
       at = placement_of_pose(q.head<7>());
     } else {
-      const SE3<double> arranged{rotation_about<double>(Vec3<double>::UnitZ(), yaw), translation};
       at = arranged * base;
     }
     const std::string name = group.copied ? group.name + std::to_string(i) : group.name;
@@ -204,6 +204,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
     Growing::append(all.v, state.v);
     Growing::append(all.u, state.u);
     out.robot_group.push_back(static_cast<int>(out.robot_groups.size()));
+    out.moved.push_back(arranged);
   }
 }
 

@@ -12,6 +12,15 @@ void normalise_quaternion(const Where& where, const std::string& what, Eigen::Re
   quat /= norm;
 }
 
+bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
+  const auto xyzw = e.numbers<4>(attribute);
+  if (!xyzw) return false;
+  Eigen::Vector4d quat(xyzw->data());
+  normalise_quaternion(e.where(attribute), e.label(attribute), quat);
+  R = rotation_of_quaternion(quat[0], quat[1], quat[2], quat[3]);
+  return true;
+}
+
 SE3<double> read_base(const Element& robot) {
   SE3<double> base;
   if (const auto xyz = robot.numbers<3>("xyz")) base.p = Vec3<double>(xyz->data());

@@ -33,6 +33,7 @@ struct SceneFile {
   std::vector<RobotGroup> robot_groups;
   std::vector<ContactGroup> contact_groups;
   std::vector<int> robot_group;     // per robot: index into robot_groups
+  std::vector<SE3<double>> moved;   // per robot: from where its element places it to where `arrange` does
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
 };
 

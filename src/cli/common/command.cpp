@@ -6,9 +6,10 @@
 
 namespace manycontact::cli {
 
-std::string scene_operand(const Arguments& arguments) {
-  if (arguments.rest().empty()) throw UsageError("SCENE is missing");
-  if (arguments.rest().size() > 1) throw UsageError("one SCENE is expected, '" + arguments.rest()[1] + "' is a second");
+std::string scene_operand(const Arguments& arguments, const std::string& name) {
+  if (arguments.rest().empty()) throw UsageError(name + " is missing");
+  if (arguments.rest().size() > 1)
+    throw UsageError("one " + name + " is expected, '" + arguments.rest()[1] + "' is a second");
   return arguments.rest()[0];
 }
 

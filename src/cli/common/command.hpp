@@ -25,6 +25,7 @@ struct Command {
 const Command& solve_command();
 const Command& inspect_command();
 const Command& simulate_command();
+const Command& optimize_command();
 const Command& batch_command();
 
 /// Commands of the program manycontact-chart, which needs more packages and time to build; their `run` is null here.
@@ -33,8 +34,8 @@ const Command& stability_command();
 int run_chart(const Arguments& arguments);
 int run_stability(const Arguments& arguments);
 
-/// The one operand SCENE. Throws UsageError.
-std::string scene_operand(const Arguments& arguments);
+/// The one operand, SCENE unless it has another name. Throws UsageError.
+std::string scene_operand(const Arguments& arguments, const std::string& name = "SCENE");
 
 /// --method and --order, and what they mean. Throws UsageError.
 Option method_option();

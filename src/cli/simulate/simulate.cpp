@@ -77,7 +77,7 @@ void simulate(const Scene& scene, const Eigen::VectorXd& u, bool progress_always
     run.end = invariants(scene, sim.dynamics.active, sim.q, sim.v, room);
     run.largest.position_drift = std::max(run.largest.position_drift, run.end.position_drift);
     run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
-    write_trajectory_row(sim, run.end, csv);
+    write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
   };
   write_trajectory_header(scene, csv);
   record();

@@ -1,5 +1,5 @@
 #pragma once
-// What `manycontact simulate` and `manycontact stability` share.
+// What `manycontact simulate`, `manycontact optimize` and `manycontact stability` share.
 
 #include "../common/csv_file.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -14,6 +14,7 @@ void set_gains(Scene& scene, const Gains& gains);
 
 /// t, q, v, drift, energy, momentum: the header, then a row per state.
 void write_trajectory_header(const Scene& scene, CsvFile& csv);
-void write_trajectory_row(const SimulationData& sim, const Invariants& at, CsvFile& csv);
+void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,
+                          CsvFile& csv);
 
 }  // namespace manycontact::cli

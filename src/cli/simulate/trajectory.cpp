@@ -30,10 +30,11 @@ void write_trajectory_header(const Scene& scene, CsvFile& csv) {
   csv.end_row();
 }
 
-void write_trajectory_row(const SimulationData& sim, const Invariants& at, CsvFile& csv) {
-  csv << sim.time();
-  for (double x : sim.q) csv << x;
-  for (double x : sim.v) csv << x;
+void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,
+                          CsvFile& csv) {
+  csv << t;
+  for (double x : q) csv << x;
+  for (double x : v) csv << x;
   csv << at.position_drift << at.velocity_drift << at.energy();
   for (double x : at.momentum) csv << x;
   csv.end_row();

@@ -1,28 +1,18 @@
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iostream>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "../common/describe.hpp"
+#include "../common/json_file.hpp"
 #include "manycontact/analysis/rounding.hpp"
-#include "manycontact/io/input_error.hpp"
 #include "solve.hpp"
 
 namespace manycontact::cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// Numbers that are not finite become null when written.
-Json vector(const Eigen::VectorXd& x) { return Json(std::vector<double>(x.begin(), x.end())); }
-
 // A list of rows.
 Json matrix(const Eigen::MatrixXd& x) {
   Json rows = Json::array();
-  for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(vector(x.row(i).transpose()));
+  for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(json_of(Eigen::VectorXd(x.row(i).transpose())));
   return rows;
 }
 
@@ -92,8 +82,8 @@ Json document(const SolvedScene& s) {
   Json json = {{"scene", s.file.scene.name},
                {"velocity_names", velocity_names(s.file.scene)},
                {"force_names", force_names(s.file.scene, s.data)},
-               {"acceleration", vector(s.data.a)},
-               {"forces", vector(s.data.f)}};
+               {"acceleration", json_of(s.data.a)},
+               {"forces", json_of(s.data.f)}};
   if (s.derivatives) {
     const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
     json["da_dq"] = matrix(d.da_dq);
@@ -103,33 +93,13 @@ Json document(const SolvedScene& s) {
     json["dforces_dv"] = matrix(d.dforces_dv);
     json["dforces_du"] = matrix(d.dforces_du);
   }
-  if (s.quasi_static_u) json["quasi_static_u"] = vector(*s.quasi_static_u);
+  if (s.quasi_static_u) json["quasi_static_u"] = json_of(*s.quasi_static_u);
   json["report"] = report(s);
   return json;
 }
 
-// One line per member, so that long lists stay apart; doubles as short as they read back to the same bits.
-void print(std::ostream& out, const Json& json) {
-  const char* before = "{\n";
-  for (const auto& [key, value] : json.items()) {
-    out << before << Json(key).dump() << ": " << value.dump(-1, ' ', false, Json::error_handler_t::replace);
-    before = ",\n";
-  }
-  out << "\n}\n";
-}
-
 }  // namespace
 
-void write_json(const SolvedScene& solved, const std::string& path) {
-  const Json json = document(solved);
-  if (path == "-") return print(std::cout, json);
-  errno = 0;
-  std::ofstream out(path);
-  if (out) print(out, json);
-  if (!out.flush())
-    throw InputError(path, 1,
-                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                         ", expected a file that --json may create");
-}
+void write_json(const SolvedScene& solved, const std::string& path) { write_json_file(document(solved), path); }
 
 }  // namespace manycontact::cli

@@ -1,0 +1,21 @@
+#pragma once
+// JSON documents of the commands.
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace manycontact::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// Numbers that are not finite become null when written.
+Json json_of(const Eigen::VectorXd& x);
+Json json_of(const std::vector<Eigen::VectorXd>& list);
+
+/// To the file of an option --json, "-" is standard output: one line per member, so that long lists stay apart; doubles
+/// as short as they read back to the same bits. Throws InputError when it cannot be written.
+void write_json_file(const Json& json, const std::string& path);
+
+}  // namespace manycontact::cli

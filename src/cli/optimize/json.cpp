@@ -1,0 +1,46 @@
+#include "../common/json_file.hpp"
+#include "optimize.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+Json iterations(const TaskSolution& s) {
+  Json list = Json::array();
+  for (const TaskIteration& i : s.iterations)
+    list.push_back({{"cost", i.cost},
+                    {"stop", i.stop},
+                    {"regularisation", i.regularisation},
+                    {"step_length", i.step_length},
+                    {"gaps", i.gaps},
+                    {"feasible", i.feasible}});
+  return list;
+}
+
+Json report(const TaskSolution& s) {
+  const TaskTimes& t = s.times;
+  return {
+      {"solver", s.solver},
+      {"blocks", s.blocks},
+      {"kkt_residual", s.kkt_residual},
+      {"constraint_violation", s.constraint_violation},
+      {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
+  };
+}
+
+}  // namespace
+
+void write_json(const OptimizedTask& motion, const std::string& path) {
+  const TaskSolution& s = motion.solution;
+  write_json_file({{"task", motion.task.name},
+                   {"converged", s.converged},
+                   {"cost", s.cost},
+                   {"reason", s.reason},
+                   {"iterations", iterations(s)},
+                   {"xs", json_of(s.xs)},
+                   {"us", json_of(s.us)},
+                   {"report", report(s)}},
+                  path);
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,107 @@
+#include "optimize.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+
+#include "../common/command.hpp"
+#include "../common/table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// While it lives, the first Ctrl-C sets a flag; the second ends the program.
+class InterruptFlag {
+ public:
+  InterruptFlag() {
+    interrupted = 0;
+    struct sigaction action = {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &before_);
+  }
+  ~InterruptFlag() { sigaction(SIGINT, &before_, nullptr); }
+  InterruptFlag(const InterruptFlag&) = delete;
+  InterruptFlag& operator=(const InterruptFlag&) = delete;
+  bool is_set() const { return interrupted != 0; }
+
+ private:
+  struct sigaction before_ = {};
+};
+
+std::optional<TaskSolver> solver_of(const Arguments& arguments) {
+  const auto name = arguments.value("--solver");
+  if (!name) return std::nullopt;
+  for (const TaskSolver solver : {TaskSolver::kFddp, TaskSolver::kBoxFddp, TaskSolver::kSparse, TaskSolver::kAuto})
+    if (*name == to_string(solver)) return solver;
+  throw UsageError("unknown solver '" + *name + "', expected fddp, box-fddp, sparse or auto");
+}
+
+// One line on standard error per iteration.
+void show(std::size_t k, const TaskIteration& i) {
+  if (k % 20 == 0) std::cerr << "iteration          cost       gaps       stop    step  regularisation\n";
+  std::ostringstream line;
+  line << std::setw(9) << k << std::setw(14) << number(i.cost, 8) << std::setw(11) << scientific(i.gaps)
+       << std::setw(11) << scientific(i.stop) << std::setw(8) << number(i.step_length) << std::setw(16)
+       << scientific(i.regularisation) << "\n";
+  std::cerr << line.str();
+}
+
+// Before hours of work: the file can be written.
+void check_writable(const std::string& path, const char* option) {
+  if (path != "-" && !std::ofstream(path, std::ios::app))
+    throw InputError(path, 1, std::string("cannot be written, expected a file that ") + option + " may create");
+}
+
+int run_optimize(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments, "TASK");
+  const std::optional<TaskSolver> solver = solver_of(arguments);
+  const int threads = arguments.integer("--threads", 1, 1000000, 0);
+  const auto out = arguments.value("--out"), json = arguments.value("--json");
+  if (!out) throw UsageError("option --out is missing");
+  if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
+
+  const TaskFile task = read_task(path);
+  const TaskSolver chosen = solver.value_or(task.solver);
+  const std::string why = why_not(chosen);
+  if (!why.empty() && solver) throw UsageError("--solver " + std::string(to_string(*solver)) + ": " + why);
+  if (!why.empty()) throw InputError(task.path, task.solver_line, why);
+  TaskProblem problem = make_problem(task);
+  check_writable(*out, "--out");
+  if (json) check_writable(*json, "--json");
+
+  const InterruptFlag stop;
+  std::size_t k = 0;
+  const TaskSolution solution = optimize(task, problem, {chosen, threads, [&](const TaskIteration& iteration) {
+                                                           show(k++, iteration);
+                                                           return !stop.is_set();
+                                                         }});
+  const OptimizedTask motion{task, problem, solution};
+  write_trajectory(motion, *out);
+  if (json) write_json(motion, *json);
+  if (*out != "-" && json.value_or("") != "-") print_summary(std::cout, motion);
+  return solution.converged ? kExitOk : kExitUnsound;
+}
+
+}  // namespace
+
+const Command& optimize_command() {
+  static const Command command{
+      "optimize",
+      "TASK",
+      "A motion of a scene: the task's costs at their least, its contacts held.",
+      {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
+       {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
+       {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
+      "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
+      "reached. Exit status: 0 converged, 1 not, 2 bad usage or bad input.\n",
+      run_optimize};
+  return command;
+}
+
+}  // namespace manycontact::cli

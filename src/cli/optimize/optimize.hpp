@@ -1,0 +1,28 @@
+#pragma once
+// `manycontact optimize`: what it computes, and what it writes.
+
+#include <iosfwd>
+
+#include "manycontact/task/optimize.hpp"
+
+namespace manycontact::cli {
+
+struct OptimizedTask {
+  const TaskFile& task;
+  const TaskProblem& problem;  // evaluated at the solution
+  const TaskSolution& solution;
+};
+
+/// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.
+void write_json(const OptimizedTask& motion, const std::string& path);
+
+/// CSV in the columns of `simulate`: a row per node.
+void write_trajectory(const OptimizedTask& motion, const std::string& path);
+
+void print_summary(std::ostream& out, const OptimizedTask& motion);
+/// Its parts: where robots and frames went, largest torques, contact forces.
+void print_motion(std::ostream& out, const OptimizedTask& motion);
+void print_torques(std::ostream& out, const OptimizedTask& motion);
+void print_forces(std::ostream& out, const OptimizedTask& motion);
+
+}  // namespace manycontact::cli

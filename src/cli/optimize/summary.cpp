@@ -1,0 +1,40 @@
+// The readable summary of `optimize`: how it ended, what moved where, torques, forces, times.
+
+#include "../common/table.hpp"
+#include "optimize.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4"};
+
+void print_times(std::ostream& out, const TaskSolution& s) {
+  const TaskTimes& t = s.times;
+  out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
+      << " us forward pass, " << number(t.calc_diff) << " us derivatives, " << number(t.direction)
+      << " us backward pass\n";
+}
+
+}  // namespace
+
+void print_summary(std::ostream& out, const OptimizedTask& motion) {
+  const TaskFile& task = motion.task;
+  const TaskSolution& s = motion.solution;
+  const Scene& scene = task.scene.scene;
+  out << printable(task.name) << ": " << s.solver << (s.converged ? " converged" : " did not converge") << " after "
+      << count(static_cast<long>(s.iterations.size()), "iteration") << " (" << s.reason << "), cost "
+      << number(s.cost, 6) << ", KKT residual " << scientific(s.kkt_residual) << "\n"
+      << count(static_cast<long>(s.us.size()), "node") << " of " << number(task.step) << " s, "
+      << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
+      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
+      << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+  if (!s.iterations.empty() && !s.iterations.back().feasible)
+    out << "the states have gaps: they are not what the torques lead to\n";
+  print_motion(out, motion);
+  print_torques(out, motion);
+  print_forces(out, motion);
+  print_times(out, s);
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,143 @@
+#include "manycontact/io/task_file.hpp"
+
+#include <filesystem>
+#include <map>
+
+#include "task_parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr const char* kSolvers[] = {"fddp", "box-fddp", "sparse", "auto"};
+
+}  // namespace
+
+const char* to_string(TaskSolver solver) { return kSolvers[static_cast<int>(solver)]; }
+
+int TaskFile::nodes() const {
+  int sum = 0;
+  for (const TaskPhase& phase : phases) sum += phase.nodes;
+  return sum;
+}
+
+namespace io {
+
+namespace {
+
+constexpr int kMostNodes = 1000000;
+
+// <cost> and <constraint> children of a phase; names are used once in each phase.
+void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
+  std::map<std::string, int> names;
+  for (auto child = e.child(); child; child = child->next(nullptr)) {
+    TaskTerm term = reader.read(*child, phase.active, terminal);
+    const auto [at, is_new] = names.emplace(term.name, term.line);
+    if (!is_new)
+      child->where("name").fail("a cost or constraint named " + quote(term.name) + " exists already on line " +
+                                std::to_string(at->second) + ", expected names used once in a phase");
+    (child->name() == "cost" ? phase.costs : phase.constraints).push_back(std::move(term));
+  }
+}
+
+TaskPhase read_phase(const Element& e, const Scene& scene, TermReader& reader) {
+  e.allow_attributes({"nodes", "contacts"});
+  e.allow_children({"cost", "constraint"});
+  TaskPhase phase;
+  phase.line = e.line();
+  const std::string nodes = e.required("nodes");
+  phase.nodes = parse_count(nodes);
+  if (phase.nodes < 1 || phase.nodes > kMostNodes)
+    e.where("nodes").fail(e.label("nodes") + " is " + quote(nodes) + ", expected a whole number from 1 to 1000000");
+  phase.active.assign(scene.contacts.size(), false);
+  const std::string contacts = scene.contacts.empty() ? e.optional("contacts", "") : e.required("contacts");
+  for (const std::string_view name : words(contacts))
+    for (const int c : reader.contacts(e.where("contacts"), e.label("contacts"), std::string(name))) {
+      if (phase.active[static_cast<std::size_t>(c)])
+        e.where("contacts").fail(e.label("contacts") + " names " + quote(name) + " twice, expected once");
+      phase.active[static_cast<std::size_t>(c)] = true;
+    }
+  read_terms(e, false, reader, phase);
+  return phase;
+}
+
+void read_solver(const Element& e, TaskFile& out) {
+  e.allow_attributes({"type", "iterations", "tolerance", "guess"});
+  e.allow_children({});
+  out.solver_line = e.line();
+  out.solver = static_cast<TaskSolver>(e.choice("type", {"fddp", "box-fddp", "sparse", "auto"}, 3));
+  if (e.has("iterations")) {
+    const std::string text = e.required("iterations");
+    out.iterations = parse_count(text);
+    if (out.iterations < 1)
+      e.where("iterations").fail(e.label("iterations") + " is " + quote(text) + ", expected a whole number above 0");
+  }
+  out.tolerance = e.number("tolerance", out.tolerance);
+  if (!(out.tolerance > 0))
+    e.where("tolerance").fail(e.label("tolerance") + " is " + show(out.tolerance) + ", expected a number above 0");
+  out.guess = static_cast<TaskGuess>(e.choice("guess", {"quasi_static", "zero"}, 0));
+}
+
+// At most one child of that name.
+std::optional<Element> only_child(const Element& e, const char* name) {
+  const auto first = e.child(name);
+  if (!first) return first;
+  if (const auto second = first->next(name))
+    second->fail("<" + e.name() + "> has a second <" + name + ">, the first is on line " +
+                 std::to_string(first->line()) + ", expected one");
+  return first;
+}
+
+void read_head(const Element& root, TaskFile& out) {
+  root.allow_attributes({"name", "scene", "step", "integrator"});
+  root.allow_children({"phase", "terminal", "solver"});
+  const std::filesystem::path path(out.path);
+  out.name = root.optional("name", path.stem().string());
+  out.step = root.required_number("step");
+  if (!(out.step > 0))
+    root.where("step").fail(root.label("step") + " is " + show(out.step) + ", expected a number above 0");
+  out.integrator = static_cast<TaskIntegrator>(root.choice("integrator", {"euler", "rk2", "rk3", "rk4"}, 0));
+
+  const std::string scene = root.required("scene");
+  if (scene.empty()) root.where("scene").fail("scene of <task> is empty, expected a scene file");
+  const std::string scene_path = (path.parent_path() / scene).string();
+  const std::string problem = file_problem(scene_path);
+  if (!problem.empty())
+    root.where("scene").fail("scene of <task>: " + quote(scene_path) + " " + problem + ", expected a scene file");
+  out.scene = read_scene(scene_path);
+  if (out.scene.scene.nv == 0) root.where("scene").fail("the scene of <task> has nothing that moves");
+}
+
+}  // namespace
+
+}  // namespace io
+
+TaskFile read_task(const std::string& path) {
+  std::string problem;
+  const std::string text = io::read_file(path, problem);
+  if (!problem.empty()) throw InputError(path, 1, problem + ", expected a task file");
+  const io::XmlFile file(path, text, "task");
+  const io::Element root = file.root();
+  TaskFile out;
+  out.path = path;
+  io::read_head(root, out);
+
+  io::TermReader reader(out.scene);
+  for (auto e = root.child("phase"); e; e = e->next("phase")) {
+    out.phases.push_back(io::read_phase(*e, out.scene.scene, reader));
+    if (out.nodes() > io::kMostNodes) e->fail("<task> has more than 1000000 nodes by this phase, expected fewer");
+  }
+  if (out.phases.empty()) root.fail("<task> has no <phase>, expected one or more");
+
+  out.terminal.active = out.phases.back().active;
+  if (const auto e = io::only_child(root, "terminal")) {
+    e->allow_attributes({});
+    e->allow_children({"cost", "constraint"});
+    out.terminal.line = e->line();
+    io::read_terms(*e, true, reader, out.terminal);
+  }
+  if (const auto e = io::only_child(root, "solver")) io::read_solver(*e, out);
+  return out;
+}
+
+}  // namespace manycontact

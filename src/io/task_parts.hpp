@@ -1,0 +1,38 @@
+#pragma once
+// The steps of read_task: terms, then the phases that hold them.
+
+#include "manycontact/io/task_file.hpp"
+#include "scene_parts.hpp"
+
+namespace manycontact::io {
+
+/// Reads <cost> and <constraint> elements of a task on a scene.
+class TermReader {
+ public:
+  explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
+
+  /// In a phase with these contacts active; `terminal`: of the terminal node.
+  TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
+  /// Indices of the scene's contacts that a name means: one, or all copies.
+  std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;
+
+ private:
+  void read_subject(const Element& e, TaskTerm& term);
+  void read_robots(const Element& e, TaskTerm& term) const;
+  void read_contact(const Element& e, const std::vector<bool>& active, TaskTerm& term) const;
+  void read_numbers(const Element& e, TaskTerm& term) const;
+  void normalise_bases(const Element& e, TaskTerm& term) const;
+  int reference_size(const TaskTerm& term) const;
+  int rows(const TaskTerm& term) const;
+  const SceneFile& scene_;
+  EndReader ends_;
+};
+
+/// Refuses attributes that belong to other residuals.
+void check_attributes(const Element& e, TaskResidual residual);
+
+TaskResidual read_residual(const Element& e);
+void read_activation(const Element& e, TaskTerm& term);
+void read_bounds(const Element& e, TaskTerm& term);
+
+}  // namespace manycontact::io

@@ -1,0 +1,213 @@
+#include <numeric>
+
+#include "manycontact/action/residuals/centroidal_residuals.hpp"
+#include "manycontact/action/residuals/contact_residuals.hpp"
+#include "manycontact/action/residuals/frame_residuals.hpp"
+#include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/spatial/explog.hpp"
+#include "manycontact/task/rows.hpp"
+#include "terms.hpp"
+
+namespace manycontact::task {
+
+namespace {
+
+// From where the term's places are given to where robot `to` is.
+SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
+  return term.copied ? file.moved[static_cast<std::size_t>(to)] : SE3<double>{};
+}
+
+Vec6<double> turned(const Mat3<double>& R, const Vec6<double>& m) {
+  Vec6<double> out;
+  out << R * m.head<3>(), R * m.tail<3>();
+  return out;
+}
+
+Vec6<double> six(const Eigen::VectorXd& given) {
+  return given.size() == 6 ? Vec6<double>(given) : Vec6<double>(Vec6<double>::Zero());
+}
+
+// ---- of single coordinates: the scene's, or those of the robots
+
+// Which of the scene's x (nq + nv), dx, u, v are a robot's.
+void append_range(int first, int count, std::vector<int>& out) {
+  for (int i = 0; i < count; ++i) out.push_back(first + i);
+}
+
+void append_rows(TaskResidual kind, const Scene& scene, const Robot& robot, std::vector<int>& rows) {
+  const Model& model = *robot.model;
+  switch (kind) {
+    case TaskResidual::kState:
+      append_range(robot.idx_v, model.nv, rows);
+      append_range(scene.nv + robot.idx_v, model.nv, rows);
+      return;
+    case TaskResidual::kJointAcceleration:
+      append_range(robot.idx_v, model.nv, rows);
+      return;
+    default:
+      append_range(robot.idx_u, model.nu(), rows);
+  }
+}
+
+Eigen::VectorXd x0_of(const SceneFile& file) {
+  Eigen::VectorXd x0(file.scene.nq + file.scene.nv);
+  x0 << file.q, file.v;
+  return x0;
+}
+
+// The scene's reference: zeros (of a state x0), with the term's numbers where they belong.
+Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
+  const Scene& scene = file.scene;
+  const bool state = term.residual == TaskResidual::kState;
+  if (term.reference.size() > 0 && term.robots.empty()) return term.reference;
+  Eigen::VectorXd out = state ? x0_of(file)
+                              : Eigen::VectorXd(Eigen::VectorXd::Zero(
+                                    term.residual == TaskResidual::kJointAcceleration ? scene.nv : scene.nu));
+  if (term.reference.size() == 0) return out;
+  for (const int r : term.robots) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    const Model& model = *robot.model;
+    if (!state) {
+      std::vector<int> rows;
+      append_rows(term.residual, scene, robot, rows);
+      for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = term.reference[static_cast<Eigen::Index>(i)];
+      continue;
+    }
+    out.segment(robot.idx_q, model.nq) = term.reference.head(model.nq);
+    out.segment(scene.nq + robot.idx_v, model.nv) = term.reference.tail(model.nv);
+    if (model.floating_base)
+      out.segment<7>(robot.idx_q) =
+          pose_of_placement(move(file, term, r) * placement_of_pose(term.reference.head<7>()));
+  }
+  return out;
+}
+
+std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& p) {
+  const Eigen::VectorXd reference = reference_of(term, p.task.scene);
+  switch (term.residual) {
+    case TaskResidual::kState:
+      return std::make_shared<ResidualModelState>(p.state, reference, p.nu());
+    case TaskResidual::kJointAcceleration:
+      return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
+    case TaskResidual::kJointEffort:
+      return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
+    default:
+      return std::make_shared<ResidualModelControl>(p.state, reference);
+  }
+}
+
+Residual of_coordinates(const TaskTerm& term, const Parts& p) {
+  Residual out{term.name, whole(term, p), 1, {}, {}};
+  const Scene& scene = p.task.scene.scene;
+  if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) return out;
+  std::vector<int> rows;
+  for (const int r : term.robots) append_rows(term.residual, scene, scene.robots[static_cast<std::size_t>(r)], rows);
+  out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
+  out.copies = static_cast<int>(term.robots.size());
+  return out;
+}
+
+// ---- of the whole scene or a robot; of a frame; of a contact
+
+std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Parts& p, int robot) {
+  const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term, robot);
+  if (term.residual == TaskResidual::kCom)
+    return std::make_shared<ResidualModelCoMPosition>(p.state, T.R * Vec3<double>(term.reference) + T.p, p.nu(), robot);
+  return std::make_shared<ResidualModelCentroidalMomentum>(p.state, turned(T.R, six(term.reference)), p.nu(), robot);
+}
+
+std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Parts& p, int robot) {
+  const Multibody& model = *p.state->get_model();
+  const FrameIndex id = model.getFrameId(model.scene().robots[static_cast<std::size_t>(robot)].name + "/" + term.frame);
+  const SE3<double> T = move(p.task.scene, term, robot);
+  switch (term.residual) {
+    case TaskResidual::kFramePlacement:
+      return std::make_shared<ResidualModelFramePlacement>(p.state, id, T * term.placement, p.nu());
+    case TaskResidual::kFrameTranslation:
+      return std::make_shared<ResidualModelFrameTranslation>(p.state, id, T.R * term.placement.p + T.p, p.nu());
+    case TaskResidual::kFrameRotation:
+      return std::make_shared<ResidualModelFrameRotation>(p.state, id, T.R * term.placement.R, p.nu());
+    default: {
+      const Vec6<double> twist = six(term.reference);
+      return std::make_shared<ResidualModelFrameVelocity>(
+          p.state, id, term.reference_frame == ReferenceFrame::kLocal ? twist : turned(T.R, twist),
+          term.reference_frame, p.nu());
+    }
+  }
+}
+
+Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
+  const Contact& contact = p.task.scene.scene.contacts[static_cast<std::size_t>(c)];
+  const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
+  Residual out;
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  if (term.residual == TaskResidual::kFrictionCone) {
+    const FrictionCone cone(I, term.mu, 4, false);
+    out.model = std::make_shared<ResidualModelContactFrictionCone>(p.state, id, cone, p.nu());
+    out.lower = cone.get_lb(), out.upper = cone.get_ub();
+  } else if (term.residual == TaskResidual::kWrenchCone) {
+    const WrenchCone cone(I, term.mu, term.box, 4, false);
+    out.model = std::make_shared<ResidualModelContactWrenchCone>(p.state, id, cone, p.nu());
+    out.lower = cone.get_lb(), out.upper = cone.get_ub();
+  } else if (term.residual == TaskResidual::kCop) {
+    const CoPSupport support(I, term.box);
+    out.model = std::make_shared<ResidualModelContactCoPPosition>(p.state, id, support, p.nu());
+    out.lower = support.get_lb(), out.upper = support.get_ub();
+  } else {
+    Vec6<double> force = Vec6<double>::Zero();
+    if (term.reference.size() > 0) {
+      if (contact.type == ContactType::k1D)
+        force.head<3>() = term.reference[0] * contact.axis;
+      else if (contact.type == ContactType::k2D)
+        force[0] = term.reference[0], force[2] = term.reference[1];
+      else
+        force.head(term.reference.size()) = term.reference;
+    }
+    out.model = std::make_shared<ResidualModelContactForce>(p.state, id, force, contact.rows(), p.nu());
+  }
+  return out;
+}
+
+// The copies' numbers behind the name, where there are several.
+std::string copy_name(const TaskTerm& term, std::size_t i, std::size_t count) {
+  return count > 1 ? term.name + std::to_string(i) : term.name;
+}
+
+}  // namespace
+
+std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& p) {
+  std::vector<Residual> out;
+  switch (term.residual) {
+    case TaskResidual::kState:
+    case TaskResidual::kControl:
+    case TaskResidual::kJointEffort:
+    case TaskResidual::kJointAcceleration:
+      return {of_coordinates(term, p)};
+    case TaskResidual::kControlGrav:
+      return {{term.name, std::make_shared<ResidualModelControlGrav>(p.state, p.nu()), 1, {}, {}}};
+    case TaskResidual::kContactControlGrav:
+      return {{term.name, std::make_shared<ResidualModelContactControlGrav>(p.state, p.nu()), 1, {}, {}}};
+    case TaskResidual::kCom:
+    case TaskResidual::kCentroidalMomentum:
+      if (term.robots.empty()) return {{term.name, of_robot(term, p, -1), 1, {}, {}}};
+      for (std::size_t i = 0; i < term.robots.size(); ++i)
+        out.push_back({copy_name(term, i, term.robots.size()), of_robot(term, p, term.robots[i]), 1, {}, {}});
+      return out;
+    case TaskResidual::kFramePlacement:
+    case TaskResidual::kFrameTranslation:
+    case TaskResidual::kFrameRotation:
+    case TaskResidual::kFrameVelocity:
+      for (std::size_t i = 0; i < term.robots.size(); ++i)
+        out.push_back({copy_name(term, i, term.robots.size()), of_frame(term, p, term.robots[i]), 1, {}, {}});
+      return out;
+    default:
+      for (std::size_t i = 0; i < term.contacts.size(); ++i) {
+        out.push_back(of_contact(term, p, term.contacts[i]));
+        out.back().name = copy_name(term, i, term.contacts.size());
+      }
+      return out;
+  }
+}
+
+}  // namespace manycontact::task

@@ -1,0 +1,33 @@
+#pragma once
+// The residuals, activations and bounds of a task's terms.
+
+#include "manycontact/action/constraint.hpp"
+#include "manycontact/action/cost.hpp"
+#include "manycontact/task/problem.hpp"
+
+namespace manycontact::task {
+
+/// What terms are made with.
+struct Parts {
+  const TaskFile& task;
+  std::shared_ptr<StateMultibody> state;
+  std::shared_ptr<ActuationModelAbstract> actuation;
+  std::shared_ptr<ContactModelMultiple> contacts;
+  std::size_t nu() const { return actuation->get_nu(); }
+};
+
+/// One of the residuals of a term: of one copy, or of all in one.
+struct Residual {
+  std::string name;  // the term's, with the copy's number when there are several
+  std::shared_ptr<ResidualModelAbstract> model;
+  int copies = 1;                // the term's numbers (weights, bounds) are repeated so often
+  Eigen::VectorXd lower, upper;  // of a cone
+};
+
+/// Throws std::invalid_argument where the term does not fit.
+std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& parts);
+
+void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
+void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
+
+}  // namespace manycontact::task

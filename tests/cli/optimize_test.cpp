@@ -1,0 +1,125 @@
+// optimize: the motion, its JSON, how it stops.
+
+#include <signal.h>
+
+#include "cli/program.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+class Optimize : public Program {
+ protected:
+  static std::string task(const std::string& name) { return model("tasks/" + name + ".xml"); }
+  nlohmann::json json() const { return nlohmann::json::parse(read_text(path("m.json")), nullptr, false); }
+  std::vector<std::string> words(const std::string& task_path, std::vector<std::string> more = {}) const {
+    std::vector<std::string> out{"optimize", task_path, "--out", path("m.csv"), "--json", path("m.json")};
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+  }
+  /// A task file beside the models', its text.
+  std::string edited(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string text = read_text(task(name));
+    for (const auto& [a, b] :
+         {std::pair<std::string, std::string>{from, to}, {"scene=\"", "scene=\"" + model("tasks/")}}) {
+      const std::size_t at = text.find(a);
+      EXPECT_NE(at, std::string::npos) << a;
+      text.replace(at, a.size(), b);
+    }
+    std::ofstream(path("task.xml")) << text;
+    return path("task.xml");
+  }
+};
+
+TEST_F(Optimize, WritesMotionReportAndSummary) {
+  const Outcome outcome = run(words(task("humanoid_reaches")));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "humanoid_reaches: fddp converged after");
+  expect_contains(outcome.out, "humanoid/left_hand");
+  expect_contains(outcome.out, "largest torques");
+  expect_contains(outcome.out, "contact forces");
+  const nlohmann::json j = json();
+  EXPECT_EQ(j["task"], "humanoid_reaches");
+  EXPECT_EQ(j["converged"], true);
+  EXPECT_EQ(j["reason"], "converged");
+  ASSERT_EQ(j["xs"].size(), 41u);
+  EXPECT_EQ(j["xs"][0].size(), 39u + 38);
+  ASSERT_EQ(j["us"].size(), 40u);
+  EXPECT_EQ(j["us"][0].size(), 32u);
+  EXPECT_EQ(lines_of(outcome.err).size(), j["iterations"].size() + 1);
+  for (const char* key : {"cost", "stop", "regularisation", "step_length", "gaps", "feasible"})
+    EXPECT_TRUE(j["iterations"][0].contains(key)) << key;
+  EXPECT_EQ(j["iterations"].back()["cost"], j["cost"]);
+  EXPECT_EQ(j["report"]["solver"], "fddp");
+  EXPECT_LT(j["report"]["kkt_residual"], 1e-6);
+  for (const char* key : {"calc", "calc_diff", "direction", "total"}) EXPECT_GT(j["report"]["time_us"][key], 0) << key;
+
+  const std::vector<std::string> rows = lines_of(read_text(path("m.csv")));
+  ASSERT_EQ(rows.size(), 42u);
+  EXPECT_EQ(rows[0].rfind("t,q:humanoid/root[0],", 0), 0u) << rows[0];
+  EXPECT_EQ(rows[41].rfind("0.8,", 0), 0u) << rows[41];
+  EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), 39 + 38 + 3 + 6);
+}
+
+TEST_F(Optimize, TasksOfModelsConvergeOnAnyNumberOfThreads) {
+  for (const char* name : {"quadruped_trots", "two_humanoids_lift_beam"}) {
+    std::string one;
+    for (const char* threads : {"1", "2"}) {
+      EXPECT_EQ(run(words(task(name), {"--threads", threads})).status, 0) << name;
+      EXPECT_LT(json()["report"]["kkt_residual"], 1e-6) << name;
+      const std::string csv = read_text(path("m.csv"));
+      if (one.empty()) one = csv;
+      EXPECT_EQ(csv, one) << name;
+    }
+  }
+}
+
+TEST_F(Optimize, EndsAfterTheIterationsAllowed) {
+  const Outcome outcome = run(words(edited("humanoid_reaches", "iterations=\"100\"", "iterations=\"2\"")));
+  EXPECT_EQ(outcome.status, 1);
+  expect_contains(outcome.out, "did not converge after 2 iterations");
+  EXPECT_EQ(json()["converged"], false);
+  EXPECT_EQ(json()["iterations"].size(), 2u);
+}
+
+// Ctrl-C: what was reached is written.
+TEST_F(Optimize, CanBeInterrupted) {
+  const std::string long_one = edited("two_humanoids_lift_beam", "tolerance=\"1e-11\"", "tolerance=\"1e-300\"");
+  const std::string err = path("progress.txt");
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::vector<std::string> list = words(long_one);
+    std::vector<char*> argv{const_cast<char*>(MANYCONTACT_BINARY)};
+    for (const std::string& word : list) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    if (!freopen("/dev/null", "w", stdout) || !freopen(err.c_str(), "w", stderr)) _exit(126);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  while (lines_of(read_text(err)).size() < 2 && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(json()["reason"], "interrupted");
+  EXPECT_EQ(lines_of(read_text(path("m.csv"))).size(), 62u);
+}
+
+TEST_F(Optimize, SaysWhatIsWrong) {
+  const std::string bad = edited("humanoid_reaches", "type=\"state\"", "type=\"stat\"");
+  const Outcome outcome = run(words(bad));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  expect_contains(outcome.err, "manycontact: " + bad + ":5: type of <cost> is 'stat'");
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"optimize", task("humanoid_reaches")},
+        {"optimize", "--out", path("m.csv")},
+        words(task("humanoid_reaches"), {"--solver", "newton"}),
+        words(task("humanoid_reaches"), {"--threads", "0"}),
+        {"optimize", task("humanoid_reaches"), "--out", "-", "--json", "-"},
+        {"optimize", task("humanoid_reaches"), "--out", path("no/folder/m.csv")}})
+    EXPECT_EQ(run(wrong).status, 2);
+}
+
+}  // namespace
+}  // namespace manycontact::cli

@@ -1,0 +1,94 @@
+// Hard constraints of tasks: met to 1e-8, at a point that satisfies the optimality conditions.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/task/augmented.hpp"
+#include "manycontact/task/optimize.hpp"
+
+namespace manycontact {
+namespace {
+
+const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
+
+// humanoid_reaches.xml with more terms in each phase, or in the terminal node.
+class Constraints : public testing::Test {
+ protected:
+  TaskFile with(const std::string& in_phases, const std::string& in_terminal) const {
+    std::ostringstream text;
+    text << std::ifstream(kTasks + "humanoid_reaches.xml").rdbuf();
+    std::string xml = text.str();
+    const auto insert = [&xml](const std::string& before, const std::string& what) {
+      for (std::size_t at = 0; (at = xml.find(before, at)) != std::string::npos; at += what.size() + before.size())
+        xml.insert(at, what);
+    };
+    insert("</phase>", in_phases);
+    insert("</terminal>", in_terminal);
+    xml.replace(xml.find("humanoid_scene.xml"), 18, kTasks + "humanoid_scene.xml");
+    const std::string path = testing::TempDir() + "manycontact_constraints.xml";
+    std::ofstream(path) << xml;
+    return read_task(path);
+  }
+  static Vec3<double> hand(const TaskFile& task, const Eigen::VectorXd& x) {
+    const Robot& robot = task.scene.scene.robots[0];
+    Kinematics<double> kin(*robot.model);
+    forward_kinematics<double>(*robot.model, robot.base, x.head(robot.model->nq), kin);
+    const Frame& frame = robot.model->frames[static_cast<std::size_t>(robot.model->find_frame("left_hand"))];
+    return frame_placement<double>(kin, robot.base, frame.joint, frame.placement).p;
+  }
+  static TaskSolution solved(TaskFile& task, TaskSolver solver = TaskSolver::kFddp) {
+    task.iterations = 300;
+    TaskProblem problem = make_problem(task);
+    return optimize(task, problem, {solver, 1, {}});
+  }
+};
+
+TEST_F(Constraints, AnEqualityOfTheTerminalNode) {
+  TaskFile task = with("",
+                       R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="0.45 0.3 1.1" lower="0 0 0" upper="0 0 0"/>)");
+  const TaskSolution s = solved(task);
+  EXPECT_TRUE(s.converged) << s.reason << " " << s.iterations.size() << " " << s.constraint_violation;
+  EXPECT_LE((hand(task, s.xs.back()) - Vec3<double>(0.45, 0.3, 1.1)).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_LE(s.kkt_residual, 1e-4);
+  EXPECT_GT(s.cost, 1);  // of the hand, which is elsewhere
+}
+
+TEST_F(Constraints, AnInequalityThatHoldsAndOneThatBinds) {
+  TaskFile task = with(R"(<constraint name="low" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="0 0 0" lower="-inf -inf 0" upper="0.45 inf inf"/>)",
+                       R"(<constraint name="low" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="0 0 0" lower="-inf -inf 0" upper="0.45 inf inf"/>)");
+  for (const TaskSolver solver : {TaskSolver::kFddp, TaskSolver::kBoxFddp}) {
+    const TaskSolution s = solved(task, solver);
+    EXPECT_TRUE(s.converged) << s.reason << " " << s.iterations.size() << " " << s.constraint_violation;
+    double furthest = 0;
+    for (const Eigen::VectorXd& x : s.xs) furthest = std::max(furthest, hand(task, x)[0]);
+    EXPECT_NEAR(furthest, 0.45, 1e-8);
+  }
+}
+
+TEST_F(Constraints, ThatHoldAnywayChangeNothing) {
+  TaskFile task = with(R"(<constraint name="low" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="0 0 0" lower="-inf -inf 0" upper="2 inf inf"/>)",
+                       "");
+  TaskFile free = read_task(kTasks + "humanoid_reaches.xml");
+  const TaskSolution a = solved(task), b = solved(free);
+  EXPECT_EQ(a.iterations.size(), b.iterations.size());
+  EXPECT_NEAR(a.cost, b.cost, 1e-12 * b.cost);
+}
+
+TEST_F(Constraints, ThatCannotHoldAreReported) {
+  TaskFile task = with("",
+                       R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="5 0 0" lower="0 0 0" upper="0 0 0"/>)");
+  const TaskSolution s = solved(task);
+  EXPECT_FALSE(s.converged);
+  EXPECT_GT(s.constraint_violation, 1);
+}
+
+}  // namespace
+}  // namespace manycontact
