@@ -120,13 +120,14 @@ double violation(const ShootingProblem& problem) {
   return worst;
 }
 
-// Until the constraints hold at a minimum; returns why it ended. The penalty rises where a round did not cut the
-// violation to a quarter.
+// Until the constraints hold at a minimum; returns why it ended. The penalty begins as weak as a running
+// cost of weight 1 and rises where a round did not cut the violation to a quarter.
 std::string solve_rounds(const TaskFile& task, const TaskProblem& guess, SolverDDP& solver, TaskSolution& out) {
   ShootingProblem& problem = *solver.get_problem();
   std::vector<Eigen::VectorXd> xs = guess.xs, us = guess.us;
   bool feasible = false;
-  double before = std::numeric_limits<double>::infinity(), penalty = 1;
+  double before = std::numeric_limits<double>::infinity(), penalty = task.step;
+  each_node(problem, [&](ActionModelAugmented& model, const ActionDataAbstract&) { model.set_penalty(penalty); });
   while (true) {
     const std::size_t left = static_cast<std::size_t>(task.iterations) - out.iterations.size();
     if (left == 0) return to_string(StopReason::kIterations);
