@@ -70,15 +70,20 @@ double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool 
   const KktPattern& p = *K.pattern;
   const std::size_t size = static_cast<std::size_t>(K.size()) * ld;
   double* B = work.B.data();
-  const auto correct_by = [&](std::vector<double>& R) {
+  const auto correct_by = [&](std::vector<double>& R, int first, int cols) {
     std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
-    factor.solve_panel(R.data(), ld, 0, ld, work.nonzero.data());
-    for (std::size_t k = 0; k < size; ++k) X[k] += R[k];
+    factor.solve_panel(R.data(), ld, first, cols, work.nonzero.data());
+    for (std::ptrdiff_t at = first; at < static_cast<std::ptrdiff_t>(size); at += ld)
+      for (int c = 0; c < cols; ++c) X[at + c] += R[at + c];
   };
   if (!judged) {
-    sparse::refine_unjudged(
-        1, [&] { sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, B, ld, ld); },
-        [&] { correct_by(work.B); });
+    constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
+    for (int c = 0; c < ld; c += kChunk) {
+      const int cols = std::min(kChunk, ld - c);
+      sparse::refine_unjudged(
+          1, [&] { sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B + c, ld, cols); },
+          [&] { correct_by(work.B, c, cols); });
+    }
     return 0;
   }
   const auto residual = [&] {
@@ -88,7 +93,8 @@ double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool 
     if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // what is left of least squares
     return column_error(K, ld, B, X, work.R.data(), work.sums);
   };
-  return sparse::refine(tolerance::kPanelSteps - 1, tolerance::kPanelRefined, residual, [&] { correct_by(work.R); })
+  return sparse::refine(tolerance::kPanelSteps - 1, tolerance::kPanelRefined, residual,
+                        [&] { correct_by(work.R, 0, ld); })
       .backward_error;
 }
 
