@@ -23,6 +23,11 @@ template <std::same_as<double> Scalar> using ActivationBoundsTpl = ActivationBou
 template <std::same_as<double> Scalar> using ActivationModelQuadraticBarrierTpl = ActivationModelQuadraticBarrier;
 template <std::same_as<double> Scalar> using ActivationModelWeightedQuadraticBarrierTpl = ActivationModelWeightedQuadraticBarrier;
 template <std::same_as<double> Scalar> using ActivationModelSmooth1NormTpl = ActivationModelSmooth1Norm;
+template <std::same_as<double> Scalar> using ActivationModelSmoothAbsTpl = ActivationModelSmoothAbs;
+template <std::same_as<double> Scalar> using ActivationModelSmooth2NormTpl = ActivationModelSmooth2Norm;
+template <std::same_as<double> Scalar> using ActivationModel2NormBarrierTpl = ActivationModel2NormBarrier;
+template <std::same_as<double> Scalar> using ActivationModelQuadFlatExpTpl = ActivationModelQuadFlatExp;
+template <std::same_as<double> Scalar> using ActivationModelQuadFlatLogTpl = ActivationModelQuadFlatLog;
 
 template <std::same_as<double> Scalar> using ActuationDataAbstractTpl = ActuationDataAbstract;
 template <std::same_as<double> Scalar> using ActuationModelAbstractTpl = ActuationModelAbstract;
