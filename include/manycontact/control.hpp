@@ -12,6 +12,7 @@
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/fddp.hpp"
 #include "manycontact/control/free_fwddyn.hpp"
+#include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"

@@ -5,11 +5,13 @@
 #include <concepts>
 
 #include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/action/impulse.hpp"
 #include "manycontact/action/num_diff.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
 #include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
 
 namespace manycontact {
@@ -42,6 +44,15 @@ template <std::same_as<double> Scalar> using FrictionConeTpl = FrictionCone;
 template <std::same_as<double> Scalar> using WrenchConeTpl = WrenchCone;
 template <std::same_as<double> Scalar> using CoPSupportTpl = CoPSupport;
 
+template <std::same_as<double> Scalar> using DataCollectorMultibodyInImpulseTpl = DataCollectorMultibodyInImpulse;
+template <std::same_as<double> Scalar> using ImpulseDataAbstractTpl = ImpulseDataAbstract;
+template <std::same_as<double> Scalar> using ImpulseDataMultipleTpl = ImpulseDataMultiple;
+template <std::same_as<double> Scalar> using ImpulseItemTpl = ImpulseItem;
+template <std::same_as<double> Scalar> using ImpulseModelAbstractTpl = ImpulseModelAbstract;
+template <std::same_as<double> Scalar> using ImpulseModel3DTpl = ImpulseModel3D;
+template <std::same_as<double> Scalar> using ImpulseModel6DTpl = ImpulseModel6D;
+template <std::same_as<double> Scalar> using ImpulseModelMultipleTpl = ImpulseModelMultiple;
+template <std::same_as<double> Scalar> using ResidualModelImpulseCoMTpl = ResidualModelImpulseCoM;
 template <std::same_as<double> Scalar> using ConstraintModelResidualTpl = ConstraintModelResidual;
 template <std::same_as<double> Scalar> using ConstraintModelAbstractTpl = ConstraintModelAbstract;
 template <std::same_as<double> Scalar> using ConstraintItemTpl = ConstraintItem;
