@@ -20,5 +20,6 @@
 #include "manycontact/control/shooting.hpp"
 #include "manycontact/control/solver.hpp"
 #include "manycontact/control/state_vector.hpp"
+#include "manycontact/control/timer.hpp"
 #include "manycontact/control/tpl.hpp"
 #include "manycontact/control/unicycle.hpp"

@@ -1,10 +1,9 @@
 // Impacts: by hand, against their equations and differences in quadruple precision, and against numerical twins.
 
-#include <Eigen/LU>
-
 #include "contact/scene_rows.hpp"
 #include "control/nodes.hpp"
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/kkt/dense.hpp"
 #include "support/allocations.hpp"
 
 namespace manycontact::test {
@@ -109,15 +108,16 @@ Terms terms_of(const Scene& scene, const VecX<Quad>& q) {
 // [v+; -Lambda], as the header has it.
 VecX<Quad> impact(const Scene& scene, const VecX<Quad>& q, const VecX<Quad>& v, double e, double delta) {
   const Terms t = terms_of(scene, q);
-  const Eigen::Index nv = scene.nv, nc = t.J.rows();
-  MatX<Quad> K = MatX<Quad>::Zero(nv + nc, nv + nc);
-  K.topLeftCorner(nv, nv) = t.M;
-  K.topRightCorner(nv, nc) = t.J.transpose();
-  K.bottomLeftCorner(nc, nv) = t.J;
-  K.bottomRightCorner(nc, nc).diagonal().setConstant(-Quad(delta));
-  VecX<Quad> b(nv + nc);
-  b << t.M * v, -Quad(e) * (t.J * v);
-  return K.partialPivLu().solve(b);
+  DenseKkt<Quad> kkt;
+  kkt.M = t.M;
+  kkt.J = t.J;
+  kkt.delta = delta;
+  factor(kkt);
+  MatX<Quad> vnext, Lambda;
+  solve<Quad>(kkt, MatX<Quad>(t.M * v), MatX<Quad>(-Quad(e) * (t.J * v)), vnext, Lambda);
+  VecX<Quad> out(scene.nv + Lambda.rows());
+  out << vnext, -Lambda;
+  return out;
 }
 
 struct Impulse_ {
