@@ -28,9 +28,9 @@ std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model) {
 }
 
 ImpulseModel3D::ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type)
-    : ImpulseModelAbstract("ImpulseModel3D", std::make_shared<ContactModel3D>(
-                                                 std::move(state), id, Eigen::Vector3d(Eigen::Vector3d::Zero()), type)) {
-}
+    : ImpulseModelAbstract(
+          "ImpulseModel3D",
+          std::make_shared<ContactModel3D>(std::move(state), id, Eigen::Vector3d(Eigen::Vector3d::Zero()), type)) {}
 
 ImpulseModel6D::ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type)
     : ImpulseModelAbstract("ImpulseModel6D",

@@ -30,8 +30,8 @@ void build(std::shared_ptr<crocoddyl::ActionModelAbstractTpl<Scalar>>& running,
       state, std::make_shared<crocoddyl::ResidualModelFramePlacementTpl<Scalar>>(
                  state, tool, crocoddyl::SE3<Scalar>{down, Vector3s(0.5, 0.2, 0.4)}));
   std::shared_ptr<CostModelAbstract> still = std::make_shared<CostModelResidual>(
-      state, std::make_shared<crocoddyl::ResidualModelFrameVelocityTpl<Scalar>>(
-                 state, tool, Vector6s(Vector6s::Zero()), crocoddyl::LOCAL_WORLD_ALIGNED));
+      state, std::make_shared<crocoddyl::ResidualModelFrameVelocityTpl<Scalar>>(state, tool, Vector6s(Vector6s::Zero()),
+                                                                                crocoddyl::LOCAL_WORLD_ALIGNED));
   std::shared_ptr<CostModelAbstract> rest =
       std::make_shared<CostModelResidual>(state, std::make_shared<crocoddyl::ResidualModelStateTpl<Scalar>>(state));
   std::shared_ptr<CostModelAbstract> torques =

@@ -30,8 +30,8 @@ struct ImpactProblem {
   explicit ImpactProblem(const RandomScene& of) : s(of), state(std::make_shared<StateMultibody>(of.scene)) {
     impulses = std::make_shared<ImpulseModelMultiple>(state);
     for (const Contact& contact : s.scene.contacts)
-      impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(std::make_shared<ContactModelOfScene>(
-                                             state, contact, state->get_nv())));
+      impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(
+                                             std::make_shared<ContactModelOfScene>(state, contact, state->get_nv())));
     costs = std::make_shared<CostModelSum>(state, 0);
     constraints = std::make_shared<ConstraintModelManager>(state, 0);
     x.resize(s.q.size() + s.v.size());
@@ -95,8 +95,7 @@ Terms terms_of(const Scene& scene, const VecX<Quad>& q) {
   }
   std::vector<int> order(scene.contacts.size());  // by name, as impulses stack
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return scene.contacts[a].name < scene.contacts[b].name; });
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return scene.contacts[a].name < scene.contacts[b].name; });
   for (int k : order) {
     const MatX<Quad> J = rows.J(k);
     t.J.conservativeResize(t.J.rows() + J.rows(), scene.nv);
@@ -264,8 +263,8 @@ TEST(Impact, OfRedundantCorners) {
   const auto state = std::make_shared<StateMultibody>(file.scene);
   const auto impulses = std::make_shared<ImpulseModelMultiple>(state);
   for (const Contact& contact : file.scene.contacts)
-    impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(std::make_shared<ContactModelOfScene>(
-                                           state, contact, state->get_nv())));
+    impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(
+                                           std::make_shared<ContactModelOfScene>(state, contact, state->get_nv())));
   ActionModelImpulseFwdDynamics model(state, impulses, std::make_shared<CostModelSum>(state, 0));
   std::mt19937 rng(3);
   Eigen::VectorXd x(state->get_nx()), none(0);
@@ -278,9 +277,10 @@ TEST(Impact, OfRedundantCorners) {
   for (const auto& [name, contact] : m.contacts->contacts)
     EXPECT_LT(size_of((contact->Jc * m.impact->vnext(contact->v_columns)).eval()), 1e-10);
   EXPECT_TRUE(data->Fx.allFinite());
-  EXPECT_LT(difference_of((data->Fx.bottomRightCorner(state->get_nv(), state->get_nv()) * x.tail(state->get_nv())).eval(),
-                          m.impact->vnext),
-            1e-9);  // v+ is linear in v
+  EXPECT_LT(
+      difference_of((data->Fx.bottomRightCorner(state->get_nv(), state->get_nv()) * x.tail(state->get_nv())).eval(),
+                    m.impact->vnext),
+      1e-9);  // v+ is linear in v
 }
 
 // ---- interface ----------------------------------------------------------------------------------------------------

@@ -38,7 +38,7 @@ struct DataCollector {
   PanelView panel(std::size_t island) const;
   std::vector<RowMajorMatrix> custom;  // per island, for a custom actuation
 
-  std::unique_ptr<Impact> impact;          // null but in an impulse
+  std::unique_ptr<Impact> impact;  // null but in an impulse
 
   /// At the x of the last calc.
   const Kinematics<double>& kinematics(int robot) const {

@@ -48,8 +48,7 @@ class ImpulseModel6D : public ImpulseModelAbstract {
 class ImpulseModelBetweenBodies : public ImpulseModelAbstract {
  public:
   ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
-                            FrameIndex to, const SE3<double>& offset = {},
-                            ReferenceFrame type = ReferenceFrame::kLocal,
+                            FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
 };
 
