@@ -97,6 +97,7 @@ bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMulti
 
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene) {
   const std::vector<int>& selection = actuation.selection();
+  if (selection.size() != actuation.get_nu()) return Actuation::kCustom;
   const auto is = [&](bool bases) {
     std::size_t k = 0;
     for (const Robot& robot : scene.robots)

@@ -1,5 +1,7 @@
 // From the scene's solution to the action's data.
 
+#include <algorithm>
+
 #include "fwddyn_steps.hpp"
 
 namespace manycontact::internal {
@@ -115,12 +117,12 @@ void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m) 
       out.col(v[k]) += d.X.col(d.q_first + k);
       out.col(nv + v[k]) += d.X.col(d.v_first + k);
     }
-    std::vector<int> place(nv, -1);  // row of tau in the island
-    for (std::size_t k = 0; k < v.size(); ++k) place[v[k]] = static_cast<int>(k);
     const auto add = [&](const Eigen::SparseMatrix<double>& B, Eigen::Index first) {
       for (Eigen::Index j = 0; j < B.outerSize(); ++j)
-        for (Eigen::SparseMatrix<double>::InnerIterator it(B, j); it; ++it)
-          if (place[it.row()] >= 0) out.col(first + j) += it.value() * by_tau.col(place[it.row()]);
+        for (Eigen::SparseMatrix<double>::InnerIterator it(B, j); it; ++it) {
+          const auto row = std::lower_bound(v.begin(), v.end(), static_cast<int>(it.row()));  // v ascends
+          if (row != v.end() && *row == it.row()) out.col(first + j) += it.value() * by_tau.col(row - v.begin());
+        }
     };
     add(m.actuation->dtau_dx, 0);
     add(m.actuation->dtau_du, 2 * nv);

@@ -79,6 +79,63 @@ TEST(Activations, DerivativesMatchDifferences) {
   }
 }
 
+// Activations of |r|, whose true Hessians are no diagonal matrices.
+std::vector<Case> cases_of_norm() {
+  return {{"smooth 2-norm", std::make_shared<ActivationModelSmooth2Norm>(5, 0.3)},
+          {"2-norm barrier", std::make_shared<ActivationModel2NormBarrier>(5, 2.5)},
+          {"2-norm barrier, true", std::make_shared<ActivationModel2NormBarrier>(5, 2.5, true)},
+          {"flat exp", std::make_shared<ActivationModelQuadFlatExp>(5, 1.7)},
+          {"flat log", std::make_shared<ActivationModelQuadFlatLog>(5, 1.7)}};
+}
+
+TEST(Activations, OfNormsMatchDifferences) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> draw(-2, 2);
+  const double step = 1e-6;
+  for (const Case& c : cases_of_norm()) {
+    const std::string name = c.name;
+    int inside = 0, outside = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+      Eigen::VectorXd r(5);
+      for (double& number : r) number = draw(rng);
+      const double d = r.norm();
+      if (std::abs(d - 2.5) < 10 * step) continue;
+      d < 2.5 ? ++inside : ++outside;
+      const auto data = c.model->createData();
+      data->Ar.setConstant(std::nan(""));
+      data->Arr.diagonal().setConstant(std::nan(""));
+      c.model->calc(data, r);
+      c.model->calcDiff(data, r);
+      Eigen::MatrixXd H(5, 5);
+      for (int i = 0; i < 5; ++i) {
+        const Eigen::VectorXd h = step * Eigen::VectorXd::Unit(5, i);
+        EXPECT_NEAR(data->Ar[i], (value(*c.model, r + h) - value(*c.model, r - h)) / (2 * step), 2e-8) << name;
+        H.col(i) = (gradient(*c.model, r + h) - gradient(*c.model, r - h)) / (2 * step);
+      }
+      Eigen::VectorXd expected = H.diagonal();
+      if (name == "smooth 2-norm")
+        expected.setConstant(r.dot(H * r) / (d * d));  // the smallest eigenvalue is along r
+      else if (name == "2-norm barrier")
+        expected = r.cwiseAbs2() / (d * d) * (d < 2.5 ? 1 : 0);
+      EXPECT_LT((data->Arr.diagonal() - expected).cwiseAbs().maxCoeff(), 2e-8) << name;
+    }
+    EXPECT_GT(inside, 5) << name;
+    EXPECT_GT(outside, 5) << name;
+  }
+}
+
+TEST(Activations, OfNormsByHand) {
+  const Eigen::VectorXd r = vector({0.3, 0, 0.4, 0, 0}), zero = Eigen::VectorXd::Zero(5);
+  EXPECT_DOUBLE_EQ(value(*cases_of_norm()[0].model, r), std::sqrt(0.3 + 0.25));
+  EXPECT_DOUBLE_EQ(value(*cases_of_norm()[1].model, r), 2);
+  EXPECT_DOUBLE_EQ(value(*cases_of_norm()[3].model, r), 1 - std::exp(-0.25 / 1.7));
+  EXPECT_DOUBLE_EQ(value(*cases_of_norm()[4].model, r), std::log(1 + 0.25 / 1.7));
+  EXPECT_EQ(value(*cases_of_norm()[1].model, 10 * r), 0);
+  EXPECT_EQ(gradient(*cases_of_norm()[1].model, zero), zero);  // the kink
+  EXPECT_EQ(value(*cases_of_norm()[3].model, zero), 0);
+  EXPECT_NE(value(*cases_of_norm()[3].model, 1e-12 * r), 0);  // no digits are lost near 0
+}
+
 TEST(Activations, ValuesByHand) {
   const Eigen::VectorXd r = vector({-1, 1, 3, 100, 0.2});
   EXPECT_DOUBLE_EQ(value(*cases()[0].model, r), (1 + 1 + 9 + 1e4 + 0.04) / 2);
@@ -129,8 +186,14 @@ TEST(Activations, MisuseIsRefused) {
   EXPECT_NE(refusal([] { ActivationBounds(vector({0}), vector({1}), std::nan("")); }), "");
   EXPECT_NE(refusal([] { ActivationModelWeightedQuadraticBarrier(bounds(), vector({1})); }), "");
   EXPECT_NE(refusal([] { ActivationModelSmooth1Norm(3, 0); }), "");
+  EXPECT_NE(refusal([] { ActivationModelSmooth2Norm(3, 0); }), "");
+  EXPECT_NE(refusal([] { ActivationModel2NormBarrier(3, -1); }), "");
+  EXPECT_NE(refusal([] { ActivationModelQuadFlatExp(3, 0); }), "");
+  EXPECT_NE(refusal([] { ActivationModelQuadFlatLog(3).set_alpha(std::nan("")); }), "");
   EXPECT_NE(refusal([] { ActivationModelWeightedQuad(vector({1, 2})).set_weights(vector({1})); }), "");
-  for (const Case& c : cases()) {
+  std::vector<Case> all = cases(), of_norm = cases_of_norm();
+  all.insert(all.end(), of_norm.begin(), of_norm.end());
+  for (const Case& c : all) {
     const auto data = c.model->createData();
     EXPECT_NE(refusal([&] {
                 c.model->calc(data, vector({1, 2}));

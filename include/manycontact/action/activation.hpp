@@ -102,5 +102,63 @@ class ActivationModelSmooth1Norm : public ActivationModelAbstract {
   double eps_;
 };
 using ActivationModelSmoothNorm1 = ActivationModelSmooth1Norm;
+using ActivationModelSmoothAbs = ActivationModelSmooth1Norm;
+
+/// sqrt(eps + |r|^2), eps > 0. Its Hessian's diagonal is the Hessian's smallest eigenvalue, eps / sqrt(eps + |r|^2)^3.
+/// (In Crocoddyl 3.0 eps is missing there.)
+class ActivationModelSmooth2Norm : public ActivationModelAbstract {
+ public:
+  explicit ActivationModelSmooth2Norm(std::size_t nr, double eps = 1);
+  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void print(std::ostream& os) const override;
+
+ private:
+  double eps_;
+};
+
+/// 1/2 (|r| - alpha)^2 where |r| < alpha, else zero; alpha >= 0. Hessian: the diagonal of the true one, or that of
+/// Gauss-Newton, r_i^2 / |r|^2. Where r = 0 it has a kink, and both derivatives are taken as zero (Crocoddyl: NaN).
+class ActivationModel2NormBarrier : public ActivationModelAbstract {
+ public:
+  explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false);
+  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  double get_alpha() const { return alpha_; }
+  void set_alpha(double alpha);
+  void print(std::ostream& os) const override;
+
+ private:
+  double alpha_;
+  bool true_hessian_;
+};
+
+/// 1 - exp(-|r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+class ActivationModelQuadFlatExp : public ActivationModelAbstract {
+ public:
+  explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1);
+  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  double get_alpha() const { return alpha_; }
+  void set_alpha(double alpha);
+  void print(std::ostream& os) const override;
+
+ private:
+  double alpha_;
+};
+
+/// log(1 + |r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+class ActivationModelQuadFlatLog : public ActivationModelAbstract {
+ public:
+  explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1);
+  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  double get_alpha() const { return alpha_; }
+  void set_alpha(double alpha);
+  void print(std::ostream& os) const override;
+
+ private:
+  double alpha_;
+};
 
 }  // namespace manycontact

@@ -17,6 +17,13 @@ struct IslandColumns {
   std::vector<int> u;  // in nu, ascending by robot
 };
 
+/// Of an impulse (control/impulse_fwddyn.hpp): the solution is that of its equations, which are at rest.
+struct Impact {
+  std::vector<Kinematics<double>> motion;  // per robot, at q and the velocity before
+  Eigen::VectorXd vnext;                   // nv: the velocity after
+  Eigen::MatrixXd dvnext_dx;               // nv x ndx: by calcDiff
+};
+
 struct DataCollector {
   DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
 
@@ -31,10 +38,16 @@ struct DataCollector {
   PanelView panel(std::size_t island) const;
   std::vector<RowMajorMatrix> custom;  // per island, for a custom actuation
 
-  const Kinematics<double>& kinematics(int robot) const { return kinematics_of(solution, robot); }
+  std::unique_ptr<Impact> impact;  // null but in an impulse
+
+  /// At the x of the last calc.
+  const Kinematics<double>& kinematics(int robot) const {
+    return impact ? impact->motion[robot] : kinematics_of(solution, robot);
+  }
   /// The contact model's data on this frame. Throws std::invalid_argument when there is none, or more than one.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who) const;
 };
 using DataCollectorAbstract = DataCollector;
+using DataCollectorMultibodyInImpulse = DataCollector;
 
 }  // namespace manycontact

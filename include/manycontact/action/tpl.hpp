@@ -5,11 +5,13 @@
 #include <concepts>
 
 #include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/action/impulse.hpp"
 #include "manycontact/action/num_diff.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
 #include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
 
 namespace manycontact {
@@ -23,6 +25,11 @@ template <std::same_as<double> Scalar> using ActivationBoundsTpl = ActivationBou
 template <std::same_as<double> Scalar> using ActivationModelQuadraticBarrierTpl = ActivationModelQuadraticBarrier;
 template <std::same_as<double> Scalar> using ActivationModelWeightedQuadraticBarrierTpl = ActivationModelWeightedQuadraticBarrier;
 template <std::same_as<double> Scalar> using ActivationModelSmooth1NormTpl = ActivationModelSmooth1Norm;
+template <std::same_as<double> Scalar> using ActivationModelSmoothAbsTpl = ActivationModelSmoothAbs;
+template <std::same_as<double> Scalar> using ActivationModelSmooth2NormTpl = ActivationModelSmooth2Norm;
+template <std::same_as<double> Scalar> using ActivationModel2NormBarrierTpl = ActivationModel2NormBarrier;
+template <std::same_as<double> Scalar> using ActivationModelQuadFlatExpTpl = ActivationModelQuadFlatExp;
+template <std::same_as<double> Scalar> using ActivationModelQuadFlatLogTpl = ActivationModelQuadFlatLog;
 
 template <std::same_as<double> Scalar> using ActuationDataAbstractTpl = ActuationDataAbstract;
 template <std::same_as<double> Scalar> using ActuationModelAbstractTpl = ActuationModelAbstract;
@@ -37,6 +44,15 @@ template <std::same_as<double> Scalar> using FrictionConeTpl = FrictionCone;
 template <std::same_as<double> Scalar> using WrenchConeTpl = WrenchCone;
 template <std::same_as<double> Scalar> using CoPSupportTpl = CoPSupport;
 
+template <std::same_as<double> Scalar> using DataCollectorMultibodyInImpulseTpl = DataCollectorMultibodyInImpulse;
+template <std::same_as<double> Scalar> using ImpulseDataAbstractTpl = ImpulseDataAbstract;
+template <std::same_as<double> Scalar> using ImpulseDataMultipleTpl = ImpulseDataMultiple;
+template <std::same_as<double> Scalar> using ImpulseItemTpl = ImpulseItem;
+template <std::same_as<double> Scalar> using ImpulseModelAbstractTpl = ImpulseModelAbstract;
+template <std::same_as<double> Scalar> using ImpulseModel3DTpl = ImpulseModel3D;
+template <std::same_as<double> Scalar> using ImpulseModel6DTpl = ImpulseModel6D;
+template <std::same_as<double> Scalar> using ImpulseModelMultipleTpl = ImpulseModelMultiple;
+template <std::same_as<double> Scalar> using ResidualModelImpulseCoMTpl = ResidualModelImpulseCoM;
 template <std::same_as<double> Scalar> using ConstraintModelResidualTpl = ConstraintModelResidual;
 template <std::same_as<double> Scalar> using ConstraintModelAbstractTpl = ConstraintModelAbstract;
 template <std::same_as<double> Scalar> using ConstraintItemTpl = ConstraintItem;

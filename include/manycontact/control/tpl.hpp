@@ -8,6 +8,7 @@
 #include "manycontact/control/diff_lqr.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/free_fwddyn.hpp"
+#include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"
 #include "manycontact/control/rk.hpp"
@@ -19,6 +20,8 @@ namespace manycontact {
 
 template <std::same_as<double> Scalar> using ActionDataAbstractTpl = ActionDataAbstract;
 template <std::same_as<double> Scalar> using ActionModelAbstractTpl = ActionModelAbstract;
+template <std::same_as<double> Scalar> using ActionDataImpulseFwdDynamicsTpl = ActionDataImpulseFwdDynamics;
+template <std::same_as<double> Scalar> using ActionModelImpulseFwdDynamicsTpl = ActionModelImpulseFwdDynamics;
 template <std::same_as<double> Scalar> using ActionModelLQRTpl = ActionModelLQR;
 template <std::same_as<double> Scalar> using ActionDataNumDiffTpl = ActionDataNumDiff;
 template <std::same_as<double> Scalar> using ActionModelNumDiffTpl = ActionModelNumDiff;

@@ -1,0 +1,90 @@
+#pragma once
+// Impulses by Crocoddyl's names and constructors, and their stack: which frames' velocities an impact stops (or turns
+// back). Each is the rows J of a contact at rest; the equations are solved by control/impulse_fwddyn.hpp.
+
+#include "manycontact/action/contact.hpp"
+
+namespace manycontact {
+
+/// Jc, f (the impulse on A, N s or N m s), df_dx; a0 = 0, and da0_dx is d(J w)/dq with w = v+ + e v held constant.
+using ImpulseDataAbstract = ContactDataAbstract;
+using ImpulseDataMultiple = ContactDataMultiple;
+
+class ImpulseModelAbstract {
+ public:
+  virtual ~ImpulseModelAbstract() = default;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
+  std::size_t get_nc() const { return contact_->get_nc(); }
+  std::size_t get_nu() const { return 0; }
+  FrameIndex get_id() const { return contact_->get_id(); }
+  ReferenceFrame get_type() const { return contact_->get_type(); }
+  void set_id(FrameIndex id) { contact_->set_id(id); }
+  void set_type(ReferenceFrame type) { contact_->set_type(type); }
+  /// Whose rows the impulse has.
+  const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
+  virtual void print(std::ostream& os) const;
+
+ protected:
+  ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact);
+  const char* name_;
+  std::shared_ptr<ContactModelAbstract> contact_;
+};
+std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);
+
+/// A point's velocity.
+class ImpulseModel3D : public ImpulseModelAbstract {
+ public:
+  ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
+};
+
+/// A frame's velocity.
+class ImpulseModel6D : public ImpulseModelAbstract {
+ public:
+  ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
+};
+
+/// The relative velocity of two bodies' frames, as ContactModelBetweenBodies has it: the jolt in what robots hold.
+class ImpulseModelBetweenBodies : public ImpulseModelAbstract {
+ public:
+  ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
+                            FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
+                            const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
+};
+
+struct ImpulseItem {
+  std::string name;
+  std::shared_ptr<ImpulseModelAbstract> impulse;
+  bool active = true;  // by changeImpulseStatus
+};
+
+/// The impulses of an action model, by name; their rows stack in the order of names.
+class ImpulseModelMultiple {
+ public:
+  using ImpulseModelContainer = std::map<std::string, std::shared_ptr<ImpulseItem>>;
+
+  explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);
+
+  /// Throw std::invalid_argument for a name that is taken (unknown), an impulse of another state.
+  void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
+  void removeImpulse(const std::string& name);
+  void changeImpulseStatus(const std::string& name, bool active);
+  bool getImpulseStatus(const std::string& name) const;
+
+  const std::shared_ptr<StateMultibody>& get_state() const { return contacts_->get_state(); }
+  const ImpulseModelContainer& get_impulses() const { return impulses_; }
+  std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
+  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all
+  const std::set<std::string>& get_active_set() const { return contacts_->get_active_set(); }
+  const std::set<std::string>& get_inactive_set() const { return contacts_->get_inactive_set(); }
+  /// Whose rows the impulses have.
+  const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
+  void print(std::ostream& os) const;
+
+ private:
+  ImpulseModelContainer impulses_;
+  std::shared_ptr<ContactModelMultiple> contacts_;
+};
+std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);
+
+}  // namespace manycontact

@@ -1,0 +1,127 @@
+#pragma once
+// An impact: the velocity jumps, the configuration stays, and there are no controls.
+//
+//     [ M  J^T     ] [   v+    ]   [   M v   ]
+//     [ J  -delta I] [ -Lambda ] = [ -e J v  ]        e = r_coeff, delta = JMinvJt_damping
+//
+// Interface of Crocoddyl's ActionModelImpulseFwdDynamics. In w = v+ + e v it is contact forward dynamics at rest,
+// without gravity, with torques (1 + e) M v:
+//
+//     [ M  J^T     ] [    w    ]   [ (1 + e) M v ]
+//     [ J  -delta I] [ -Lambda ] = [      0      ]
+//
+// and as such it is solved and differentiated, redundant impulses included.
+
+#include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/action/impulse.hpp"
+#include "manycontact/control/action_model.hpp"
+
+namespace manycontact {
+
+struct ActionDataImpulseFwdDynamics;
+namespace internal {
+class ImpactActuation;
+}
+
+class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
+ public:
+  using Base = ActionModelAbstract;
+  using Data = ActionDataImpulseFwdDynamics;
+  using ConstraintModelManager = manycontact::ConstraintModelManager;
+  using CostModelSum = manycontact::CostModelSum;
+  using ImpulseModelMultiple = manycontact::ImpulseModelMultiple;
+  using StateMultibody = manycontact::StateMultibody;
+
+  /// costs, constraints: of nu = 0. enable_force changes nothing: the impulses' derivatives are always computed.
+  /// Throws std::invalid_argument when the parts do not belong together, r_coeff or the damping are negative or not
+  /// finite.
+  ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
+                                std::shared_ptr<CostModelSum> costs, double r_coeff = 0, double JMinvJt_damping = 0,
+                                bool enable_force = false);
+  ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
+                                std::shared_ptr<CostModelSum> costs,
+                                std::shared_ptr<ConstraintModelManager> constraints, double r_coeff = 0,
+                                double JMinvJt_damping = 0, bool enable_force = false);
+
+  /// What the answer is worth is in the data's report(); a failed solve leaves NaN.
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  /// The velocity jumps here too, as in Crocoddyl; residuals of impulses are zero.
+  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  /// At the x of the last calc. Throw std::logic_error unless that calc was of the same kind, with the same costs and
+  /// constraints active.
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  /// Throws std::invalid_argument for residuals of controls or accelerations, which an impact does not have.
+  std::shared_ptr<ActionDataAbstract> createData() override;
+  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  /// Nothing to do: there are no controls.
+  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
+                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  void print(std::ostream& os) const override;
+
+  const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }
+  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }
+  const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
+  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }
+  const Multibody& get_model() const { return *multibody_->get_model(); }
+  /// nv; replaces the model's, for data at hand too.
+  const Eigen::VectorXd& get_armature() const { return dynamics_->get_armature(); }
+  void set_armature(const Eigen::VectorXd& armature);
+  double get_restitution_coefficient() const { return r_coeff_; }
+  void set_restitution_coefficient(double r_coeff);
+  double get_damping_factor() const { return dynamics_->get_damping_factor(); }
+  void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
+  /// Method and order of the solves, of data created from now on.
+  const Options& get_options() const { return dynamics_->get_options(); }
+  void set_options(const Options& options) { dynamics_->set_options(options); }
+
+  std::size_t get_nr() const override { return costs_->get_nr(); }
+  std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
+  std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
+  std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
+  std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
+  const Eigen::VectorXd& get_g_lb() const override { return constraints_ ? constraints_->get_lb() : g_lb_; }
+  const Eigen::VectorXd& get_g_ub() const override { return constraints_ ? constraints_->get_ub() : g_ub_; }
+  const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
+  const Eigen::VectorXd& get_g_ub_T() const override { return constraints_ ? constraints_->get_ub_T() : g_ub_; }
+
+ private:
+  friend Data;
+  void calc_impact(const char* where, Data& data, const ConstVectorRef& x) const;
+  void differentiate_impact(Data& data, internal::Stage stage) const;
+  void finish(Data& data, internal::Stage stage) const;
+  void copy_derivatives(Data& data) const;
+  void read_status(std::vector<bool>& status) const;
+  void lay_out(Data& data) const;
+  std::shared_ptr<StateMultibody> multibody_;
+  std::shared_ptr<ImpulseModelMultiple> impulses_;
+  std::shared_ptr<CostModelSum> costs_;
+  std::shared_ptr<ConstraintModelManager> constraints_;
+  std::shared_ptr<internal::ImpactActuation> actuation_;
+  std::shared_ptr<DifferentialActionModelContactFwdDynamics> dynamics_;  // at rest: u is v, xout is w
+  double r_coeff_ = 0;
+};
+
+struct ActionDataImpulseFwdDynamics : ActionDataAbstract {
+  explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);
+
+  std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
+  DataCollector* multibody;  // its: impulses by name in contacts, velocity after in impact
+  std::shared_ptr<CostDataSum> costs;
+  std::shared_ptr<ConstraintDataManager> constraints;
+  std::shared_ptr<DifferentialActionDataAbstract> terms;  // derivatives of costs and constraints
+  /// Status, rank, residuals of the last calc.
+  const Report& report() const { return dynamics->report(); }
+
+  // Kept by the model.
+  internal::Stage stage = internal::Stage::kFresh;
+  Eigen::VectorXd x_rest, v;       // [q; 0] and the velocity before, of the last calc
+  Eigen::VectorXd x;               // of the last calc
+  std::vector<bool> status;        // of the costs, then of the constraints, at the last calc
+  std::vector<bool> status_now;    // scratch
+  std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks are laid out for
+  std::vector<FrameIndex> frames;  // theirs then
+};
+
+}  // namespace manycontact

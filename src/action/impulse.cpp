@@ -1,0 +1,83 @@
+#include "manycontact/action/impulse.hpp"
+
+#include "named.hpp"
+
+namespace manycontact {
+
+namespace {
+constexpr const char* kWho = "ImpulseModelMultiple";
+}
+
+ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
+    : name_(name), contact_(std::move(contact)) {
+  contact_->set_gains(Eigen::Vector2d::Zero());  // an impact has no error to correct
+}
+
+void ImpulseModelAbstract::print(std::ostream& os) const {
+  const auto& frames = get_state()->get_model()->frames;
+  os << name_ << " {frame=" << frames[get_id()].name << ", type="
+     << (get_type() == LOCAL   ? "LOCAL"
+         : get_type() == WORLD ? "WORLD"
+                               : "LOCAL_WORLD_ALIGNED")
+     << "}";
+}
+
+std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+ImpulseModel3D::ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type)
+    : ImpulseModelAbstract(
+          "ImpulseModel3D",
+          std::make_shared<ContactModel3D>(std::move(state), id, Eigen::Vector3d(Eigen::Vector3d::Zero()), type)) {}
+
+ImpulseModel6D::ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type)
+    : ImpulseModelAbstract("ImpulseModel6D",
+                           std::make_shared<ContactModel6D>(std::move(state), id, SE3<double>{}, type)) {}
+
+ImpulseModelBetweenBodies::ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
+                                                     FrameIndex id, FrameIndex to, const SE3<double>& offset,
+                                                     ReferenceFrame type, const Eigen::Vector3d& axis)
+    : ImpulseModelAbstract("ImpulseModelBetweenBodies",
+                           std::make_shared<ContactModelBetweenBodies>(
+                               state, contact_type, id, to, offset, type, state ? state->get_nv() : 0,
+                               Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
+
+ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state) {
+  require(state != nullptr, kWho, "a state is expected, not a null pointer");
+  contacts_ = std::make_shared<ContactModelMultiple>(std::move(state));
+}
+
+void ImpulseModelMultiple::addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse,
+                                      bool active) {
+  internal::check_part(kWho, name, impulse, get_state(), 0);
+  internal::check_new(kWho, "impulse", impulses_, name);
+  contacts_->addContact(name, impulse->get_contact(), active);
+  impulses_[name] = std::make_shared<ImpulseItem>(ImpulseItem{name, impulse, active});
+}
+
+void ImpulseModelMultiple::removeImpulse(const std::string& name) {
+  impulses_.erase(internal::find_named(kWho, "impulse", impulses_, name));
+  contacts_->removeContact(name);
+}
+
+void ImpulseModelMultiple::changeImpulseStatus(const std::string& name, bool active) {
+  internal::find_named(kWho, "impulse", impulses_, name)->second->active = active;
+  contacts_->changeContactStatus(name, active);
+}
+
+bool ImpulseModelMultiple::getImpulseStatus(const std::string& name) const {
+  return internal::find_named(kWho, "impulse", impulses_, name)->second->active;
+}
+
+void ImpulseModelMultiple::print(std::ostream& os) const {
+  internal::print_parts(os, kWho, impulses_, [](std::ostream& out, const ImpulseItem& item) { out << *item.impulse; });
+}
+
+std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model) {
+  model.print(os);
+  return os;
+}
+
+}  // namespace manycontact
