@@ -27,8 +27,12 @@ void SolverSparse::allocateData() {
   xs_try_.resize(T + 1);
   us_try_.resize(T);
   for (std::size_t t = 0; t <= T; ++t) xs_try_[t].setZero(static_cast<Eigen::Index>(problem_->get_nx()));
-  for (std::size_t t = 0; t < T; ++t)
+  Vx_.assign(T + 1, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_ndx())));
+  k_.resize(T);
+  for (std::size_t t = 0; t < T; ++t) {
     us_try_[t].setZero(static_cast<Eigen::Index>(problem_->get_runningModels()[t]->get_nu()));
+    k_[t] = us_try_[t];
+  }
   parts_.clear();
   for (ShootingPart& part : separate(*problem_)) {
     part.problem->set_nthreads(1);
@@ -63,6 +67,10 @@ void SolverSparse::backwardPass() {
     own.dreg_ = dreg_;
     own.is_feasible_ = is_feasible_;
     own.backwardPass();
+    for (std::size_t t = 0; t < Vx_.size(); ++t) {
+      scatter(own.Vx_[t], own.part_.dx, Vx_[t]);
+      if (t < k_.size()) scatter(own.k_[t], own.part_.u[t], k_[t]);
+    }
   });
   sound_ = std::all_of(parts_.begin(), parts_.end(), [](const auto& own) { return own->sound_; });
 }

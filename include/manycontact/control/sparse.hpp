@@ -25,7 +25,8 @@ class SolverSparsePart : public SolverFDDP {
   ShootingPart part_;
 };
 
-/// What SolverDDP holds of the backward pass (get_K, get_Vxx, ...) is empty here: parts() have it.
+/// Of what SolverDDP holds of the backward pass, get_Vx and get_k are the whole's; get_K, get_Vxx and the others are
+/// empty: parts() have theirs.
 class SolverSparse : public SolverFDDP {
  public:
   /// Throws std::invalid_argument where nodes differ in their parts (see `separate`). A problem without
