@@ -20,9 +20,7 @@ void SolverSparse::each_part(Work&& work) {
 
 // Parts are made anew where nodes were replaced.
 void SolverSparse::allocateData() {
-  std::vector<std::shared_ptr<ActionDataAbstract>> nodes = problem_->get_runningDatas();
-  nodes.push_back(problem_->get_terminalData());
-  if (nodes == nodes_) return;
+  if (nodes_ == problem_->get_runningDatas() && terminal_ == problem_->get_terminalData()) return;
   const std::size_t T = problem_->get_T();
   xs_try_.resize(T + 1);
   us_try_.resize(T);
@@ -38,7 +36,8 @@ void SolverSparse::allocateData() {
     part.problem->set_nthreads(1);
     parts_.emplace_back(new SolverSparsePart(std::move(part)));
   }
-  nodes_ = std::move(nodes);
+  nodes_ = problem_->get_runningDatas();
+  terminal_ = problem_->get_terminalData();
 }
 
 double SolverSparse::calcDiff() {

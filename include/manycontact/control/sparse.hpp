@@ -56,7 +56,8 @@ class SolverSparse : public SolverFDDP {
   template <class Work>
   void each_part(Work&& work);
   std::vector<std::unique_ptr<SolverSparsePart>> parts_;
-  std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // that the parts were made of, the terminal one last
+  std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // that the parts were made of
+  std::shared_ptr<ActionDataAbstract> terminal_;
 };
 
 }  // namespace manycontact
