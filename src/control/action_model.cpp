@@ -8,19 +8,21 @@ namespace manycontact {
 
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
 
-ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model) {
-  const StateAbstract& state = *model->get_state();
-  const Eigen::Index ndx = state.get_ndx(), nu = model->get_nu();
-  const Eigen::Index ng = std::max(model->get_ng(), model->get_ng_T()),
-                     nh = std::max(model->get_nh(), model->get_nh_T());
-  xnext.setZero(state.get_nx());
-  Fx.setZero(ndx, ndx), Fu.setZero(ndx, nu);
+ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model, WithoutMatrices) {
+  xnext.setZero(model->get_state()->get_nx());
   r.setZero(model->get_nr());
+  g.setZero(std::max(model->get_ng(), model->get_ng_T()));
+  h.setZero(std::max(model->get_nh(), model->get_nh_T()));
+}
+
+ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model)
+    : ActionDataAbstract(model, WithoutMatrices{}) {
+  const Eigen::Index ndx = model->get_state()->get_ndx(), nu = model->get_nu();
+  Fx.setZero(ndx, ndx), Fu.setZero(ndx, nu);
   Lx.setZero(ndx), Lu.setZero(nu);
   Lxx.setZero(ndx, ndx), Lxu.setZero(ndx, nu), Luu.setZero(nu, nu);
-  g.setZero(ng), h.setZero(nh);
-  Gx.setZero(ng, ndx), Gu.setZero(ng, nu);
-  Hx.setZero(nh, ndx), Hu.setZero(nh, nu);
+  Gx.setZero(g.size(), ndx), Gu.setZero(g.size(), nu);
+  Hx.setZero(h.size(), ndx), Hu.setZero(h.size(), nu);
 }
 
 ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,

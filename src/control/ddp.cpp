@@ -6,8 +6,11 @@
 
 namespace manycontact {
 
-SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverAbstract(std::move(problem)) {
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), WithoutMatrices{}) {
   SolverDDP::allocateData();
+}
+
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices) : SolverAbstract(std::move(problem)) {
   for (int n = 0; n < 10; ++n) alphas_.push_back(std::ldexp(1, -n));
 }
 
@@ -29,6 +32,9 @@ void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
 void SolverDDP::allocateData() {
   const std::size_t T = problem_->get_T();
   const Eigen::Index nx = problem_->get_nx(), ndx = problem_->get_ndx();
+  for (const auto& data : problem_->get_runningDatas())
+    require(data->Fx.rows() == ndx, "SolverDDP",
+            "a node's data hold no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
   for (auto* states : {&xs_try_, &Vx_}) states->resize(T + 1);
   for (auto* vectors : {&us_try_, &dx_, &Qx_, &Qu_, &k_, &Quuk_}) vectors->resize(T);
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_}) matrices->resize(T);

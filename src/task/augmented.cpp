@@ -1,5 +1,7 @@
 #include "manycontact/task/augmented.hpp"
 
+#include "manycontact/control/parts.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -121,12 +123,26 @@ void ActionModelAugmented::update_multipliers(const ActionDataAbstract& data) {
   multipliers_ = static_cast<const ActionDataAugmented&>(data).outside;
 }
 
+namespace {
+
+// Of a node of parts, each part.
+std::shared_ptr<ActionModelAbstract> augmented_node(const std::shared_ptr<ActionModelAbstract>& model, bool terminal) {
+  const auto* whole = dynamic_cast<const ActionModelParts*>(model.get());
+  if (!whole) return std::make_shared<ActionModelAugmented>(model, terminal);
+  std::vector<ActionPart> parts = whole->get_parts();
+  for (ActionPart& part : parts) part.model = augmented_node(part.model, terminal);
+  auto out = std::make_shared<ActionModelParts>(whole->get_state(), whole->get_nu(), std::move(parts));
+  out->set_storage(whole->get_storage());
+  return out;
+}
+
+}  // namespace
+
 std::shared_ptr<ShootingProblem> augmented(const ShootingProblem& problem) {
   std::vector<std::shared_ptr<ActionModelAbstract>> running;
-  for (const auto& model : problem.get_runningModels())
-    running.push_back(std::make_shared<ActionModelAugmented>(model, false));
+  for (const auto& model : problem.get_runningModels()) running.push_back(augmented_node(model, false));
   return std::make_shared<ShootingProblem>(problem.get_x0(), running,
-                                           std::make_shared<ActionModelAugmented>(problem.get_terminalModel(), true));
+                                           augmented_node(problem.get_terminalModel(), true));
 }
 
 }  // namespace manycontact

@@ -1,11 +1,16 @@
 #include "manycontact/task/forces.hpp"
 
+#include <map>
+
 #include "manycontact/control/euler.hpp"
+#include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
 
 namespace manycontact {
 
 namespace {
+
+using Forces = std::map<std::string, Eigen::VectorXd>;
 
 const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbstract& data) {
   if (const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data))
@@ -14,15 +19,25 @@ const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbst
   return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*rk.differential[0]);
 }
 
+// By contact; of a node of parts, of all of them.
+void collect(const ActionDataAbstract& data, Forces& out) {
+  if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
+    for (const auto& part : whole->parts) collect(*part, out);
+    return;
+  }
+  for (const auto& [name, contact] : dynamics_of(data).multibody->contacts->contacts) out[name] = contact->f;
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> contact_forces(const TaskFile& task, const TaskProblem& problem, std::size_t t) {
   require(t < problem.problem->get_T(), "contact_forces", "a running node is expected");
-  const auto& data = dynamics_of(*problem.problem->get_runningDatas()[t]).multibody->contacts->contacts;
+  Forces forces;
+  collect(*problem.problem->get_runningDatas()[t], forces);
   std::vector<Eigen::VectorXd> out;
   for (const Contact& contact : task.scene.scene.contacts) {
-    const auto found = data.find(contact.name);
-    out.push_back(found == data.end() ? Eigen::VectorXd() : found->second->f);
+    const auto found = forces.find(contact.name);
+    out.push_back(found == forces.end() ? Eigen::VectorXd() : found->second);
   }
   return out;
 }

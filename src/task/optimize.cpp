@@ -6,6 +6,7 @@
 
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/fddp.hpp"
+#include "manycontact/control/sparse.hpp"
 #include "manycontact/task/augmented.hpp"
 
 namespace manycontact {
@@ -58,6 +59,12 @@ class Timed : public Base {
 
 // Of the last calc, without what augments it.
 double cost_of(const ActionModelAbstract& model, const ActionDataAbstract& data) {
+  if (const auto* parts = dynamic_cast<const ActionModelParts*>(&model)) {
+    double cost = 0;
+    for (std::size_t i = 0; i < parts->get_parts().size(); ++i)
+      cost += cost_of(*parts->get_parts()[i].model, *static_cast<const ActionDataParts&>(data).parts[i]);
+    return cost;
+  }
   return dynamic_cast<const ActionModelAugmented*>(&model) ? static_cast<const ActionDataAugmented&>(data).inner->cost
                                                            : data.cost;
 }
@@ -72,18 +79,18 @@ double total_cost(const ShootingProblem& problem) {
 // Keeps what each iteration did, and ends the solve where the caller says so.
 class Record : public CallbackAbstract {
  public:
-  Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)
-      : options_(options), iterations_(iterations) {}
+  Record(const TaskOptions& options, bool augmented, std::vector<TaskIteration>& iterations)
+      : options_(options), augmented_(augmented), iterations_(iterations) {}
 
   void operator()(SolverAbstract& solver) override {
-    const bool augmented = dynamic_cast<const ActionModelAugmented*>(solver.get_problem()->get_terminalModel().get());
-    iterations_.push_back({augmented ? total_cost(*solver.get_problem()) : solver.get_cost(), solver.get_stop(),
+    iterations_.push_back({augmented_ ? total_cost(*solver.get_problem()) : solver.get_cost(), solver.get_stop(),
                            solver.get_preg(), solver.get_steplength(), solver.get_ffeas(), solver.get_is_feasible()});
     if (options_.each && !options_.each(iterations_.back())) solver.interrupt();
   }
 
  private:
   const TaskOptions& options_;
+  bool augmented_;
   std::vector<TaskIteration>& iterations_;
 };
 
@@ -92,11 +99,15 @@ bool has_constraints(const TaskFile& task) {
          std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& p) { return !p.constraints.empty(); });
 }
 
-// What `auto` is.
-TaskSolver chosen(TaskSolver solver) { return solver == TaskSolver::kAuto ? TaskSolver::kFddp : solver; }
+// What `auto` is: sum n_i^3 operations where the whole scene takes (sum n_i)^3, n_i states of a part.
+TaskSolver chosen(TaskSolver solver, std::size_t parts) {
+  if (solver != TaskSolver::kAuto) return solver;
+  return parts > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
+}
 
 std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<ShootingProblem>& problem,
                                        Passes& passes) {
+  if (solver == TaskSolver::kSparse) return std::make_shared<Timed<SolverSparse>>(problem, passes);
   if (solver == TaskSolver::kBoxFddp) return std::make_shared<Timed<SolverBoxFDDP>>(problem, passes);
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
@@ -107,9 +118,12 @@ constexpr double kMostViolation = 5e-9, kMostPenalty = 1e8, kFirstTolerance = 1e
 
 template <class F>
 void each_node(const ShootingProblem& problem, const F& f) {
-  for (std::size_t t = 0; t < problem.get_T(); ++t)
-    f(dynamic_cast<ActionModelAugmented&>(*problem.get_runningModels()[t]), *problem.get_runningDatas()[t]);
-  f(dynamic_cast<ActionModelAugmented&>(*problem.get_terminalModel()), *problem.get_terminalData());
+  for (const ShootingPart& part : separate(problem)) {
+    const ShootingProblem& own = *part.problem;
+    for (std::size_t t = 0; t < own.get_T(); ++t)
+      f(dynamic_cast<ActionModelAugmented&>(*own.get_runningModels()[t]), *own.get_runningDatas()[t]);
+    f(dynamic_cast<ActionModelAugmented&>(*own.get_terminalModel()), *own.get_terminalData());
+  }
 }
 
 double violation(const ShootingProblem& problem) {
@@ -167,14 +181,8 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 
 }  // namespace
 
-std::string why_not(TaskSolver solver) {
-  return chosen(solver) == TaskSolver::kSparse ? "solver sparse is not built yet, expected fddp, box-fddp or auto" : "";
-}
-
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
-  const std::string why = why_not(options.solver);
-  if (!why.empty()) throw InputError(task.path, task.solver_line, why);
-  const TaskSolver type = chosen(options.solver);
+  const TaskSolver type = chosen(options.solver, problem.parts.size());
   const bool constrained = has_constraints(task);
   const std::shared_ptr<ShootingProblem> shooting = constrained ? augmented(*problem.problem) : problem.problem;
   shooting->set_nthreads(options.threads);
@@ -182,7 +190,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   TaskSolution out;
   const std::shared_ptr<SolverDDP> solver = make_solver(type, shooting, passes);
   solver->set_th_stop(task.tolerance);
-  solver->setCallbacks({std::make_shared<Record>(options, out.iterations)});
+  solver->setCallbacks({std::make_shared<Record>(options, constrained, out.iterations)});
 
   const auto start = Clock::now();
   if (constrained) {
@@ -198,6 +206,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   out.us = solver->get_us();
   out.solver = to_string(type);
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
+  if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) out.blocks = sparse->blocks();
   const bool limits = type == TaskSolver::kBoxFddp;
   out.kkt_residual =
       std::max(kkt_residual(*shooting, out.xs, out.us, multipliers_of(*solver), limits), out.constraint_violation);

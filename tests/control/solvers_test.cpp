@@ -207,6 +207,7 @@ TEST(Solvers, TakeNoMemoryInTheirIterations) {
   expect_none(SolverFDDP(problem));
   expect_none(SolverBoxDDP(problem));
   expect_none(SolverBoxFDDP(problem));
+  expect_none(SolverSparse(problem));
 }
 
 // ---- failure ------------------------------------------------------------------------------------------------------

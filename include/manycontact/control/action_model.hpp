@@ -12,9 +12,13 @@ namespace manycontact {
 
 class ActionModelAbstract;
 
+struct WithoutMatrices {};
+
 /// Sizes in terms of the model.
 struct ActionDataAbstract {
   explicit ActionDataAbstract(const ActionModelAbstract* model);
+  /// Derivatives stay empty: for data that keep them elsewhere.
+  ActionDataAbstract(const ActionModelAbstract* model, WithoutMatrices);
   virtual ~ActionDataAbstract() = default;
 
   double cost = 0;                // by calc

@@ -77,6 +77,8 @@ class SolverDDP : public SolverAbstract {
   void set_th_grad(double th_grad);                    // >= 0
 
  protected:
+  /// For solvers that keep the passes' memory elsewhere.
+  SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices);
   /// Sets up the candidate and the regularisation.
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
              double init_reg);

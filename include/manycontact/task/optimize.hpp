@@ -33,7 +33,7 @@ struct TaskSolution {
   std::vector<TaskIteration> iterations;
   std::vector<Eigen::VectorXd> xs, us;  // nodes + 1, nodes
   std::string solver;
-  std::vector<int> blocks;  // sizes of the matrices factorized at a node
+  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part
   double kkt_residual = 0;
   double constraint_violation = 0;  // largest over all nodes and rows
   TaskTimes times;
@@ -46,12 +46,10 @@ struct TaskOptions {
   std::function<bool(const TaskIteration&)> each = {};
 };
 
-/// Why the solver cannot be had; empty when it can.
-std::string why_not(TaskSolver solver);
-
-/// From the problem's guess, with the task's iterations and tolerance. Constraints are met by rounds of an augmented
-/// Lagrangian (augmented.hpp), to 5e-9. Throws InputError, with the line of the task's <solver>, where why_not says
-/// something. Numerical failure is no exception: `reason` says it.
+/// The problem is make_problem's for this solver: FDDP and Box-FDDP need nodes of the whole scene. kAuto: sparse where
+/// the problem has more than one part, else FDDP. From the problem's guess, with the task's iterations and tolerance.
+/// Constraints are met by rounds of an augmented Lagrangian (augmented.hpp), to 5e-9. Numerical failure is no
+/// exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
 /// The largest violation of the optimality conditions of a shooting problem (g and h are left out), at states, controls

@@ -18,10 +18,15 @@ struct TaskProblem {
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node
   std::shared_ptr<ShootingProblem> problem;
   std::vector<Eigen::VectorXd> xs, us;  // initial guess
+  std::vector<std::vector<int>> parts;  // robots of each part of the nodes; one: nodes of the whole scene
 };
 
-/// Throws InputError where a term does not fit the models, with the task's file and line.
+/// Nodes of the whole scene. Throws InputError where a term does not fit the models, with the task's file and line.
 TaskProblem make_problem(const TaskFile& task);
+
+/// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; so kAuto
+/// where there is more than one part.
+TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 
 /// Per running node, the index of its phase.
 std::vector<int> phase_of_node(const TaskFile& task);

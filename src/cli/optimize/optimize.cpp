@@ -67,10 +67,7 @@ int run_optimize(const Arguments& arguments) {
 
   const TaskFile task = read_task(path);
   const TaskSolver chosen = solver.value_or(task.solver);
-  const std::string why = why_not(chosen);
-  if (!why.empty() && solver) throw UsageError("--solver " + std::string(to_string(*solver)) + ": " + why);
-  if (!why.empty()) throw InputError(task.path, task.solver_line, why);
-  TaskProblem problem = make_problem(task);
+  TaskProblem problem = make_problem(task, chosen);
   check_writable(*out, "--out");
   if (json) check_writable(*json, "--json");
 

@@ -1,0 +1,106 @@
+// One iteration of FDDP over separate robots: derivatives of all nodes, direction, one step; the backward pass alone.
+// By parts (control/separate), and on nodes of the whole scene (control/dense).
+
+#include <benchmark/benchmark.h>
+
+#include "manycontact/control/sparse.hpp"
+#include "manycontact/task/problem.hpp"
+#include "scenes.hpp"
+#include "settings.hpp"
+
+namespace manycontact::bench {
+namespace {
+
+TaskTerm term(TaskResidual residual, double weight, int robots) {
+  TaskTerm out;
+  out.name = to_string(residual);
+  out.residual = residual;
+  out.weight = weight;
+  for (int r = 0; r < robots; ++r) out.robots.push_back(r);
+  return out;
+}
+
+// Robots on both feet that move their centres of mass.
+TaskFile task_of(int robots, int nodes) {
+  const Posed posed = bench::robots(robots);
+  TaskFile task;
+  task.scene.scene = posed.scene;
+  task.scene.q = posed.q;
+  task.scene.v = posed.v;
+  task.scene.u = posed.u;
+  task.step = 0.01;
+  TaskPhase phase;
+  phase.nodes = nodes;
+  phase.active.assign(posed.scene.contacts.size(), true);
+  phase.costs = {term(TaskResidual::kState, 1, robots), term(TaskResidual::kControl, 1e-3, robots),
+                 term(TaskResidual::kCom, 10, robots)};
+  phase.costs[2].reference = Eigen::Vector3d(0.05, 0, 0.8);
+  task.phases = {phase};
+  task.terminal = phase;
+  task.terminal.nodes = 0;
+  task.terminal.costs.erase(task.terminal.costs.begin() + 1);
+  return task;
+}
+
+// After a first iteration.
+template <class Solver>
+struct Started {
+  TaskProblem problem;
+  std::unique_ptr<Solver> solver;
+
+  Started(int robots, int nodes, TaskSolver type) : problem(make_problem(task_of(robots, nodes), type)) {
+    problem.problem->set_nthreads(1);
+    solver = std::make_unique<Solver>(problem.problem);
+    solver->solve(problem.xs, problem.us, 1);
+    restart();
+  }
+  void restart() {
+    solver->setCandidate(problem.xs, problem.us, false);
+    problem.problem->calc(problem.xs, problem.us);
+  }
+};
+
+template <class Solver>
+void iteration(benchmark::State& state, int robots, int nodes, TaskSolver type) {
+  Started<Solver> s(robots, nodes, type);
+  for (auto _ : state) {
+    s.solver->computeDirection(true);
+    benchmark::DoNotOptimize(s.solver->tryStep(1));
+    state.PauseTiming();
+    s.restart();
+    state.ResumeTiming();
+  }
+  state.counters["sound"] = s.solver->direction_is_sound();
+}
+
+template <class Solver>
+void backward(benchmark::State& state, int robots, int nodes, TaskSolver type) {
+  Started<Solver> s(robots, nodes, type);
+  s.solver->calcDiff();
+  for (auto _ : state) s.solver->backwardPass();
+  state.counters["sound"] = s.solver->direction_is_sound();
+}
+
+template <class Run>
+void add(const std::string& name, Run run) {
+  benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
+}
+
+const Registration registered([] {
+  for (const int robots : {1, 4, 16, 64}) {
+    if (settings().quick && robots != 1 && robots != 16) continue;
+    const std::string name = "control/separate/" + std::to_string(robots);
+    add(name + "/iteration", [=](benchmark::State& s) { iteration<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
+    add(name + "/backward", [=](benchmark::State& s) { backward<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
+  }
+  // Five nodes of the whole scene: ten times as long for the horizon of the others.
+  if (settings().quick) return;
+  for (const int robots : {1, 4, 16}) {
+    const std::string name = "control/dense_5_nodes/" + std::to_string(robots);
+    add(name + "/iteration", [=](benchmark::State& s) { iteration<SolverFDDP>(s, robots, 5, TaskSolver::kFddp); });
+    add(name + "/backward", [=](benchmark::State& s) { backward<SolverFDDP>(s, robots, 5, TaskSolver::kFddp); });
+  }
+});
+
+}  // namespace
+}  // namespace manycontact::bench

@@ -1,0 +1,63 @@
+#pragma once
+// FDDP on a problem whose nodes are ActionModelParts: robots that never meet have value functions of their own, so that
+// the direction and the feedback gains are block diagonal,
+//
+//     Vxx = diag(Vxx_1, Vxx_2, ...),    u_i = us_i - s k_i - K_i (x_i (-) xs_i),
+//
+// at the cost of each part's backward pass: N T n^3 for N robots of n states, where SolverFDDP's is T (N n)^3. Steps,
+// regularisation and stopping are those of the sums over the parts: iterates are SolverFDDP's on the whole problem, but
+// for rounding; of one part they are the same bits. Parts are worked on in parallel, over the problem's threads; the
+// numbers do not depend on how many.
+
+#include "manycontact/control/fddp.hpp"
+#include "manycontact/control/parts.hpp"
+
+namespace manycontact {
+
+/// A part's share: passes, gains, value function.
+class SolverSparsePart : public SolverFDDP {
+ public:
+  const ShootingPart& part() const { return part_; }
+
+ private:
+  friend class SolverSparse;
+  explicit SolverSparsePart(ShootingPart part) : SolverFDDP(part.problem), part_(std::move(part)) {}
+  ShootingPart part_;
+};
+
+/// Of what SolverDDP holds of the backward pass, get_Vx and get_k are the whole's; get_K, get_Vxx and the others are
+/// empty: parts() have theirs.
+class SolverSparse : public SolverFDDP {
+ public:
+  /// Throws std::invalid_argument where nodes differ in their parts (see `separate`). A problem without
+  /// ActionModelParts is one part.
+  explicit SolverSparse(std::shared_ptr<ShootingProblem> problem);
+
+  double calcDiff() override;
+  void backwardPass() override;
+  void forwardPass(double steplength) override;
+  const Eigen::Vector2d& expectedImprovement() override;
+  /// Of every part.
+  void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                  const std::shared_ptr<ActionDataAbstract>& data) override;
+  void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) override;
+  void computeGains(std::size_t t) override;
+  void allocateData() override;
+
+  const std::vector<std::unique_ptr<SolverSparsePart>>& parts() const { return parts_; }
+  /// Controls of each part: the sizes of the matrices Quu that are factorized at a node.
+  std::vector<int> blocks() const;
+
+ protected:
+  void prepareImprovement() override;
+
+ private:
+  void share_candidate();
+  template <class Work>
+  void each_part(Work&& work);
+  std::vector<std::unique_ptr<SolverSparsePart>> parts_;
+  std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // that the parts were made of
+  std::shared_ptr<ActionDataAbstract> terminal_;
+};
+
+}  // namespace manycontact

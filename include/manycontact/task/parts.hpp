@@ -1,0 +1,20 @@
+#pragma once
+// A task taken apart: robots that neither contacts nor costs join at any node have motions of their own.
+
+#include "manycontact/control/parts.hpp"
+#include "manycontact/io/task_file.hpp"
+
+namespace manycontact {
+
+/// Robots by parts, each ascending, in the order of their first ones. Joined: by a contact that is active in any phase;
+/// all of them by a centre of mass or a momentum of the whole scene.
+std::vector<std::vector<int>> separate_robots(const TaskFile& task);
+
+/// The task of these robots alone, with the contacts and terms that are about them. The robots are whole parts of
+/// separate_robots.
+TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
+
+/// Which coordinates of the scene's x, dx, u are these robots', in the order of part_of's scene. The model is left out.
+ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
+
+}  // namespace manycontact

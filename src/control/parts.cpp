@@ -1,0 +1,246 @@
+#include "manycontact/control/parts.hpp"
+
+#include <ostream>
+
+namespace manycontact {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using DataPtr = std::shared_ptr<ActionDataAbstract>;
+
+namespace {
+
+constexpr const char* kWho = "ActionModelParts";
+
+template <class Whole>
+void take(const Whole& whole, const std::vector<int>& index, VectorXd& part) {
+  part.resize(static_cast<Index>(index.size()));
+  for (std::size_t i = 0; i < index.size(); ++i) part[static_cast<Index>(i)] = whole[index[i]];
+}
+
+template <class Whole>
+void put(const VectorXd& part, const std::vector<int>& index, Whole&& whole) {
+  for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[static_cast<Index>(i)];
+}
+
+void put(const MatrixXd& part, const std::vector<int>& rows, const std::vector<int>& cols, MatrixXd& whole) {
+  for (std::size_t j = 0; j < cols.size(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      whole(rows[i], cols[j]) = part(static_cast<Index>(i), static_cast<Index>(j));
+}
+
+// Throws unless each of 0 ... size - 1 is in one of the lists.
+void check_cover(const char* what, std::size_t size, const std::vector<ActionPart>& parts,
+                 std::vector<int> ActionPart::*list) {
+  std::vector<bool> taken(size);
+  std::size_t count = 0;
+  for (const ActionPart& part : parts)
+    for (const int i : part.*list) {
+      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[static_cast<std::size_t>(i)], kWho,
+              std::string("a coordinate of ") + what + " that does not exist or is another's, one part's is expected");
+      taken[static_cast<std::size_t>(i)] = true;
+      ++count;
+    }
+  require(count == size, kWho, std::string("a coordinate of ") + what + " is no part's");
+}
+
+// The sum of a size over the parts.
+template <class Size>
+std::size_t total(const std::vector<ActionPart>& parts, Size size) {
+  std::size_t sum = 0;
+  for (const ActionPart& part : parts) {
+    require(part.model != nullptr, kWho, "a part's model is a null pointer");
+    sum += ((*part.model).*size)();
+  }
+  return sum;
+}
+
+// Vectors one after the other.
+template <class Get>
+void stack(std::size_t count, Get get, VectorXd& out) {
+  Index size = 0;
+  for (std::size_t i = 0; i < count; ++i) size += get(i).size();
+  out.resize(size);
+  Index first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const VectorXd& part = get(i);
+    out.segment(first, part.size()) = part;
+    first += part.size();
+  }
+}
+
+// The parts' matrices on the rows one after the other, each on its own columns.
+template <class Get>
+void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
+  Index row = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) row += get(i).rows();
+  out.setZero(row, out.cols());
+  row = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const MatrixXd& part = get(i);
+    const std::vector<int>& cols = parts[i].*columns;
+    for (std::size_t j = 0; j < cols.size(); ++j)
+      out.col(cols[j]).segment(row, part.rows()) = part.col(static_cast<Index>(j));
+    row += part.rows();
+  }
+}
+
+}  // namespace
+
+void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) { take(whole, index, part); }
+void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
+
+ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
+    : ActionModelAbstract(std::move(state), nu, 0, total(parts, &ActionModelAbstract::get_ng),
+                          total(parts, &ActionModelAbstract::get_nh), total(parts, &ActionModelAbstract::get_ng_T),
+                          total(parts, &ActionModelAbstract::get_nh_T)),
+      parts_(std::move(parts)) {
+  require(!parts_.empty(), kWho, "there is no part, one at least is expected");
+  check_cover("x", state_->get_nx(), parts_, &ActionPart::x);
+  check_cover("dx", state_->get_ndx(), parts_, &ActionPart::dx);
+  check_cover("u", nu, parts_, &ActionPart::u);
+  for (const ActionPart& part : parts_) {
+    const ActionModelAbstract& model = *part.model;
+    check_size(kWho, "a part's x", part.x.size(), model.get_state()->get_nx());
+    check_size(kWho, "a part's dx", part.dx.size(), model.get_state()->get_ndx());
+    check_size(kWho, "a part's u", part.u.size(), model.get_nu());
+    put(model.get_u_lb(), part.u, u_lb_);
+    put(model.get_u_ub(), part.u, u_ub_);
+  }
+  update_has_control_limits();
+  using Bound = const VectorXd& (ActionModelAbstract::*)() const;
+  const auto stack_bound = [&](Bound bound, VectorXd& out) {
+    stack(
+        parts_.size(), [&](std::size_t i) -> const VectorXd& { return ((*parts_[i].model).*bound)(); }, out);
+  };
+  stack_bound(&ActionModelAbstract::get_g_lb, g_lb_);
+  stack_bound(&ActionModelAbstract::get_g_ub, g_ub_);
+  stack_bound(&ActionModelAbstract::get_g_lb_T, g_lb_T_);
+  stack_bound(&ActionModelAbstract::get_g_ub_T, g_ub_T_);
+}
+
+void ActionModelParts::set_storage(MatrixStorage storage) {
+  require(storage != MatrixStorage::kBoth, "ActionModelParts::set_storage", "kDense or kSparse is expected");
+  storage_ = storage;
+}
+
+DataPtr ActionModelParts::createData() {
+  auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
+                                                : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
+  for (const ActionPart& part : parts_) {
+    data->parts.push_back(part.model->createData());
+    data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
+    data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.u.size())));
+  }
+  return data;
+}
+
+bool ActionModelParts::checkData(const DataPtr& data) {
+  const auto* own = dynamic_cast<const ActionDataParts*>(data.get());
+  if (!own || own->parts.size() != parts_.size()) return false;
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (!parts_[i].model->checkData(own->parts[i])) return false;
+  return true;
+}
+
+void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelParts::calc", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    take(x, parts_[i].x, d.x[i]);
+    take(u, parts_[i].u, d.u[i]);
+    parts_[i].model->calc(d.parts[i], d.x[i], d.u[i]);
+  }
+  collect_values(d);
+}
+
+void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelParts::calc", x);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    take(x, parts_[i].x, d.x[i]);
+    parts_[i].model->calc(d.parts[i], d.x[i]);
+  }
+  collect_values(d);
+}
+
+void ActionModelParts::collect_values(ActionDataParts& d) const {
+  d.cost = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    d.cost += d.parts[i]->cost;
+    put(d.parts[i]->xnext, parts_[i].x, d.xnext);
+  }
+  stack(
+      parts_.size(), [&](std::size_t i) -> const VectorXd& { return d.parts[i]->g; }, d.g);
+  stack(
+      parts_.size(), [&](std::size_t i) -> const VectorXd& { return d.parts[i]->h; }, d.h);
+}
+
+void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelParts::calcDiff", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    take(x, parts_[i].x, d.x[i]);
+    take(u, parts_[i].u, d.u[i]);
+    parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
+  }
+  collect_values(d);
+  if (d.Fx.size() > 0) collect_derivatives(d);
+}
+
+void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelParts::calcDiff", x);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    take(x, parts_[i].x, d.x[i]);
+    parts_[i].model->calcDiff(d.parts[i], d.x[i]);
+  }
+  collect_values(d);
+  if (d.Fx.size() > 0) collect_derivatives(d);
+}
+
+// What stands between parts is zero since createData.
+void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const ActionPart& p = parts_[i];
+    const ActionDataAbstract& from = *d.parts[i];
+    put(from.Fx, p.dx, p.dx, d.Fx);
+    put(from.Fu, p.dx, p.u, d.Fu);
+    put(from.Lx, p.dx, d.Lx);
+    put(from.Lu, p.u, d.Lu);
+    put(from.Lxx, p.dx, p.dx, d.Lxx);
+    put(from.Lxu, p.dx, p.u, d.Lxu);
+    put(from.Luu, p.u, p.u, d.Luu);
+  }
+  const auto data = [&](std::size_t i) -> const ActionDataAbstract& { return *d.parts[i]; };
+  stack(
+      parts_, &ActionPart::dx, [&](std::size_t i) -> const MatrixXd& { return data(i).Gx; }, d.Gx);
+  stack(
+      parts_, &ActionPart::u, [&](std::size_t i) -> const MatrixXd& { return data(i).Gu; }, d.Gu);
+  stack(
+      parts_, &ActionPart::dx, [&](std::size_t i) -> const MatrixXd& { return data(i).Hx; }, d.Hx);
+  stack(
+      parts_, &ActionPart::u, [&](std::size_t i) -> const MatrixXd& { return data(i).Hu; }, d.Hu);
+}
+
+void ActionModelParts::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
+                                   double tol) {
+  check("ActionModelParts::quasiStatic", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::quasiStatic", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].u.empty()) continue;
+    take(x, parts_[i].x, d.x[i]);
+    take(u, parts_[i].u, d.u[i]);
+    parts_[i].model->quasiStatic(d.parts[i], d.u[i], d.x[i], maxiter, tol);
+    put(d.u[i], parts_[i].u, u);
+  }
+}
+
+void ActionModelParts::print(std::ostream& os) const {
+  os << "ActionModelParts {";
+  for (std::size_t i = 0; i < parts_.size(); ++i) os << (i ? ", " : "") << *parts_[i].model;
+  os << "}";
+}
+
+}  // namespace manycontact

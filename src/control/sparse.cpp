@@ -1,0 +1,132 @@
+#include "manycontact/control/sparse.hpp"
+
+#include <algorithm>
+
+#include "nodes.hpp"
+
+namespace manycontact {
+
+using Eigen::VectorXd;
+
+SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem)
+    : SolverFDDP(std::move(problem), WithoutMatrices{}) {
+  SolverSparse::allocateData();
+}
+
+template <class Work>
+void SolverSparse::each_part(Work&& work) {
+  internal::each_node(problem_->get_nthreads(), parts_.size(), [&](std::size_t i) { work(*parts_[i]); });
+}
+
+// Parts are made anew where nodes were replaced.
+void SolverSparse::allocateData() {
+  if (nodes_ == problem_->get_runningDatas() && terminal_ == problem_->get_terminalData()) return;
+  const std::size_t T = problem_->get_T();
+  xs_try_.resize(T + 1);
+  us_try_.resize(T);
+  for (std::size_t t = 0; t <= T; ++t) xs_try_[t].setZero(static_cast<Eigen::Index>(problem_->get_nx()));
+  Vx_.assign(T + 1, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_ndx())));
+  k_.resize(T);
+  for (std::size_t t = 0; t < T; ++t) {
+    us_try_[t].setZero(static_cast<Eigen::Index>(problem_->get_runningModels()[t]->get_nu()));
+    k_[t] = us_try_[t];
+  }
+  parts_.clear();
+  for (ShootingPart& part : separate(*problem_)) {
+    part.problem->set_nthreads(1);
+    parts_.emplace_back(new SolverSparsePart(std::move(part)));
+  }
+  nodes_ = problem_->get_runningDatas();
+  terminal_ = problem_->get_terminalData();
+}
+
+double SolverSparse::calcDiff() {
+  SolverFDDP::calcDiff();
+  share_candidate();
+  return cost_;
+}
+
+// x0, xs, us and gaps.
+void SolverSparse::share_candidate() {
+  each_part([this](SolverSparsePart& own) {
+    const ShootingPart& part = own.part_;
+    gather(problem_->get_x0(), part.x, own.xnext_);
+    part.problem->set_x0(own.xnext_);
+    for (std::size_t t = 0; t < xs_.size(); ++t) {
+      gather(xs_[t], part.x, own.xs_[t]);
+      gather(fs_[t], part.dx, own.fs_[t]);
+      if (t < us_.size()) gather(us_[t], part.u[t], own.us_[t]);
+    }
+  });
+}
+
+void SolverSparse::backwardPass() {
+  each_part([this](SolverSparsePart& own) {
+    own.preg_ = preg_;
+    own.dreg_ = dreg_;
+    own.is_feasible_ = is_feasible_;
+    own.backwardPass();
+    for (std::size_t t = 0; t < Vx_.size(); ++t) {
+      scatter(own.Vx_[t], own.part_.dx, Vx_[t]);
+      if (t < k_.size()) scatter(own.k_[t], own.part_.u[t], k_[t]);
+    }
+  });
+  sound_ = std::all_of(parts_.begin(), parts_.end(), [](const auto& own) { return own->sound_; });
+}
+
+void SolverSparse::forwardPass(double steplength) {
+  each_part([=](SolverSparsePart& own) { own.forwardPass(steplength); });
+  cost_try_ = 0;
+  for (const auto& own : parts_) cost_try_ += own->cost_try_;  // NaN where one is
+  if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
+  each_part([this](SolverSparsePart& own) {  // no two write the same number
+    for (std::size_t t = 0; t < xs_try_.size(); ++t) {
+      scatter(own.xs_try_[t], own.part_.x, xs_try_[t]);
+      if (t < us_try_.size()) scatter(own.us_try_[t], own.part_.u[t], us_try_[t]);
+    }
+  });
+}
+
+void SolverSparse::prepareImprovement() {
+  each_part([](SolverSparsePart& own) { own.updateExpectedImprovement(); });
+  dg_ = dq_ = 0;
+  for (const auto& own : parts_) {
+    dg_ += own->dg_;
+    dq_ += own->dq_;
+  }
+}
+
+const Eigen::Vector2d& SolverSparse::expectedImprovement() {
+  each_part([](SolverSparsePart& own) { own.expectedImprovement(); });
+  d_.setZero();
+  for (const auto& own : parts_) d_ += own->d_;
+  return d_;
+}
+
+void SolverSparse::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&,
+                                              const std::shared_ptr<ActionDataAbstract>&) {
+  require(t < problem_->get_T(), "SolverSparse::computeActionValueFunction", "there is no such node");
+  each_part([=](SolverSparsePart& own) {
+    own.computeActionValueFunction(t, own.problem_->get_runningModels()[t], own.problem_->get_runningDatas()[t]);
+  });
+}
+void SolverSparse::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&) {
+  require(t < problem_->get_T(), "SolverSparse::computeValueFunction", "there is no such node");
+  each_part([=](SolverSparsePart& own) { own.computeValueFunction(t, own.problem_->get_runningModels()[t]); });
+}
+void SolverSparse::computeGains(std::size_t t) {
+  require(t < problem_->get_T(), "SolverSparse::computeGains", "there is no such node");
+  each_part([=](SolverSparsePart& own) { own.computeGains(t); });
+}
+
+std::vector<int> SolverSparse::blocks() const {
+  std::vector<int> out;
+  for (const auto& own : parts_) {
+    std::size_t nu = 0;
+    for (const auto& model : own->problem_->get_runningModels()) nu = std::max(nu, model->get_nu());
+    out.push_back(static_cast<int>(nu));
+  }
+  return out;
+}
+
+}  // namespace manycontact

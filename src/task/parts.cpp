@@ -1,0 +1,198 @@
+#include "manycontact/task/parts.hpp"
+
+#include <numeric>
+
+namespace manycontact {
+
+namespace {
+
+// The first of those joined to robot i, by halving paths.
+int first_joined(std::vector<int>& to, int i) {
+  while (to[static_cast<std::size_t>(i)] != i) {
+    int& next = to[static_cast<std::size_t>(i)];
+    next = to[static_cast<std::size_t>(next)];
+    i = next;
+  }
+  return i;
+}
+
+void join(std::vector<int>& to, int i, int j) {
+  i = first_joined(to, i);
+  j = first_joined(to, j);
+  to[static_cast<std::size_t>(std::max(i, j))] = std::min(i, j);
+}
+
+bool joins_all(const TaskTerm& term) {
+  return term.robots.empty() &&
+         (term.residual == TaskResidual::kCom || term.residual == TaskResidual::kCentroidalMomentum);
+}
+
+void join_of_phase(const Scene& scene, const TaskPhase& phase, std::vector<int>& to) {
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (phase.active[c] && contact.A.robot >= 0 && contact.B.robot >= 0) join(to, contact.A.robot, contact.B.robot);
+  }
+  for (const auto* terms : {&phase.costs, &phase.constraints})
+    for (const TaskTerm& term : *terms)
+      if (joins_all(term))
+        for (int r = 1; r < scene.nrobots(); ++r) join(to, 0, r);
+}
+
+void append(std::vector<int>& list, int first, int count) {
+  for (int i = 0; i < count; ++i) list.push_back(first + i);
+}
+
+// A part's robots and contacts: which they are in the whole scene, and where those of the whole are in the part, or -1.
+struct Share {
+  std::vector<int> robots, contacts, robot_at, contact_at;
+};
+
+Share share_of(const Scene& scene, const std::vector<int>& robots) {
+  Share out{robots, {}, std::vector<int>(scene.robots.size(), -1), std::vector<int>(scene.contacts.size(), -1)};
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    out.robot_at[static_cast<std::size_t>(robots[i])] = static_cast<int>(i);
+  const auto has = [&](int robot) { return robot < 0 || out.robot_at[static_cast<std::size_t>(robot)] >= 0; };
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (!has(scene.contacts[c].A.robot) || !has(scene.contacts[c].B.robot)) continue;
+    out.contact_at[c] = static_cast<int>(out.contacts.size());
+    out.contacts.push_back(static_cast<int>(c));
+  }
+  return out;
+}
+
+SceneFile scene_of(const SceneFile& whole, const Share& share) {
+  SceneFile out;
+  out.path = whole.path;
+  out.scene.name = whole.scene.name;
+  out.scene.gravity = whole.scene.gravity;
+  out.scene.damping = whole.scene.damping;
+  std::vector<int> q, v, u;
+  for (const int r : share.robots) {
+    const Robot& robot = whole.scene.robots[static_cast<std::size_t>(r)];
+    add_robot(out.scene, robot.name, robot.model, robot.base);
+    append(q, robot.idx_q, robot.model->nq);
+    append(v, robot.idx_v, robot.model->nv);
+    append(u, robot.idx_u, robot.model->nu());
+  }
+  if (!whole.moved.empty())
+    for (const int r : share.robots) out.moved.push_back(whole.moved[static_cast<std::size_t>(r)]);
+  out.q = whole.q(q);
+  out.v = whole.v(v);
+  out.u = whole.u(u);
+  for (const int c : share.contacts) {
+    Contact contact = whole.scene.contacts[static_cast<std::size_t>(c)];
+    for (Attachment* end : {&contact.A, &contact.B})
+      if (end->robot >= 0) end->robot = share.robot_at[static_cast<std::size_t>(end->robot)];
+    add_contact(out.scene, std::move(contact));
+  }
+  return out;
+}
+
+// A term of single coordinates of the whole scene, which has a number for each: those of the part's.
+TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share) {
+  const ActionPart at = coordinates_of(scene, share.robots);
+  std::vector<int> rows;
+  switch (term.residual) {
+    case TaskResidual::kState:
+      rows = at.dx;
+      break;
+    case TaskResidual::kControl:
+    case TaskResidual::kJointEffort:
+      rows = at.u;
+      break;
+    default:  // accelerations, and torques against gravity
+      rows.assign(at.dx.begin(), at.dx.begin() + static_cast<std::ptrdiff_t>(at.dx.size() / 2));
+  }
+  term.nr = static_cast<int>(rows.size());
+  if (term.reference.size() > 0)
+    term.reference = Eigen::VectorXd(term.reference(term.residual == TaskResidual::kState ? at.x : rows));
+  for (Eigen::VectorXd* numbers : {&term.weights, &term.lower, &term.upper})
+    if (numbers->size() > 0) *numbers = Eigen::VectorXd((*numbers)(rows));
+  return term;
+}
+
+std::vector<int> of_share(const std::vector<int>& whole, const std::vector<int>& at) {
+  std::vector<int> out;
+  for (const int i : whole)
+    if (at[static_cast<std::size_t>(i)] >= 0) out.push_back(at[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+// None where the term is about others.
+std::vector<TaskTerm> terms_of(const TaskTerm& term, const Scene& scene, const Share& share) {
+  if (joins_all(term)) return {term};
+  if (term.robots.empty() && term.contacts.empty()) return {of_part_of_scene(term, scene, share)};
+  TaskTerm own = term;
+  own.robots = of_share(term.robots, share.robot_at);
+  own.contacts = of_share(term.contacts, share.contact_at);
+  if (own.robots.empty() && own.contacts.empty()) return {};
+  return {own};
+}
+
+TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& share) {
+  TaskPhase out;
+  out.line = phase.line;
+  out.nodes = phase.nodes;
+  for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
+  for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
+    for (const TaskTerm& term : phase.*terms)
+      for (TaskTerm& own : terms_of(term, scene, share)) (out.*terms).push_back(std::move(own));
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
+  const Scene& scene = task.scene.scene;
+  std::vector<int> to(scene.robots.size());
+  std::iota(to.begin(), to.end(), 0);
+  for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, to);
+  join_of_phase(scene, task.terminal, to);
+  std::vector<std::vector<int>> parts;
+  std::vector<std::size_t> part_at(to.size());
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    const int first = first_joined(to, r);
+    if (first == r) {
+      part_at[static_cast<std::size_t>(r)] = parts.size();
+      parts.emplace_back();
+    }
+    parts[part_at[static_cast<std::size_t>(first)]].push_back(r);
+  }
+  return parts;
+}
+
+TaskFile part_of(const TaskFile& task, const std::vector<int>& robots) {
+  const Share share = share_of(task.scene.scene, robots);
+  TaskFile out;
+  out.path = task.path;
+  out.name = task.name;
+  out.scene = scene_of(task.scene, share);
+  out.step = task.step;
+  out.integrator = task.integrator;
+  for (const TaskPhase& phase : task.phases) out.phases.push_back(phase_of(phase, task.scene.scene, share));
+  out.terminal = phase_of(task.terminal, task.scene.scene, share);
+  out.solver_line = task.solver_line;
+  out.solver = task.solver;
+  out.iterations = task.iterations;
+  out.tolerance = task.tolerance;
+  out.guess = task.guess;
+  return out;
+}
+
+ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots) {
+  ActionPart out;
+  for (const int r : robots) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    append(out.x, robot.idx_q, robot.model->nq);
+    append(out.dx, robot.idx_v, robot.model->nv);
+    append(out.u, robot.idx_u, robot.model->nu());
+  }
+  for (const int r : robots) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    append(out.x, scene.nq + robot.idx_v, robot.model->nv);
+    append(out.dx, scene.nv + robot.idx_v, robot.model->nv);
+  }
+  return out;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,208 @@
+// The sparse solver on tasks of several robots: separate ones, and ones that contacts join for a while.
+
+#include "manycontact/control/sparse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/parts.hpp"
+#include "spatial/compare.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
+
+TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("manycontact_sparse_" + name);
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "scene.xml") << scene;
+  std::ofstream(folder / "task.xml") << "<task name='" << name << "' scene='scene.xml' step='0.01'>" << task
+                                     << "</task>";
+  return read_task((folder / "task.xml").string());
+}
+
+// Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
+std::string herd(int robots, const std::string& more = "") {
+  std::string out = "<scene name='herd'><robot name='herd' urdf='" + kModels +
+                    "quadruped.urdf' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
+                    "' arrange='circle' spacing='1'>";
+  for (const char* leg : {"LF", "RF", "LH", "RH"})
+    out += std::string("<joint name='") + leg + "_hip' q='0.7'/><joint name='" + leg + "_knee' q='-1.4'/>";
+  out += "</robot>";
+  for (const char* leg : {"LF", "RF", "LH", "RH"})
+    out += std::string("<contact name='") + leg + "' type='3d' frame='herd/" + leg + "_foot' gains='0 20'/>";
+  return out + more + "</scene>";
+}
+
+std::string repeated(const std::string& number, int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += number + " ";
+  return out;
+}
+
+// Terms of all kinds; they hold for every copy.
+std::string costs(const std::string& swing) {
+  return "<cost name='state' type='state' weight='1' robot='herd' weights='" + repeated("0.1", 6) +
+         repeated("0.5", 12) + repeated("0.2", 18) +
+         "'/>"
+         "<cost name='control' type='control' weight='1e-3'/>"
+         "<cost name='com' type='com' robot='herd' weight='10' reference='0.02 0.01 0.36'/>"
+         "<cost name='turn' type='frame_rotation' frame='herd/trunk' weight='5' quat_xyzw='0 0 0.05 0.99875'/>"
+         "<cost name='still' type='frame_velocity' frame='herd/trunk' reference_frame='local_world_aligned'"
+         " twist='0.1 0 0 0 0 0' weight='0.5'/>"
+         "<cost name='cone' type='friction_cone' contact='RF' mu='0.6' weight='1'/>" +
+         swing;
+}
+
+const std::string kSwing =
+    "<cost name='swing' type='frame_translation' frame='herd/LF_foot' xyz='0.3 0.2 0.08' weight='100'/>";
+const std::string kTerminal =
+    "<terminal><cost name='state' type='state' weight='10'/>"
+    "<cost name='reach' type='frame_translation' frame='herd/LF_foot' xyz='0.3 0.2 0.05' weight='50'/></terminal>";
+
+TaskFile separate_task(int robots) {
+  return task_of("separate" + std::to_string(robots), herd(robots),
+                 "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") +
+                     "</phase><phase nodes='6' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kTerminal);
+}
+
+// The first two hold each other in the middle, then let go; the third stands apart.
+TaskFile joined_task() {
+  return task_of("joined",
+                 herd(3,
+                      "<contact name='hold' type='3d' frame='herd0/LH_foot' to='herd1/RF_hip_link' gains='0 20'/>"
+                      "<contact name='never' type='3d' frame='herd1/LH_foot' to='herd2/trunk'/>"),
+                 "<phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) +
+                     "</phase><phase nodes='4' contacts='RF RH hold'>" +
+                     costs("<cost name='pull' type='contact_force' contact='hold' weight='1e-3' reference='1 2 3'/>") +
+                     "</phase><phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kTerminal);
+}
+
+void expect_dense_iterates(const TaskFile& task, std::size_t parts) {
+  TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  ASSERT_EQ(by_parts.parts.size(), parts);
+  for (std::size_t t = 0; t < whole.us.size(); ++t) EXPECT_LT(difference_of(by_parts.us[t], whole.us[t]), 1e-9);
+  const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
+  const TaskSolution sparse = optimize(task, by_parts, {TaskSolver::kSparse, 1, {}});
+  EXPECT_EQ(sparse.solver, "sparse");
+  EXPECT_EQ(sparse.blocks.size(), parts);
+  EXPECT_EQ(sparse.converged, dense.converged) << dense.reason << ", " << sparse.reason;
+  EXPECT_LT(sparse.kkt_residual, 2 * dense.kkt_residual + 1e-9);
+  ASSERT_EQ(sparse.iterations.size(), dense.iterations.size());
+  EXPECT_GE(dense.iterations.size(), 3u);
+  for (std::size_t k = 0; k < dense.iterations.size(); ++k) {
+    SCOPED_TRACE("iteration " + std::to_string(k));
+    const TaskIteration &s = sparse.iterations[k], &d = dense.iterations[k];
+    EXPECT_NEAR(s.cost, d.cost, 1e-9 * d.cost);
+    if (d.stop < 1e-6) continue;  // the business of rounding
+    EXPECT_NEAR(s.stop, d.stop, 1e-6 * d.stop);
+    EXPECT_EQ(s.step_length, d.step_length);
+    EXPECT_EQ(s.regularisation, d.regularisation);
+    EXPECT_EQ(s.feasible, d.feasible);
+    EXPECT_NEAR(s.gaps, d.gaps, 1e-9 * d.gaps + 1e-12);
+  }
+  for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(sparse.xs[t], dense.xs[t]), 1e-7);
+  for (std::size_t t = 0; t < dense.us.size(); ++t) EXPECT_LT(difference_of(sparse.us[t], dense.us[t]), 1e-6);
+}
+
+TEST(SparseTask, SeparateRobotsTakeTheStepsOfDenseRiccati) { expect_dense_iterates(separate_task(3), 3); }
+TEST(SparseTask, RobotsThatHoldEachOtherForAWhileTakeTheStepsOfDenseRiccati) {
+  expect_dense_iterates(joined_task(), 2);
+}
+
+// Steps k and gains K at one candidate with gaps.
+void expect_dense_direction(const TaskFile& task) {
+  const TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  SolverFDDP dense(whole.problem);
+  SolverSparse sparse(by_parts.problem);
+  std::mt19937 rng(1);
+  std::vector<Eigen::VectorXd> xs = whole.xs, us = whole.us;
+  for (Eigen::VectorXd& x : xs)
+    x = whole.state->integrate_x(x, random_vector(static_cast<int>(whole.state->get_ndx()), rng, 0.05));
+  for (Eigen::VectorXd& u : us) u += random_vector(static_cast<int>(u.size()), rng, 1);
+  for (SolverAbstract* solver : {static_cast<SolverAbstract*>(&dense), static_cast<SolverAbstract*>(&sparse)}) {
+    solver->setCandidate(xs, us, false);
+    solver->set_preg(1e-9);
+    solver->computeDirection(true);
+  }
+  ASSERT_TRUE(dense.direction_is_sound());
+  ASSERT_TRUE(sparse.direction_is_sound());
+  for (std::size_t t = 0; t < us.size(); ++t) {
+    Eigen::MatrixXd K = dense.get_K()[t];
+    const double largest = K.lpNorm<Eigen::Infinity>();
+    for (const auto& own : sparse.parts()) {
+      const ShootingPart& part = own->part();
+      EXPECT_LT(error_of(own->get_k()[t], Eigen::VectorXd(dense.get_k()[t](part.u[t]))), 1e-9) << t;
+      EXPECT_LT(error_of(own->get_K()[t], Eigen::MatrixXd(dense.get_K()[t](part.u[t], part.dx))), 1e-9) << t;
+      K(part.u[t], part.dx).setZero();
+    }
+    EXPECT_LT(K.lpNorm<Eigen::Infinity>(), 1e-9 * largest) << t;
+  }
+}
+
+TEST(SparseTask, DirectionsOfSeparateRobots) { expect_dense_direction(separate_task(2)); }
+TEST(SparseTask, DirectionsOfRobotsThatHoldEachOther) { expect_dense_direction(joined_task()); }
+
+TEST(SparseTask, PartsAreJoinedByContactsThatAreUsedAndByTermsOfAll) {
+  using Parts = std::vector<std::vector<int>>;
+  EXPECT_EQ(separate_robots(separate_task(4)), (Parts{{0}, {1}, {2}, {3}}));
+  EXPECT_EQ(separate_robots(joined_task()), (Parts{{0, 1}, {2}}));
+  const TaskFile all =
+      task_of("all", herd(3),
+              "<phase nodes='2' contacts='LF RF LH RH'><cost name='com' type='com' reference='0 0 0.3'/>"
+              "</phase>" +
+                  kTerminal);
+  EXPECT_EQ(separate_robots(all), (Parts{{0, 1, 2}}));
+}
+
+TEST(SparseTask, AutoTakesPartsWhereThereAreSome) {
+  const TaskFile task = separate_task(2);
+  TaskProblem problem = make_problem(task, TaskSolver::kAuto);
+  const TaskSolution solution = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
+  EXPECT_EQ(solution.solver, "sparse");
+  EXPECT_EQ(solution.blocks, (std::vector<int>{12, 12}));
+  const TaskFile one = separate_task(1);
+  problem = make_problem(one, TaskSolver::kAuto);
+  EXPECT_EQ(optimize(one, problem, {TaskSolver::kAuto, 1, {}}).solver, "fddp");
+}
+
+// Numbers that nodes hold in matrices.
+Eigen::Index numbers_of(const ActionDataAbstract& d) {
+  Eigen::Index count = d.Fx.size() + d.Fu.size() + d.Lxx.size() + d.Lxu.size() + d.Luu.size();
+  if (const auto* parts = dynamic_cast<const ActionDataParts*>(&d))
+    for (const auto& own : parts->parts) count += numbers_of(*own);
+  return count;
+}
+
+TEST(SparseTask, MemoryIsLinearInTheRobots) {
+  const auto count = [](int robots) {
+    return numbers_of(*make_problem(separate_task(robots), TaskSolver::kSparse).problem->get_runningDatas()[0]);
+  };
+  const Eigen::Index one = count(1);
+  EXPECT_GE(one, 2 * 36 * 36);
+  EXPECT_EQ(count(2), 2 * one);
+  EXPECT_EQ(count(5), 5 * one);
+}
+
+TEST(SparseTask, GivesTheSameBitsForAnyNumberOfThreads) {
+  const TaskFile task = joined_task();
+  std::vector<TaskSolution> solutions;
+  for (const int threads : {1, 2, 3}) {
+    TaskProblem problem = make_problem(task, TaskSolver::kSparse);
+    solutions.push_back(optimize(task, problem, {TaskSolver::kSparse, threads, {}}));
+  }
+  for (const TaskSolution& s : solutions) {
+    EXPECT_EQ(s.cost, solutions[0].cost);
+    EXPECT_TRUE(s.xs == solutions[0].xs);
+    EXPECT_TRUE(s.us == solutions[0].us);
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
