@@ -17,9 +17,10 @@ using internal::ConstraintRows;
 namespace {
 
 constexpr const char* kWho = "SolverAugmentedLagrangian";
-constexpr double kProgress = 0.25;  // of m by one minimisation, or the penalty grows
+constexpr double kProgress = 0.1;  // of m by one minimisation, or the penalty grows
+constexpr double kHoped = 0.3;     // of m by the next one, and what may be missed of that
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr std::size_t kPolishing = 10;  // iterations where reductions drown in the cost's rounding
+constexpr std::size_t kPolishing = 20;  // iterations where reductions drown in the cost's rounding
 constexpr int kPatience = 4;            // minimisations in a row that bring nothing
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
@@ -39,6 +40,12 @@ const std::shared_ptr<ActionDataAbstract>& data_at(const ShootingProblem& proble
 ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
   const ActionModelAbstract& model = *model_at(problem, t);
   return {model, internal::is_terminal(model, t, problem.get_T())};
+}
+
+// The reduction at which a minimisation may stop after one that left m: what is missed moves constraints by 0.09 m.
+double tolerance_after(double m, double rho, double smallest) {
+  const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
+  return 0.5 * rho * missed * missed;
 }
 
 // max that keeps NaN.
@@ -190,8 +197,7 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   merit_ = NAN;
   measureViolation();
   last_measure_ = best_kkt_ = std::numeric_limits<double>::infinity();
-  const double hoped = larger(th_constraint_, 0.1 * std::min(violation_, 1.0));
-  tolerance_ = std::max(th_stop_, 0.5 * rho_ * 0.01 * hoped * hoped);
+  tolerance_ = std::max(th_stop_, tolerance_after(violation_, rho_, th_constraint_));
 }
 
 void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
@@ -201,6 +207,7 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   inner_->set_th_stop(tolerance_);
   std::size_t most = maxiter - std::min(maxiter, total_);
   if (outer_ > 0 && tolerance_ < rounding) most = std::min(most, kPolishing);
+  moved_ = false;
   inner_->solve(xs_, us_, most, is_feasible_, init_reg);
   takeCandidate();
 }
@@ -217,6 +224,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
   if (inner_->get_cost() != merit_) {
+    moved_ = true;
     merit_ = inner_->get_cost();
     cost_ = 0;
     for (std::size_t t = 0; t <= problem_->get_T(); ++t) cost_ += data_at(*problem_, t)->cost;
@@ -282,9 +290,10 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   if (inner == StopReason::kNoDirection) return inner;
   if (!std::isfinite(measure_)) return StopReason::kNoStep;
   if (total_ >= maxiter) return StopReason::kIterations;
-  const bool progress = measure_ <= 0.5 * last_measure_ || kkt_ <= 0.5 * best_kkt_;
+  const bool progress = (last_measure_ > th_constraint_ && measure_ <= 0.5 * last_measure_) || kkt_ <= 0.5 * best_kkt_;
+  if (met && !moved_ && !progress && inner == StopReason::kNoStep) return inner;
   const bool grows = measure_ > th_constraint_ && rho_ < rho_max_;
-  stuck_ = progress || grows ? 0 : stuck_ + 1;
+  stuck_ = progress || grows || (met && inner == StopReason::kIterations) ? 0 : stuck_ + 1;
   if (stuck_ < kPatience) return StopReason::kNone;
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
@@ -295,9 +304,8 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   if (reason_ == StopReason::kConverged) return;
   const bool small = measure_ <= th_constraint_;
   if (!small && !(measure_ <= kProgress * last_measure_)) set_penalty(std::min(rho_ * rho_factor_, rho_max_));
-  const double hoped = larger(th_constraint_, 0.1 * std::min(measure_, 1.0));
-  tolerance_ = std::min(small ? 0.01 * tolerance_ : tolerance_, 0.5 * rho_ * 0.01 * hoped * hoped);
-  if (small) tolerance_ = std::min(tolerance_, th_stop_);
+  tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_) : tolerance_,
+                        tolerance_after(measure_, rho_, th_constraint_));
   tolerance_ = std::max(tolerance_, 1e-30);
   last_measure_ = measure_;
   best_kkt_ = std::min(best_kkt_, kkt_);

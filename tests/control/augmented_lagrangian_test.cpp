@@ -163,8 +163,8 @@ TEST(AugmentedLagrangian, AUnicyclePassesAGate) {
   for (const Case& c : {Case{y + 0.1, y + 0.5, -1},
                         {y - 0.5, y - 0.1, 1},
                         {y - 0.1, y + 0.1, 0},
-                        {-kInfinity, y - 0.2, 1},
-                        {y + 0.2, y + 0.2, -1}}) {
+                        {-kInfinity, y - 0.12, 1},
+                        {y + 0.12, y + 0.12, -1}}) {
     SCOPED_TRACE(testing::Message() << c.lower << " to " << c.upper);
     SolverAugmentedLagrangian solver(gated(std::make_shared<Gate>(c.lower, c.upper)));
     EXPECT_TRUE(solver.solve({}, {}, 200)) << to_string(solver.reason());
@@ -191,7 +191,7 @@ TEST(AugmentedLagrangian, MultipliersAreTheSlopeOfTheCost) {
     EXPECT_TRUE(solver->solve({}, {}, 200));
     return solver;
   };
-  constexpr double upper = -0.9, h = 1e-4;
+  constexpr double upper = -0.12, h = 1e-4;
   const double slope = (solved(upper + h)->get_cost() - solved(upper - h)->get_cost()) / (2 * h);
   const double y = solved(upper)->get_multipliers()[10][0];
   EXPECT_GT(y, 1);
@@ -224,7 +224,7 @@ TEST(AugmentedLagrangian, KeepsControlLimitsToo) {
 // ---- warm starts ----------------------------------------------------------------------------------------------------
 
 TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
-  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.9));
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
   SolverAugmentedLagrangian solver(problem);
   EXPECT_TRUE(solver.solve({}, {}, 200));
   const std::size_t first = solver.get_outer_iter();
@@ -245,7 +245,7 @@ TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
   EXPECT_EQ(solver.get_multipliers()[10].size(), 0);
   problem->set_x0(xs[1]);
   EXPECT_TRUE(solver.solve(xs, us, 200)) << to_string(solver.reason());
-  EXPECT_LE(solver.get_xs()[9][1], -0.9 + 1e-8);
+  EXPECT_LE(solver.get_xs()[9][1], -0.12 + 1e-8);
 }
 
 // ---- an arm ---------------------------------------------------------------------------------------------------------
@@ -373,7 +373,7 @@ TEST(AugmentedLagrangian, SaysThatConstraintsCannotBeMet) {
 }
 
 TEST(AugmentedLagrangian, SaysWhyItStopped) {
-  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.9));
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
   SolverAugmentedLagrangian solver(problem);
   EXPECT_EQ(solver.reason(), StopReason::kNone);
   EXPECT_FALSE(solver.solve({}, {}, 3));
@@ -413,7 +413,7 @@ TEST(AugmentedLagrangian, SaysWhyItStopped) {
 
 TEST(AugmentedLagrangian, RefusesMisuse) {
   EXPECT_THROW(SolverAugmentedLagrangian(nullptr), std::invalid_argument);
-  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.9));
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
   const auto wrong = [&](auto) { return std::make_shared<SolverFDDP>(problem); };
   EXPECT_THROW(SolverAugmentedLagrangian(problem, wrong), std::invalid_argument);
   SolverAugmentedLagrangian solver(problem);

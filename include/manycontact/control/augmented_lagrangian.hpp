@@ -2,12 +2,12 @@
 // Problems with the nodes' constraints g_lb <= g <= g_ub, h = 0, by the method of multipliers: an unconstrained solver
 // minimises the augmented Lagrangian (augmented_action.hpp) at fixed multipliers y and penalty rho; then
 //
-//     y <- y+,    rho <- 10 rho  where  m = max |y+ - y| / rho  fell by less than 4 times,
+//     y <- y+,    rho <- 10 rho  where  m = max |y+ - y| / rho  fell by less than 10 times,
 //
 // until violation and KKT residual are small (Andreani, Birgin, Martinez, Schuverdt, SIAM J. Optim. 18, 2007; Nocedal &
 // Wright 17.4). m is the violation, and for inequalities that do not bind the distance of y to zero. Since multipliers
 // converge, constraints are met to rounding at a moderate penalty. A minimisation stops where its expected reduction is
-// below rho/2 (0.1 m')^2, m' being the m hoped for next: what is missed then moves constraints by about 0.1 m'.
+// below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
@@ -100,7 +100,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {
   double violation_ = 0, kkt_ = 0;
   double measure_ = 0, last_measure_ = 0;  // m of the minimisation just done, of the one before
   double best_kkt_ = 0;
-  int stuck_ = 0;  // minimisations in a row that brought nothing
+  bool moved_ = false;  // the minimisation accepted a step
+  int stuck_ = 0;       // minimisations in a row that brought nothing
   std::size_t outer_ = 0, total_ = 0;
 };
 
