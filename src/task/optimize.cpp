@@ -103,7 +103,7 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<
 
 // ---- constraints: rounds of the augmented Lagrangian
 
-constexpr double kMostViolation = 1e-9, kMostPenalty = 1e8;
+constexpr double kMostViolation = 5e-9, kMostPenalty = 1e8, kFirstTolerance = 1e-4;
 
 template <class F>
 void each_node(const ShootingProblem& problem, const F& f) {
@@ -120,14 +120,17 @@ double violation(const ShootingProblem& problem) {
   return worst;
 }
 
-// Until the constraints hold at a minimum; returns why it ended. The penalty rises where a round did not cut the
-// violation to a quarter.
+// Until the constraints hold at a minimum; returns why it ended. The penalty begins as weak as a running
+// cost of weight 1 and rises where a round did not cut the violation to a quarter.
 std::string solve_rounds(const TaskFile& task, const TaskProblem& guess, SolverDDP& solver, TaskSolution& out) {
   ShootingProblem& problem = *solver.get_problem();
   std::vector<Eigen::VectorXd> xs = guess.xs, us = guess.us;
   bool feasible = false;
-  double before = std::numeric_limits<double>::infinity(), penalty = 1;
+  double before = std::numeric_limits<double>::infinity(), penalty = task.step, tolerance = kFirstTolerance;
+  each_node(problem, [&](ActionModelAugmented& model, const ActionDataAbstract&) { model.set_penalty(penalty); });
   while (true) {
+    tolerance = std::max(tolerance, task.tolerance);
+    solver.set_th_stop(tolerance);
     const std::size_t left = static_cast<std::size_t>(task.iterations) - out.iterations.size();
     if (left == 0) return to_string(StopReason::kIterations);
     const bool minimum = solver.solve(xs, us, left, feasible);
@@ -135,7 +138,8 @@ std::string solve_rounds(const TaskFile& task, const TaskProblem& guess, SolverD
     xs = solver.get_xs(), us = solver.get_us(), feasible = solver.get_is_feasible();
     problem.calc(xs, us);
     out.constraint_violation = violation(problem);
-    out.converged = minimum && out.constraint_violation <= kMostViolation;
+    out.converged = minimum && tolerance == task.tolerance && out.constraint_violation <= kMostViolation;
+    tolerance *= 0.1;
     if (minimum ? out.converged : reason != StopReason::kNoStep) return to_string(reason);
     const bool slow = !(out.constraint_violation <= 0.25 * before);
     if (slow && penalty >= kMostPenalty) return "constraints not met";

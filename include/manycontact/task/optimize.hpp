@@ -50,7 +50,7 @@ struct TaskOptions {
 std::string why_not(TaskSolver solver);
 
 /// From the problem's guess, with the task's iterations and tolerance. Constraints are met by rounds of an augmented
-/// Lagrangian (augmented.hpp), to 1e-9. Throws InputError, with the line of the task's <solver>, where why_not says
+/// Lagrangian (augmented.hpp), to 5e-9. Throws InputError, with the line of the task's <solver>, where why_not says
 /// something. Numerical failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
