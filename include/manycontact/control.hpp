@@ -3,6 +3,8 @@
 
 #include "manycontact/action.hpp"
 #include "manycontact/control/action_model.hpp"
+#include "manycontact/control/augmented_action.hpp"
+#include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
@@ -14,6 +16,7 @@
 #include "manycontact/control/free_fwddyn.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
+#include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"
 #include "manycontact/control/parts.hpp"

@@ -20,6 +20,8 @@ const char* to_string(StopReason reason) {
       return "no step";
     case StopReason::kInterrupted:
       return "interrupted";
+    case StopReason::kInfeasible:
+      return "constraints cannot be met";
   }
   return "?";
 }

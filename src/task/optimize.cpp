@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
+#include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/fddp.hpp"
 #include "manycontact/control/sparse.hpp"
-#include "manycontact/task/augmented.hpp"
 
 namespace manycontact {
 
 namespace {
+
+// Of tasks with constraints that converged.
+constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 using Clock = std::chrono::steady_clock;
 
@@ -57,47 +59,22 @@ class Timed : public Base {
   Passes& passes_;
 };
 
-// Of the last calc, without what augments it.
-double cost_of(const ActionModelAbstract& model, const ActionDataAbstract& data) {
-  if (const auto* parts = dynamic_cast<const ActionModelParts*>(&model)) {
-    double cost = 0;
-    for (std::size_t i = 0; i < parts->get_parts().size(); ++i)
-      cost += cost_of(*parts->get_parts()[i].model, *static_cast<const ActionDataParts&>(data).parts[i]);
-    return cost;
-  }
-  return dynamic_cast<const ActionModelAugmented*>(&model) ? static_cast<const ActionDataAugmented&>(data).inner->cost
-                                                           : data.cost;
-}
-
-double total_cost(const ShootingProblem& problem) {
-  double cost = cost_of(*problem.get_terminalModel(), *problem.get_terminalData());
-  for (std::size_t t = 0; t < problem.get_T(); ++t)
-    cost += cost_of(*problem.get_runningModels()[t], *problem.get_runningDatas()[t]);
-  return cost;
-}
-
 // Keeps what each iteration did, and ends the solve where the caller says so.
 class Record : public CallbackAbstract {
  public:
-  Record(const TaskOptions& options, bool augmented, std::vector<TaskIteration>& iterations)
-      : options_(options), augmented_(augmented), iterations_(iterations) {}
+  Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)
+      : options_(options), iterations_(iterations) {}
 
   void operator()(SolverAbstract& solver) override {
-    iterations_.push_back({augmented_ ? total_cost(*solver.get_problem()) : solver.get_cost(), solver.get_stop(),
-                           solver.get_preg(), solver.get_steplength(), solver.get_ffeas(), solver.get_is_feasible()});
+    iterations_.push_back({solver.get_cost(), solver.get_stop(), solver.get_preg(), solver.get_steplength(),
+                           solver.get_ffeas(), solver.get_is_feasible()});
     if (options_.each && !options_.each(iterations_.back())) solver.interrupt();
   }
 
  private:
   const TaskOptions& options_;
-  bool augmented_;
   std::vector<TaskIteration>& iterations_;
 };
-
-bool has_constraints(const TaskFile& task) {
-  return !task.terminal.constraints.empty() ||
-         std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& p) { return !p.constraints.empty(); });
-}
 
 // What `auto` is: sum n_i^3 operations where the whole scene takes (sum n_i)^3, n_i states of a part.
 TaskSolver chosen(TaskSolver solver, std::size_t parts) {
@@ -110,60 +87,6 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<
   if (solver == TaskSolver::kSparse) return std::make_shared<Timed<SolverSparse>>(problem, passes);
   if (solver == TaskSolver::kBoxFddp) return std::make_shared<Timed<SolverBoxFDDP>>(problem, passes);
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
-}
-
-// ---- constraints: rounds of the augmented Lagrangian
-
-constexpr double kMostViolation = 5e-9, kMostPenalty = 1e8, kFirstTolerance = 1e-4;
-
-template <class F>
-void each_node(const ShootingProblem& problem, const F& f) {
-  for (const ShootingPart& part : separate(problem)) {
-    const ShootingProblem& own = *part.problem;
-    for (std::size_t t = 0; t < own.get_T(); ++t)
-      f(dynamic_cast<ActionModelAugmented&>(*own.get_runningModels()[t]), *own.get_runningDatas()[t]);
-    f(dynamic_cast<ActionModelAugmented&>(*own.get_terminalModel()), *own.get_terminalData());
-  }
-}
-
-double violation(const ShootingProblem& problem) {
-  double worst = 0;
-  each_node(problem, [&](const ActionModelAugmented& model, const ActionDataAbstract& data) {
-    worst = std::max(worst, model.violation(data));
-  });
-  return worst;
-}
-
-// Until the constraints hold at a minimum; returns why it ended. The penalty begins as weak as a running
-// cost of weight 1 and rises where a round did not cut the violation to a quarter.
-std::string solve_rounds(const TaskFile& task, const TaskProblem& guess, SolverDDP& solver, TaskSolution& out) {
-  ShootingProblem& problem = *solver.get_problem();
-  std::vector<Eigen::VectorXd> xs = guess.xs, us = guess.us;
-  bool feasible = false;
-  double before = std::numeric_limits<double>::infinity(), penalty = task.step, tolerance = kFirstTolerance;
-  each_node(problem, [&](ActionModelAugmented& model, const ActionDataAbstract&) { model.set_penalty(penalty); });
-  while (true) {
-    tolerance = std::max(tolerance, task.tolerance);
-    solver.set_th_stop(tolerance);
-    const std::size_t left = static_cast<std::size_t>(task.iterations) - out.iterations.size();
-    if (left == 0) return to_string(StopReason::kIterations);
-    const bool minimum = solver.solve(xs, us, left, feasible);
-    const StopReason reason = solver.reason();
-    xs = solver.get_xs(), us = solver.get_us(), feasible = solver.get_is_feasible();
-    problem.calc(xs, us);
-    out.constraint_violation = violation(problem);
-    out.converged = minimum && tolerance == task.tolerance && out.constraint_violation <= kMostViolation;
-    tolerance *= 0.1;
-    if (minimum ? out.converged : reason != StopReason::kNoStep) return to_string(reason);
-    const bool slow = !(out.constraint_violation <= 0.25 * before);
-    if (slow && penalty >= kMostPenalty) return "constraints not met";
-    if (slow) penalty *= 10;
-    before = out.constraint_violation;
-    each_node(problem, [&](ActionModelAugmented& model, const ActionDataAbstract& data) {
-      model.update_multipliers(data);
-      model.set_penalty(penalty);
-    });
-  }
 }
 
 // Gradients of the value function at the candidate. (Those of a plain adjoint recursion, without the feedback, would
@@ -183,34 +106,45 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
   const TaskSolver type = chosen(options.solver, problem.parts.size());
-  const bool constrained = has_constraints(task);
-  const std::shared_ptr<ShootingProblem> shooting = constrained ? augmented(*problem.problem) : problem.problem;
-  shooting->set_nthreads(options.threads);
+  if (type == TaskSolver::kSparse && has_constraints(task))
+    throw InputError(task.path, task.solver_line,
+                     "sparse imposes no constraints; expected fddp, box-fddp or auto where there are some");
+  problem.problem->set_nthreads(options.threads);
   Passes passes;
   TaskSolution out;
-  const std::shared_ptr<SolverDDP> solver = make_solver(type, shooting, passes);
-  solver->set_th_stop(task.tolerance);
-  solver->setCallbacks({std::make_shared<Record>(options, constrained, out.iterations)});
-
-  const auto start = Clock::now();
-  if (constrained) {
-    out.reason = solve_rounds(task, problem, *solver, out);
-  } else {
-    out.converged = solver->solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
-    out.reason = to_string(solver->reason());
-  }
-  const double total = us_since(start);
-  out.times = times_of(passes, shooting->get_T());
-  out.times.total = total;
-  out.xs = solver->get_xs();
-  out.us = solver->get_us();
   out.solver = to_string(type);
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
-  if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) out.blocks = sparse->blocks();
-  const bool limits = type == TaskSolver::kBoxFddp;
-  out.kkt_residual =
-      std::max(kkt_residual(*shooting, out.xs, out.us, multipliers_of(*solver), limits), out.constraint_violation);
-  out.cost = problem.problem->calc(out.xs, out.us);
+  const auto make = [&](const std::shared_ptr<ShootingProblem>& shooting) {
+    return make_solver(type, shooting, passes);
+  };
+  const auto solve = [&](SolverAbstract& solver) {
+    solver.set_th_stop(task.tolerance);
+    solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
+    const auto start = Clock::now();
+    out.converged = solver.solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
+    out.times = times_of(passes, problem.problem->get_T());
+    out.times.total = us_since(start);
+    out.reason = to_string(solver.reason());
+    out.xs = solver.get_xs();
+    out.us = solver.get_us();
+    out.cost = solver.get_cost();
+  };
+  if (has_constraints(task)) {
+    SolverAugmentedLagrangian solver(problem.problem, make);
+    solver.set_penalty_init(task.step);  // as a running cost of weight 1
+    solver.set_th_constraint(kMostViolation);
+    solver.set_th_kkt(kMostResidual);
+    solve(solver);
+    out.constraint_violation = solver.get_violation();
+    out.outer_iterations = solver.get_outer_iter();
+    out.kkt_residual = solver.get_kkt_residual();
+  } else {
+    const std::shared_ptr<SolverDDP> solver = make(problem.problem);
+    solve(*solver);
+    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) out.blocks = sparse->blocks();
+    out.kkt_residual =
+        kkt_residual(*problem.problem, out.xs, out.us, multipliers_of(*solver), type == TaskSolver::kBoxFddp);
+  }
   return out;
 }
 

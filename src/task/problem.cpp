@@ -1,5 +1,7 @@
 #include "manycontact/task/problem.hpp"
 
+#include <algorithm>
+
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/task/parts.hpp"
@@ -149,8 +151,13 @@ void finish_by_parts(const TaskFile& task, TaskProblem& out) {
 
 }  // namespace
 
+bool has_constraints(const TaskFile& task) {
+  return !task.terminal.constraints.empty() ||
+         std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& p) { return !p.constraints.empty(); });
+}
+
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver) {
-  const bool by_parts = solver == TaskSolver::kSparse || solver == TaskSolver::kAuto;
+  const bool by_parts = (solver == TaskSolver::kSparse || solver == TaskSolver::kAuto) && !has_constraints(task);
   std::vector<std::vector<int>> parts;
   if (by_parts) parts = separate_robots(task);
   if (parts.size() <= 1) return make_problem(task);

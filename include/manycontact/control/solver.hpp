@@ -24,6 +24,7 @@ enum class StopReason {
   kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
   kNoStep,       // no step of a direction was accepted up to the largest regularisation
   kInterrupted,  // interrupt() was called
+  kInfeasible,   // constraints are not met, and at the largest penalty come no closer
 };
 const char* to_string(StopReason reason);
 

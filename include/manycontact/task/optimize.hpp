@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/control/solver.hpp"
+#include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/task/problem.hpp"
 
 namespace manycontact {
@@ -35,7 +35,8 @@ struct TaskSolution {
   std::string solver;
   std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part
   double kkt_residual = 0;
-  double constraint_violation = 0;  // largest over all nodes and rows
+  double constraint_violation = 0;   // largest over all nodes and rows
+  std::size_t outer_iterations = 0;  // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
 };
 
@@ -48,21 +49,9 @@ struct TaskOptions {
 
 /// The problem is make_problem's for this solver: FDDP and Box-FDDP need nodes of the whole scene. kAuto: sparse where
 /// the problem has more than one part, else FDDP. From the problem's guess, with the task's iterations and tolerance.
-/// Constraints are met by rounds of an augmented Lagrangian (augmented.hpp), to 5e-9. Numerical failure is no
-/// exception: `reason` says it.
+/// Constraints are met to 1e-9 by SolverAugmentedLagrangian around FDDP or Box-FDDP, with a KKT residual below 1e-6
+/// then. Throws InputError, with the line of the task's <solver>, where sparse is asked for and there are constraints.
+/// Numerical failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
-
-/// The largest violation of the optimality conditions of a shooting problem (g and h are left out), at states, controls
-/// and multipliers l_0 ... l_T of the dynamics:
-///
-///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
-///     stationarity in x  lx_t + fx_t^T l_(t+1) - l_t,  lx_T - l_T
-///     stationarity in u  lu_t + fu_t^T l_(t+1)
-///
-/// Where the problem has limits on controls and they are used, the last is u - min(max(u - that, u_lb), u_ub). The
-/// nodes are evaluated, with derivatives, at xs, us. Infinite where a number is not finite.
-double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
-                    const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
-                    bool limits);
 
 }  // namespace manycontact

@@ -24,8 +24,11 @@ struct TaskProblem {
 /// Nodes of the whole scene. Throws InputError where a term does not fit the models, with the task's file and line.
 TaskProblem make_problem(const TaskFile& task);
 
+/// Whether any node has constraints.
+bool has_constraints(const TaskFile& task);
+
 /// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; so kAuto
-/// where there is more than one part.
+/// where there is more than one part. With constraints always nodes of the whole scene.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 
 /// Per running node, the index of its phase.

@@ -24,6 +24,7 @@ Json report(const TaskSolution& s) {
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
       {"constraint_violation", s.constraint_violation},
+      {"outer_iterations", s.outer_iterations},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };
 }

@@ -1,0 +1,108 @@
+#pragma once
+// Problems with the nodes' constraints g_lb <= g <= g_ub, h = 0, by the method of multipliers: an unconstrained solver
+// minimises the augmented Lagrangian (augmented_action.hpp) at fixed multipliers y and penalty rho; then
+//
+//     y <- y+,    rho <- 10 rho  where  m = max |y+ - y| / rho  fell by less than 10 times,
+//
+// until violation and KKT residual are small (Andreani, Birgin, Martinez, Schuverdt, SIAM J. Optim. 18, 2007; Nocedal &
+// Wright 17.4). m is the violation, and for inequalities that do not bind the distance of y to zero. Since multipliers
+// converge, constraints are met to rounding at a moderate penalty. A minimisation stops where its expected reduction is
+// below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m.
+//
+// In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
+// after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
+
+#include <functional>
+
+#include "manycontact/control/augmented_action.hpp"
+#include "manycontact/control/ddp.hpp"
+#include "manycontact/control/kkt_residual.hpp"
+
+namespace manycontact {
+
+class SolverAugmentedLagrangian : public SolverAbstract {
+ public:
+  /// The unconstrained solver, of a problem it is given.
+  using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
+  /// By SolverBoxFDDP where a model has control limits, else by SolverFDDP.
+  explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
+  SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
+  ~SolverAugmentedLagrangian() override;
+  SolverAugmentedLagrangian(const SolverAugmentedLagrangian&) = delete;
+  SolverAugmentedLagrangian& operator=(const SolverAugmentedLagrangian&) = delete;
+
+  /// Starts from the multipliers and the penalty at hand: those of the last solve, or as set. maxiter: iterations of
+  /// all minimisations together. True when converged: violation <= get_th_constraint(), KKT residual <= get_th_kkt()
+  /// and the stopping value < get_th_stop().
+  bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
+             const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
+             bool is_feasible = false, double init_reg = NAN) override;
+  /// Those of the unconstrained solver, on the augmented Lagrangian.
+  void computeDirection(bool recalc = true) override { inner_->computeDirection(recalc); }
+  double tryStep(double steplength = 1) override { return inner_->tryStep(steplength); }
+  double stoppingCriteria() override { return stop_ = inner_->stoppingCriteria(); }
+  const Eigen::Vector2d& expectedImprovement() override { return d_ = inner_->expectedImprovement(); }
+  void resizeData() override;
+
+  /// Of each node's [g; h] (T + 1 vectors, empty where there are none): >= 0 at an upper bound, <= 0 at a lower one.
+  std::vector<Eigen::VectorXd> get_multipliers() const;
+  /// Throws std::invalid_argument where sizes do not fit.
+  void set_multipliers(const std::vector<Eigen::VectorXd>& multipliers);
+  /// Of the dynamics, as in kkt_residual: after a solve.
+  const std::vector<Eigen::VectorXd>& get_dynamics_multipliers() const { return inner_->get_Vx(); }
+  /// Forgets multipliers and penalty.
+  void reset();
+  /// The problem's circularAppend; multipliers move with their nodes, those of the new one are zero.
+  void circularAppend(std::shared_ptr<ActionModelAbstract> model);
+
+  const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }
+  double get_violation() const { return violation_; }    // largest, after a solve
+  double get_kkt_residual() const { return kkt_; }       // after a solve
+  std::size_t get_outer_iter() const { return outer_; }  // minimisations done by the last solve
+  double get_penalty() const { return rho_; }
+  double get_penalty_init() const { return rho_init_; }
+  double get_penalty_factor() const { return rho_factor_; }
+  double get_penalty_max() const { return rho_max_; }
+  double get_th_constraint() const { return th_constraint_; }
+  double get_th_kkt() const { return th_kkt_; }
+  /// Throw std::invalid_argument for numbers out of range.
+  void set_penalty(double penalty);              // > 0
+  void set_penalty_init(double penalty);         // > 0; of new solvers, and after reset()
+  void set_penalty_factor(double factor);        // > 1
+  void set_penalty_max(double penalty);          // > 0
+  void set_th_constraint(double th_constraint);  // > 0
+  void set_th_kkt(double th_kkt);                // > 0
+
+ private:
+  class Relay;  // the unconstrained solver's callback
+  using Node = std::shared_ptr<ActionModelAugmentedLagrangian>;
+  void decorate();
+  bool is_decorated() const;
+  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
+             bool is_feasible);
+  void minimise(std::size_t maxiter, double init_reg);
+  void takeCandidate();
+  void reportIteration();
+  void measureViolation();
+  void assess();
+  StopReason judge(std::size_t maxiter);
+  void updateMultipliers();
+
+  std::shared_ptr<ShootingProblem> augmented_;
+  std::shared_ptr<SolverDDP> inner_;
+  std::vector<Node> nodes_;              // T + 1, null without constraints
+  std::vector<Eigen::VectorXd> y_next_;  // T + 1
+  Eigen::VectorXd gap_;
+  bool limits_ = false;  // on controls, and the unconstrained solver heeds them
+  double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
+  double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
+  double tolerance_ = 0;  // of the minimisation at hand
+  double violation_ = 0, kkt_ = 0;
+  double measure_ = 0, last_measure_ = 0;  // m of the minimisation just done, of the one before
+  double best_kkt_ = 0;
+  bool moved_ = false;  // the minimisation accepted a step
+  int stuck_ = 0;       // minimisations in a row that brought nothing
+  std::size_t outer_ = 0, total_ = 0;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,24 @@
+#pragma once
+// How far a candidate is from the optimality conditions of a shooting problem.
+
+#include "manycontact/control/shooting.hpp"
+
+namespace manycontact {
+
+/// The largest violation of the optimality conditions at states, controls, multipliers l_0 ... l_T of the dynamics and
+/// y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (of h: zeros), with P the projection onto [lo, hi]:
+///
+///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
+///     stationarity in x  lx_t + fx_t^T l_(t+1) + cx_t^T y_t - l_t,  lx_T + cx_T^T y_T - l_T
+///     stationarity in u  lu_t + fu_t^T l_(t+1) + cu_t^T y_t
+///     constraints        c - P(c + y):  bounds, signs of y (>= 0 at an upper bound) and complementarity
+///
+/// Where the problem has limits on controls and they are used, the third is u - min(max(u - that, u_lb), u_ub). No y:
+/// constraints are left out. The nodes are evaluated, with derivatives, at xs, us. Infinite where a number is not
+/// finite. Throws std::invalid_argument where sizes do not fit, and where nodes of several parts (parts.hpp) come with
+/// y.
+double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                    const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
+                    bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {});
+
+}  // namespace manycontact

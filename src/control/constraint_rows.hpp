@@ -1,0 +1,45 @@
+#pragma once
+// The constraints of a node as rows c = [g; h] with bounds, lo <= c <= hi.
+
+#include <algorithm>
+
+#include "manycontact/control/action_model.hpp"
+
+namespace manycontact::internal {
+
+/// Of a node evaluated by calc(data, x) (terminal) or by calc(data, x, u).
+class ConstraintRows {
+ public:
+  ConstraintRows(const ActionModelAbstract& model, bool terminal)
+      : ng_(terminal ? model.get_ng_T() : model.get_ng()),
+        nh_(terminal ? model.get_nh_T() : model.get_nh()),
+        lo_(terminal ? model.get_g_lb_T() : model.get_g_lb()),
+        hi_(terminal ? model.get_g_ub_T() : model.get_g_ub()) {}
+
+  Eigen::Index size() const { return ng_ + nh_; }
+  Eigen::Index inequalities() const { return ng_; }
+  double value(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.g[i] : d.h[i - ng_]; }
+  double lower(Eigen::Index i) const { return i < ng_ ? lo_[i] : 0; }
+  double upper(Eigen::Index i) const { return i < ng_ ? hi_[i] : 0; }
+  auto x_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gx.row(i) : d.Hx.row(i - ng_); }
+  auto u_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gu.row(i) : d.Hu.row(i - ng_); }
+
+  /// y+ = rho (z - P(z)), z = c + y / rho. NaN where c is.
+  double next_multiplier(const ActionDataAbstract& d, Eigen::Index i, double y, double rho) const {
+    const double c = value(d, i);
+    return std::max(y + rho * (c - upper(i)), 0.0) + std::min(y + rho * (c - lower(i)), 0.0);
+  }
+  /// c - P(c)
+  double violation(const ActionDataAbstract& d, Eigen::Index i) const { return next_multiplier(d, i, 0, 1); }
+
+ private:
+  Eigen::Index ng_, nh_;
+  const Eigen::VectorXd &lo_, &hi_;
+};
+
+/// ShootingProblem evaluates nodes without controls as it does the terminal one.
+inline bool is_terminal(const ActionModelAbstract& model, std::size_t t, std::size_t T) {
+  return t == T || model.get_nu() == 0;
+}
+
+}  // namespace manycontact::internal

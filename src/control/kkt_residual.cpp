@@ -1,0 +1,104 @@
+#include "kkt_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraint_rows.hpp"
+#include "manycontact/control/parts.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+using internal::ConstraintRows;
+
+// The largest |number| so far, infinite after one that is not finite.
+struct Largest {
+  double value = 0;
+  void add(double number) {
+    if (!std::isfinite(number)) value = std::numeric_limits<double>::infinity();
+    value = std::max(value, std::abs(number));
+  }
+  void add(const Eigen::VectorXd& x) {
+    for (const double number : x) add(number);
+  }
+};
+
+// y^T (column i of dc/dx, or of dc/du)
+template <class Row>
+double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
+  double sum = 0;
+  for (Eigen::Index k = 0; y && k < rows.size(); ++k)
+    if ((*y)[k] != 0) sum += (*y)[k] * row(k)[i];
+  return sum;
+}
+
+}  // namespace
+
+namespace internal {
+
+double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionModelAbstract& model = t < T ? *problem.get_runningModels()[t] : *problem.get_terminalModel();
+    const ActionDataAbstract& d = t < T ? *problem.get_runningDatas()[t] : *problem.get_terminalData();
+    const ConstraintRows rows(model, internal::is_terminal(model, t, T));
+    const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
+    if (y) check_size("kkt_residual", "multipliers of a node", y->size(), static_cast<std::size_t>(rows.size()));
+    for (Eigen::Index k = 0; y && k < rows.size(); ++k) {
+      const double c = rows.value(d, k);
+      worst.add(c - std::min(std::max(c + (*y)[k], rows.lower(k)), rows.upper(k)));
+    }
+    for (Eigen::Index i = 0; i < l[t].size(); ++i)
+      worst.add(d.Lx[i] - l[t][i] + (t < T ? d.Fx.col(i).dot(l[t + 1]) : 0) +
+                pull_back(
+                    rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i));
+    if (t == T) break;
+    model.get_state()->diff(xs[t + 1], d.xnext, gap);
+    worst.add(gap);
+    for (Eigen::Index i = 0; i < us[t].size(); ++i) {
+      double slope = d.Lu[i] + d.Fu.col(i).dot(l[t + 1]) +
+                     pull_back(
+                         rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
+      if (limits && model.get_has_control_limits())
+        slope = us[t][i] - std::min(std::max(us[t][i] - slope, model.get_u_lb()[i]), model.get_u_ub()[i]);
+      worst.add(slope);
+    }
+  }
+  return worst.value;
+}
+
+}  // namespace internal
+
+double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,
+                    const Vectors& ys) {
+  const std::size_t T = problem.get_T();
+  require(l.size() == T + 1 && (ys.empty() || ys.size() == T + 1), "kkt_residual",
+          "the number of multipliers is not T + 1");
+  problem.calc(xs, us);
+  problem.calcDiff(xs, us);
+  Eigen::VectorXd gap(problem.get_ndx());
+  const std::vector<ShootingPart> parts = separate(problem);
+  if (parts.size() <= 1) return internal::kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  require(ys.empty(), "kkt_residual", "constraints of separate parts are not supported");
+  double worst = 0;
+  for (const ShootingPart& part : parts) {
+    Vectors own_xs(xs.size()), own_us(us.size()), own_l(xs.size());
+    for (std::size_t t = 0; t <= T; ++t) {
+      gather(xs[t], part.x, own_xs[t]);
+      gather(l[t], part.dx, own_l[t]);
+      if (t < T) gather(us[t], part.u[t], own_us[t]);
+    }
+    gap.resize(static_cast<Eigen::Index>(part.dx.size()));
+    worst = std::max(worst, internal::kkt_residual_of_data(*part.problem, own_xs, own_us, own_l, limits, {}, gap));
+  }
+  return worst;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "manycontact/control/kkt_residual.hpp"
+
+namespace manycontact::internal {
+
+/// kkt_residual of nodes that are evaluated. gap: ndx numbers to work in.
+double kkt_residual_of_data(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                            const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
+                            const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& gap);
+
+}  // namespace manycontact::internal

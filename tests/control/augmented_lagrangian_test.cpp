@@ -1,0 +1,430 @@
+// Constrained problems: against the dense solution of the whole horizon, on nonlinear ones by their optimality
+// conditions, and where there is no solution.
+
+#include <Eigen/QR>
+
+#include "control/nodes.hpp"
+#include "support/allocations.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double residual_of(SolverAugmentedLagrangian& solver, bool limits = false) {
+  return kkt_residual(*solver.get_problem(), solver.get_xs(), solver.get_us(), solver.get_dynamics_multipliers(),
+                      limits, solver.get_multipliers());
+}
+
+// ---- linear-quadratic problems --------------------------------------------------------------------------------------
+
+// One equality at each running node, two at the terminal one (x alone).
+std::shared_ptr<ShootingProblem> random_lqr(std::size_t T, std::size_t nx, std::size_t nu) {
+  std::vector<NodePtr> nodes;
+  for (std::size_t t = 0; t < T; ++t)
+    nodes.push_back(std::make_shared<ActionModelLQR>(ActionModelLQR::Random(nx, nu, 0, t % 2)));
+  std::mt19937 rng(2);
+  return std::make_shared<ShootingProblem>(random_vector(static_cast<int>(nx), rng), nodes,
+                                           std::make_shared<ActionModelLQR>(ActionModelLQR::Random(nx, nu, 0, 2)));
+}
+
+// [x_0; u_0; x_1; ...] of the KKT system with all equalities.
+Eigen::VectorXd dense_solution(ShootingProblem& problem) {
+  const Eigen::Index T = problem.get_T(), nx = problem.get_nx(), nu = problem.get_nu_max(), n = nx + nu;
+  const Eigen::Index nz = T * n + nx;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(nz, nz), C = Eigen::MatrixXd::Zero(nx, nz);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(nz), c = problem.get_x0();  // C z = c
+  C.leftCols(nx).setIdentity();
+  const auto append = [&](Eigen::Index rows) {
+    C.conservativeResize(C.rows() + rows, nz);
+    c.conservativeResize(c.size() + rows);
+    C.bottomRows(rows).setZero();
+  };
+  for (Eigen::Index t = 0; t <= T; ++t) {
+    const auto& m =
+        dynamic_cast<ActionModelLQR&>(t < T ? *problem.get_runningModels()[t] : *problem.get_terminalModel());
+    const Eigen::Index z = t * n, nh = m.get_h().size(), own = t < T ? n : nx;
+    append(nh);
+    C.block(C.rows() - nh, z, nh, own) = m.get_H().leftCols(own);
+    c.tail(nh) = -m.get_h();
+    H.block(z, z, nx, nx) = m.get_Q();
+    g.segment(z, nx) = m.get_q();
+    if (t == T) break;
+    H.block(z, z + nx, nx, nu) = m.get_N();
+    H.block(z + nx, z, nu, nx) = m.get_N().transpose();
+    H.block(z + nx, z + nx, nu, nu) = m.get_R();
+    g.segment(z + nx, nu) = m.get_r();
+    append(nx);
+    C.block(C.rows() - nx, z, nx, nx) = -m.get_A();
+    C.block(C.rows() - nx, z + nx, nx, nu) = -m.get_B();
+    C.block(C.rows() - nx, z + n, nx, nx).setIdentity();
+    c.tail(nx) = m.get_f();
+  }
+  const Eigen::Index nc = C.rows();
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(nz + nc, nz + nc);
+  K.topLeftCorner(nz, nz) = H;
+  K.bottomLeftCorner(nc, nz) = C;
+  K.topRightCorner(nz, nc) = C.transpose();
+  Eigen::VectorXd b(nz + nc);
+  b << -g, c;
+  return K.colPivHouseholderQr().solve(b).head(nz);
+}
+
+Eigen::VectorXd stacked(const SolverAbstract& solver) {
+  std::vector<double> z;
+  for (std::size_t t = 0; t < solver.get_xs().size(); ++t) {
+    z.insert(z.end(), solver.get_xs()[t].begin(), solver.get_xs()[t].end());
+    if (t < solver.get_us().size()) z.insert(z.end(), solver.get_us()[t].begin(), solver.get_us()[t].end());
+  }
+  return Eigen::Map<Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()));
+}
+
+// Constraints are met to 1e-8 and the KKT residual is below 1e-7; the solution differs by that times the norm of the
+// inverse KKT matrix, 5 to 50 here.
+TEST(AugmentedLagrangian, SolvesALinearQuadraticProblemWithEqualities) {
+  const auto problem = random_lqr(6, 4, 3);
+  const Eigen::VectorXd truth = dense_solution(*problem);
+  SolverAugmentedLagrangian solver(problem);
+  EXPECT_TRUE(solver.solve()) << to_string(solver.reason());
+  EXPECT_LT(error_of(stacked(solver), truth), 1e-6);
+  EXPECT_LE(solver.get_violation(), 1e-8);
+  EXPECT_LE(solver.get_hfeas(), 1e-8);
+  EXPECT_LT(residual_of(solver), 1e-7);
+  EXPECT_NEAR(solver.get_cost(), problem->calc(solver.get_xs(), solver.get_us()), 1e-12 * std::abs(solver.get_cost()));
+  // without constraints it is another one
+  SolverFDDP fddp(problem);
+  EXPECT_TRUE(fddp.solve());
+  EXPECT_GT(error_of(stacked(fddp), truth), 1e-2);
+}
+
+TEST(AugmentedLagrangian, SolvesAProblemWithoutConstraints) {
+  const auto node = std::make_shared<ActionModelUnicycle>();
+  const auto problem =
+      std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
+  SolverAugmentedLagrangian solver(problem);
+  SolverFDDP fddp(problem);
+  EXPECT_TRUE(solver.solve());
+  EXPECT_TRUE(fddp.solve());
+  EXPECT_NEAR(solver.get_cost(), fddp.get_cost(), 1e-9 * fddp.get_cost());
+  EXPECT_EQ(solver.get_inner()->get_problem()->get_runningModels()[0], node);
+}
+
+// ---- a unicycle through a gate --------------------------------------------------------------------------------------
+
+// lower <= y <= upper, and x = goal where that is asked for.
+class Gate : public ActionModelUnicycle {
+ public:
+  Gate(double lower, double upper, double goal = NAN) : goal_(goal) {
+    ng_ = ng_T_ = 1;
+    nh_ = nh_T_ = std::isnan(goal) ? 0 : 1;
+    g_lb_ = Eigen::VectorXd::Constant(1, lower);
+    g_ub_ = Eigen::VectorXd::Constant(1, upper);
+  }
+  void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    ActionModelUnicycle::calc(data, x, u);
+    constrain(*data, x);
+  }
+  void calc(const NodeDataPtr& data, const ConstVectorRef& x) override {
+    ActionModelUnicycle::calc(data, x);
+    constrain(*data, x);
+  }
+  using ActionModelUnicycle::calcDiff;
+  void calcDiff(const NodeDataPtr& data, const ConstVectorRef& x) override {
+    ActionModelUnicycle::calcDiff(data, x);
+    data->Gx << 0, 1, 0;
+    if (nh_ > 0) data->Hx << 1, 0, 0;
+  }
+
+ private:
+  void constrain(ActionDataAbstract& d, const ConstVectorRef& x) const {
+    d.g[0] = x[1];
+    if (nh_ > 0) d.h[0] = x[0] - goal_;
+  }
+  double goal_;
+};
+
+std::shared_ptr<ShootingProblem> gated(const std::shared_ptr<ActionModelUnicycle>& gate) {
+  const auto node = std::make_shared<ActionModelUnicycle>();
+  std::vector<NodePtr> nodes(20, node);
+  nodes[10] = gate;
+  return std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), nodes, node);
+}
+
+TEST(AugmentedLagrangian, AUnicyclePassesAGate) {
+  SolverFDDP free(gated(std::make_shared<ActionModelUnicycle>()));
+  ASSERT_TRUE(free.solve());
+  const double y = free.get_xs()[10][1];
+  struct Case {
+    double lower, upper;
+    int sign;  // of the multiplier
+  };
+  for (const Case& c : {Case{y + 0.1, y + 0.5, -1},
+                        {y - 0.5, y - 0.1, 1},
+                        {y - 0.1, y + 0.1, 0},
+                        {-kInfinity, y - 0.12, 1},
+                        {y + 0.12, y + 0.12, -1}}) {
+    SCOPED_TRACE(testing::Message() << c.lower << " to " << c.upper);
+    SolverAugmentedLagrangian solver(gated(std::make_shared<Gate>(c.lower, c.upper)));
+    EXPECT_TRUE(solver.solve({}, {}, 200)) << to_string(solver.reason());
+    const double passed = solver.get_xs()[10][1], multiplier = solver.get_multipliers()[10][0];
+    EXPECT_GE(passed, c.lower - 1e-8);
+    EXPECT_LE(passed, c.upper + 1e-8);
+    EXPECT_LT(residual_of(solver), 1e-6);
+    EXPECT_LE(solver.get_gfeas(), 1e-8);
+    if (c.sign == 0) {
+      EXPECT_EQ(multiplier, 0);
+      EXPECT_NEAR(solver.get_cost(), free.get_cost(), 1e-9 * free.get_cost());
+    } else {
+      EXPECT_GT(c.sign * multiplier, 1e-3);
+      EXPECT_NEAR(passed, c.sign > 0 ? c.upper : c.lower, 1e-8);
+      EXPECT_GT(solver.get_cost(), free.get_cost());
+    }
+  }
+}
+
+// The multiplier is what the optimal cost gains when the bound moves: d cost / d upper = - y.
+TEST(AugmentedLagrangian, MultipliersAreTheSlopeOfTheCost) {
+  const auto solved = [&](double upper) {
+    auto solver = std::make_unique<SolverAugmentedLagrangian>(gated(std::make_shared<Gate>(-kInfinity, upper)));
+    EXPECT_TRUE(solver->solve({}, {}, 200));
+    return solver;
+  };
+  constexpr double upper = -0.12, h = 1e-4;
+  const double slope = (solved(upper + h)->get_cost() - solved(upper - h)->get_cost()) / (2 * h);
+  const double y = solved(upper)->get_multipliers()[10][0];
+  EXPECT_GT(y, 1);
+  EXPECT_NEAR(slope, -y, 1e-5 * y);
+}
+
+TEST(AugmentedLagrangian, KeepsControlLimitsToo) {
+  const auto node = std::make_shared<ActionModelUnicycle>();
+  const auto gate = std::make_shared<Gate>(-0.45, kInfinity, -0.6);
+  for (ActionModelUnicycle* model : {node.get(), static_cast<ActionModelUnicycle*>(gate.get())}) {
+    model->set_u_lb(Eigen::Vector2d(-1, -1.5));
+    model->set_u_ub(Eigen::Vector2d(1, 1.5));
+  }
+  std::vector<NodePtr> nodes(20, node);
+  nodes[10] = gate;
+  SolverAugmentedLagrangian solver(std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), nodes, node));
+  ASSERT_TRUE(std::dynamic_pointer_cast<SolverBoxFDDP>(solver.get_inner()));
+  EXPECT_TRUE(solver.solve({}, {}, 300)) << to_string(solver.reason());
+  EXPECT_NEAR(solver.get_xs()[10][0], -0.6, 1e-8);
+  EXPECT_GE(solver.get_xs()[10][1], -0.45 - 1e-8);
+  EXPECT_LT(residual_of(solver, true), 1e-6);
+  int at_limit = 0;
+  for (const Eigen::VectorXd& u : solver.get_us()) {
+    EXPECT_TRUE((u.array() >= node->get_u_lb().array()).all() && (u.array() <= node->get_u_ub().array()).all());
+    at_limit += std::abs(u[0]) == 1 || std::abs(u[1]) == 1.5;
+  }
+  EXPECT_GT(at_limit, 0);
+}
+
+// ---- warm starts ----------------------------------------------------------------------------------------------------
+
+TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
+  SolverAugmentedLagrangian solver(problem);
+  EXPECT_TRUE(solver.solve({}, {}, 200));
+  const std::size_t first = solver.get_outer_iter();
+  const Vectors xs = solver.get_xs(), us = solver.get_us(), multipliers = solver.get_multipliers();
+  EXPECT_GT(first, 2u);
+  EXPECT_TRUE(solver.solve(xs, us, 100, true));
+  EXPECT_EQ(solver.get_outer_iter(), 1u);
+  solver.reset();
+  EXPECT_EQ(solver.get_multipliers()[10][0], 0);
+  EXPECT_EQ(solver.get_penalty(), solver.get_penalty_init());
+  solver.set_multipliers(multipliers);
+  EXPECT_TRUE(solver.solve(xs, us, 100, true));
+  EXPECT_LE(solver.get_outer_iter(), 2u);
+  // a horizon later
+  solver.circularAppend(std::make_shared<ActionModelUnicycle>());
+  EXPECT_EQ(solver.get_multipliers()[9].size(), 1);
+  EXPECT_NEAR(solver.get_multipliers()[9][0], multipliers[10][0], 1e-5);
+  EXPECT_EQ(solver.get_multipliers()[10].size(), 0);
+  problem->set_x0(xs[1]);
+  EXPECT_TRUE(solver.solve(xs, us, 200)) << to_string(solver.reason());
+  EXPECT_LE(solver.get_xs()[9][1], -0.12 + 1e-8);
+}
+
+// ---- an arm ---------------------------------------------------------------------------------------------------------
+
+// The tool in the end exactly at a point, at rest; until the last five nodes 0.1 m above that point, on a table.
+struct ReachingArm {
+  SceneFile file = load_text(
+      "<scene><robot name=\"arm\" urdf=\"arm.urdf\" base=\"fixed\"><q>0.1 0.9 0.2 1.2 0.1 -0.5 "
+      "0.3</q></robot></scene>");
+  std::shared_ptr<StateMultibody> state = std::make_shared<StateMultibody>(file.scene);
+  std::shared_ptr<ActuationModelAbstract> actuation = std::make_shared<ActuationModelFull>(state);
+  std::size_t nu = actuation->get_nu();
+  Eigen::VectorXd x0 = (Eigen::VectorXd(14) << file.q, file.v).finished();
+  std::shared_ptr<ResidualModelAbstract> tool = std::make_shared<ResidualModelFrameTranslation>(
+      state, state->get_model()->getFrameId("tool"), Eigen::Vector3d::Zero(), nu);
+  Eigen::Vector3d goal = place(x0) + Eigen::Vector3d(-0.1, 0.3, -0.25);
+
+  NodePtr node(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper, double step, bool constrained = true) const {
+    auto costs = std::make_shared<CostModelSum>(state, nu);
+    costs->addCost(
+        "state", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelState>(state, x0, nu)), 0.1);
+    if (step > 0)
+      costs->addCost("control",
+                     std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelControl>(state, nu)),
+                     1e-3);
+    auto constraints = std::make_shared<ConstraintModelManager>(state, nu);
+    if (constrained)
+      constraints->addConstraint("tool", std::make_shared<ConstraintModelResidual>(state, tool, lower, upper));
+    return std::make_shared<IntegratedActionModelEuler>(
+        std::make_shared<DifferentialActionModelFreeFwdDynamics>(state, actuation, costs, constraints), step);
+  }
+  Eigen::Vector3d place(const Eigen::VectorXd& x) const {
+    const auto model = std::dynamic_pointer_cast<IntegratedActionModelEuler>(
+        node(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0));
+    const NodeDataPtr data = model->createData();
+    model->calc(data, x);
+    return data->h;
+  }
+  std::shared_ptr<ShootingProblem> problem(bool table, const Eigen::Vector3d& at) const {
+    const Eigen::Vector3d open = Eigen::Vector3d::Constant(kInfinity);
+    Eigen::Vector3d above = -open;
+    above[2] = at[2] + 0.1;
+    std::vector<NodePtr> nodes(30, node(above, open, 0.02, table));
+    std::fill(nodes.end() - 5, nodes.end(), node(above, open, 0.02, false));
+    return std::make_shared<ShootingProblem>(x0, nodes, node(at, at, 0));
+  }
+};
+
+TEST(AugmentedLagrangian, AnArmReachesExactlyOverATable) {
+  const ReachingArm arm;
+  for (const bool table : {false, true}) {
+    const auto problem = arm.problem(table, arm.goal);
+    const Guess guess = standing(*problem);
+    SolverAugmentedLagrangian solver(problem);
+    EXPECT_TRUE(solver.solve(guess.xs, guess.us, 300)) << to_string(solver.reason());
+    EXPECT_LE((arm.place(solver.get_xs().back()) - arm.goal).lpNorm<Eigen::Infinity>(), 1e-8);
+    EXPECT_LT(residual_of(solver), 1e-6);
+    double lowest = kInfinity;
+    int bound = 0;
+    for (std::size_t t = 0; t < 25; ++t) {
+      const double height = arm.place(solver.get_xs()[t])[2] - (arm.goal[2] + 0.1);
+      lowest = std::min(lowest, height);
+      if (!table) continue;
+      const double y = solver.get_multipliers()[t][2];
+      bound += y < -1e-3;
+      EXPECT_LE(y, 0) << t;
+      EXPECT_LE(std::abs(y * std::max(height, 0.0)), 1e-6) << t;  // complementarity
+    }
+    if (table) {
+      EXPECT_GE(lowest, -1e-8);
+      EXPECT_GT(bound, 0);
+    } else {
+      EXPECT_LT(lowest, -1e-3);
+    }
+  }
+}
+
+TEST(AugmentedLagrangian, TakesNoMemoryInItsIterations) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  const ReachingArm arm;
+  const auto problem = arm.problem(true, arm.goal);
+  problem->set_nthreads(1);
+  const Guess guess = standing(*problem);
+  SolverAugmentedLagrangian solver(problem);
+  solver.solve(guess.xs, guess.us, 40);
+  EXPECT_GT(solver.get_outer_iter(), 1u);
+  EXPECT_EQ(allocations([&] { solver.solve(guess.xs, guess.us, 40); }), 0u);
+}
+
+TEST(AugmentedLagrangian, GivesTheSameBitsForAnyNumberOfThreads) {
+  const ReachingArm arm;
+  std::vector<Eigen::VectorXd> answers;
+  for (const int threads : {1, 2, 3}) {
+    const auto problem = arm.problem(true, arm.goal);
+    problem->set_nthreads(threads);
+    const Guess guess = standing(*problem);
+    SolverAugmentedLagrangian solver(problem);
+    solver.solve(guess.xs, guess.us, 12);
+    answers.push_back(stacked(solver));
+  }
+  EXPECT_TRUE(answers[1] == answers[0]);
+  EXPECT_TRUE(answers[2] == answers[0]);
+}
+
+// ---- failure --------------------------------------------------------------------------------------------------------
+
+TEST(AugmentedLagrangian, SaysThatConstraintsCannotBeMet) {
+  const ReachingArm arm;
+  const auto far = arm.problem(false, Eigen::Vector3d(2, 0, 1));  // the arm is 1.12 m long
+  const Guess guess = standing(*far);
+  SolverAugmentedLagrangian arms(far);
+  EXPECT_FALSE(arms.solve(guess.xs, guess.us, 1000));
+  EXPECT_EQ(arms.reason(), StopReason::kInfeasible) << to_string(arms.reason());
+  EXPECT_GT(arms.get_violation(), 0.5);
+  // x0 violates it
+  const auto node = std::make_shared<ActionModelUnicycle>();
+  std::vector<NodePtr> nodes(10, node);
+  nodes[0] = std::make_shared<Gate>(0, 1);
+  SolverAugmentedLagrangian first(std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), nodes, node));
+  EXPECT_FALSE(first.solve({}, {}, 1000));
+  EXPECT_EQ(first.reason(), StopReason::kInfeasible) << to_string(first.reason());
+  EXPECT_EQ(first.get_violation(), 1);
+  for (const SolverAbstract* solver : std::initializer_list<const SolverAbstract*>{&arms, &first})
+    EXPECT_TRUE(stacked(*solver).allFinite());
+}
+
+TEST(AugmentedLagrangian, SaysWhyItStopped) {
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
+  SolverAugmentedLagrangian solver(problem);
+  EXPECT_EQ(solver.reason(), StopReason::kNone);
+  EXPECT_FALSE(solver.solve({}, {}, 3));
+  EXPECT_EQ(solver.reason(), StopReason::kIterations);
+  EXPECT_FALSE(solver.solve({}, {}, 0));
+  EXPECT_EQ(solver.reason(), StopReason::kIterations);
+  struct Interrupts : CallbackAbstract {
+    std::size_t count = 0;
+    void operator()(SolverAbstract& s) override {
+      if (++count == 2) s.interrupt();
+    }
+  };
+  const auto callback = std::make_shared<Interrupts>();
+  solver.setCallbacks({callback});
+  EXPECT_FALSE(solver.solve());
+  EXPECT_EQ(solver.reason(), StopReason::kInterrupted);
+  EXPECT_EQ(callback->count, 2u);
+  EXPECT_EQ(solver.get_iter(), 1u);
+
+  // numbers that are not finite, of constraints, everywhere but at the guess
+  struct Hole : Gate {
+    Hole() : Gate(-kInfinity, 1) {}
+    void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+      Gate::calc(data, x, u);
+      if (!u.isZero(0)) data->g[0] = NAN;
+    }
+    using Gate::calc;
+  };
+  SolverAugmentedLagrangian hole(gated(std::make_shared<Hole>()));
+  EXPECT_FALSE(hole.solve());
+  EXPECT_EQ(hole.reason(), StopReason::kNoStep) << to_string(hole.reason());
+  EXPECT_TRUE(stacked(hole).allFinite());
+  SolverAugmentedLagrangian nan(gated(std::make_shared<Gate>(-kInfinity, 1, 1e300)));
+  EXPECT_FALSE(nan.solve());
+  EXPECT_TRUE(nan.reason() != StopReason::kNone && nan.reason() != StopReason::kConverged);
+}
+
+TEST(AugmentedLagrangian, RefusesMisuse) {
+  EXPECT_THROW(SolverAugmentedLagrangian(nullptr), std::invalid_argument);
+  const auto problem = gated(std::make_shared<Gate>(-kInfinity, -0.12));
+  const auto wrong = [&](auto) { return std::make_shared<SolverFDDP>(problem); };
+  EXPECT_THROW(SolverAugmentedLagrangian(problem, wrong), std::invalid_argument);
+  SolverAugmentedLagrangian solver(problem);
+  EXPECT_THROW(solver.set_penalty(0), std::invalid_argument);
+  EXPECT_THROW(solver.set_penalty_factor(1), std::invalid_argument);
+  EXPECT_THROW(solver.set_th_constraint(0), std::invalid_argument);
+  EXPECT_THROW(solver.set_th_kkt(-1), std::invalid_argument);
+  EXPECT_THROW(solver.set_multipliers({}), std::invalid_argument);
+  EXPECT_THROW(solver.set_multipliers(Vectors(21)), std::invalid_argument);
+  EXPECT_THROW(kkt_residual(*problem, solver.get_xs(), solver.get_us(), {}, false), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace manycontact::test
