@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "manycontact/task/parts.hpp"
 #include "spatial/compare.hpp"
@@ -172,6 +173,36 @@ TEST(SparseTask, AutoTakesPartsWhereThereAreSome) {
   EXPECT_EQ(optimize(one, problem, {TaskSolver::kAuto, 1, {}}).solver, "fddp");
 }
 
+TEST(SparseTask, ConstraintsTakeNodesOfTheWholeScene) {
+  const TaskFile task =
+      task_of("constrained", herd(2),
+              "<phase nodes='6' contacts='LF RF LH RH'>" + costs("") +
+                  "</phase><terminal><cost name='state' type='state' weight='10'/><constraint name='com' type='com' "
+                  "robot='herd' reference='0.01 0.005 0.34' lower='-0.002 0 -0.01' upper='0.002 0 0.01'/></terminal>"
+                  "<solver iterations='200' tolerance='1e-14'/>");
+  TaskProblem problem = make_problem(task, TaskSolver::kAuto);
+  EXPECT_EQ(problem.parts.size(), 1u);
+  const TaskSolution solution = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
+  EXPECT_EQ(solution.solver, "fddp");
+  EXPECT_LE(solution.constraint_violation, 1e-8);
+  problem = make_problem(task, TaskSolver::kSparse);
+  EXPECT_THROW((void)optimize(task, problem, {TaskSolver::kSparse, 1, {}}), InputError);
+}
+
+TEST(SparseTask, ForcesAreThoseOfTheWholeScene) {
+  const TaskFile task = joined_task();
+  const TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  for (const TaskProblem* problem : {&whole, &by_parts}) problem->problem->calc(whole.xs, whole.us);
+  for (const std::size_t t : {0u, 5u}) {
+    const std::vector<Eigen::VectorXd> ours = contact_forces(task, by_parts, t), dense = contact_forces(task, whole, t);
+    ASSERT_EQ(ours.size(), dense.size());
+    for (std::size_t c = 0; c < dense.size(); ++c) {
+      ASSERT_EQ(ours[c].size(), dense[c].size()) << c;
+      if (dense[c].size() > 0) EXPECT_LT(difference_of(ours[c], dense[c]), 1e-9) << c;
+    }
+  }
+}
+
 // Numbers that nodes hold in matrices.
 Eigen::Index numbers_of(const ActionDataAbstract& d) {
   Eigen::Index count = d.Fx.size() + d.Fu.size() + d.Lxx.size() + d.Lxu.size() + d.Luu.size();
@@ -193,7 +224,7 @@ TEST(SparseTask, MemoryIsLinearInTheRobots) {
 TEST(SparseTask, GivesTheSameBitsForAnyNumberOfThreads) {
   const TaskFile task = joined_task();
   std::vector<TaskSolution> solutions;
-  for (const int threads : {1, 2, 3}) {
+  for (const int threads : {1, 2}) {
     TaskProblem problem = make_problem(task, TaskSolver::kSparse);
     solutions.push_back(optimize(task, problem, {TaskSolver::kSparse, threads, {}}));
   }
