@@ -1,6 +1,7 @@
 #include "dense.hpp"
 
 #include "dense_level.hpp"
+#include "manycontact/sparse/instruction_levels.hpp"
 
 namespace manycontact::lq {
 
@@ -12,8 +13,7 @@ namespace {
 const DenseLevel& level() {
   static const DenseLevel& here = []() -> const DenseLevel& {
 #ifdef MANYCONTACT_LEVEL_avx2
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return dense_level_avx2;
+    if (sparse::runs_avx2()) return dense_level_avx2;
 #endif
     return dense_level_baseline;
   }();

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include "dense_level.hpp"
+#include "manycontact/sparse/instruction_levels.hpp"
 
 namespace manycontact::lq {
 namespace {
@@ -51,11 +52,8 @@ void solve_Lt_right(ConstPanel L, Panel X) {
 
 }  // namespace
 
-#define MANYCONTACT_NAMED(prefix, level) prefix##level
-#define MANYCONTACT_NAME(prefix, level) MANYCONTACT_NAMED(prefix, level)
-
-extern const DenseLevel MANYCONTACT_NAME(dense_level_, MANYCONTACT_LEVEL);
-const DenseLevel MANYCONTACT_NAME(dense_level_, MANYCONTACT_LEVEL) = {
-    add_AB, add_AtB, add_ABt, add_lower_AB, add_lower_AtB, add_lower_ABt, cholesky, solve_L, solve_Lt, solve_Lt_right};
+extern const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_);
+const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_) = {add_AB,        add_AtB,  add_ABt, add_lower_AB, add_lower_AtB,
+                                                       add_lower_ABt, cholesky, solve_L, solve_Lt,     solve_Lt_right};
 
 }  // namespace manycontact::lq

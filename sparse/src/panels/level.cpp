@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
@@ -73,17 +74,6 @@ inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, i
   for (int a = 0; a < M; ++a) t[a].store(H + a * ld);
 }
 
-void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
-  const int end = (cols + 7) / 8 * 8;
-  for (int i = 0; i < end; i += kHigh) {
-    double* row = H + static_cast<std::ptrdiff_t>(i) * ld;
-    int j = i / 8 * 8;
-    for (; j + kWide <= end; j += kWide) product_tile<kHigh, kWide>(L + i, ld, R + j, depth, ld, row + j);
-    for (; j + 8 <= end; j += 8) product_tile<kHigh, 8>(L + i, ld, R + j, depth, ld, row + j);
-    for (; j < end; j += 4) product_tile<kHigh, 4>(L + i, ld, R + j, depth, ld, row + j);
-  }
-}
-
 // M rows of H.
 template <int M>
 inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, int depth, int cols, std::ptrdiff_t ld,
@@ -93,6 +83,13 @@ inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, i
   for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, depth, ld, H + j);
   for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, depth, ld, H + j);
   for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, depth, ld, H + j);
+}
+
+void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
+  for (int i = 0; i < (cols + 7) / 8 * 8; i += kHigh) {
+    const int j = i / 8 * 8;  // blocks of eight rows from their diagonal on
+    product_rows<kHigh>(L + i, ld, R + j, depth, cols - j, ld, H + static_cast<std::ptrdiff_t>(i) * ld + j);
+  }
 }
 
 // The last rows are done again with some before them: fewer at a time would wait for each other.
@@ -145,20 +142,15 @@ void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
 
 }  // namespace
 
-#define MANYCONTACT_NAME_OF(level) #level
-#define MANYCONTACT_NAME(level) MANYCONTACT_NAME_OF(level)
-#define MANYCONTACT_LEVEL_OF(level) level_##level
-#define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
-
-extern const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
-const PanelKernels MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL),
-                                                                kernel::kColumns<double>,
-                                                                ldl_scheduled_solve_panel<double>,
-                                                                solve_apart,
-                                                                panel_residual,
-                                                                upper_product,
-                                                                product,
-                                                                lower_solve,
-                                                                upper_solve};
+extern const PanelKernels MANYCONTACT_OF_LEVEL(level_);
+const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
+                                                   kernel::kColumns<double>,
+                                                   ldl_scheduled_solve_panel<double>,
+                                                   solve_apart,
+                                                   panel_residual,
+                                                   upper_product,
+                                                   product,
+                                                   lower_solve,
+                                                   upper_solve};
 
 }  // namespace manycontact::sparse

@@ -1,5 +1,6 @@
 #include <array>
 
+#include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
 namespace manycontact::sparse {
@@ -10,16 +11,11 @@ std::span<const PanelKernels* const> panel_levels() {
   static const std::span<const PanelKernels* const> here = [] {
     static std::array<const PanelKernels*, 3> list;
     std::size_t count = 0;
-#if defined(__x86_64__)
-    __builtin_cpu_init();
-#endif
 #ifdef MANYCONTACT_LEVEL_avx512
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("fma"))
-      list[count++] = &level_avx512;
+    if (runs_avx512()) list[count++] = &level_avx512;
 #endif
 #ifdef MANYCONTACT_LEVEL_avx2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list[count++] = &level_avx2;
+    if (runs_avx2()) list[count++] = &level_avx2;
 #endif
     list[count++] = &level_baseline;
     return std::span<const PanelKernels* const>(list.data(), count);

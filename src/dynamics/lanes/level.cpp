@@ -10,6 +10,7 @@
 #include "../../algorithm/rnea.cpp"
 #include "../../algorithm/rnea_derivatives.cpp"
 #include "../../algorithm/rnea_products.cpp"
+#include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "side_by_side.hpp"
 
@@ -91,12 +92,7 @@ std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const Isl
 
 }  // namespace
 
-#define MANYCONTACT_NAME_OF(level) #level
-#define MANYCONTACT_NAME(level) MANYCONTACT_NAME_OF(level)
-#define MANYCONTACT_LEVEL_OF(level) level_##level
-#define MANYCONTACT_LEVEL_HERE(level) MANYCONTACT_LEVEL_OF(level)
-
-extern const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL);
-const Level MANYCONTACT_LEVEL_HERE(MANYCONTACT_LEVEL) = {MANYCONTACT_NAME(MANYCONTACT_LEVEL), MANYCONTACT_LANES, make};
+extern const Level MANYCONTACT_OF_LEVEL(level_);
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make};
 
 }  // namespace manycontact::lanes

@@ -1,6 +1,7 @@
 #include <array>
 
 #include "lanes.hpp"
+#include "manycontact/sparse/instruction_levels.hpp"
 
 namespace manycontact {
 namespace lanes {
@@ -11,16 +12,11 @@ std::span<const Level* const> levels() {
   static const std::span<const Level* const> here = [] {
     static std::array<const Level*, 3> list;
     std::size_t count = 0;
-#if defined(__x86_64__)
-    __builtin_cpu_init();
-#endif
 #ifdef MANYCONTACT_LEVEL_avx512
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("fma"))
-      list[count++] = &level_avx512;
+    if (sparse::runs_avx512()) list[count++] = &level_avx512;
 #endif
 #ifdef MANYCONTACT_LEVEL_avx2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list[count++] = &level_avx2;
+    if (sparse::runs_avx2()) list[count++] = &level_avx2;
 #endif
     list[count++] = &level_baseline;
     return std::span<const Level* const>(list.data(), count);
