@@ -64,4 +64,25 @@ inline void require(bool condition, const std::string& where, const std::string&
   if (!condition) throw std::invalid_argument(where + ": " + what);
 }
 
+namespace internal {
+
+/// The data as a model's own kind; throws std::invalid_argument when they are null or of another.
+template <class Data, class Base>
+Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
+  Data* own = dynamic_cast<Data*>(&check_data(where, data));
+  require(own != nullptr, where,
+          "the data were created by another model, data of this one's createData() are expected");
+  return *own;
+}
+
+/// *part; throws std::invalid_argument where there is none. what: "a model".
+template <class Part>
+const Part& given(const char* where, const std::shared_ptr<Part>& part, const char* what = "a model") {
+  if (part == nullptr)
+    throw std::invalid_argument(std::string(where) + ": " + what + " is expected, not a null pointer");
+  return *part;
+}
+
+}  // namespace internal
+
 }  // namespace manycontact

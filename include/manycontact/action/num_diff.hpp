@@ -25,7 +25,7 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
                    std::size_t maxiter = 100, double tol = 1e-9) override;
 
   const std::shared_ptr<DifferentialActionModelAbstract>& get_model() const { return model_; }
-  /// The step, relative to max(1, |x|), max(1, |u|).
+  /// The step, absolute in x's tangent, relative to max(1, |u_i|) in u.
   double get_disturbance() const { return step_; }
   void set_disturbance(double disturbance);
   bool get_with_gauss_approx() const { return gauss_; }
@@ -45,9 +45,8 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
   void print(std::ostream& os) const override;
 
  private:
-  struct At;
-  void differentiate(DifferentialActionDataAbstract& data, At& at, bool terminal) const;
-  void second_differences(DifferentialActionDataAbstract& data, At& at, bool terminal) const;
+  void differentiate(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
+                     const Eigen::VectorXd& u, bool terminal);
   std::shared_ptr<DifferentialActionModelAbstract> model_;
   bool gauss_;
   double step_;

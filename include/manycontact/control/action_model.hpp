@@ -98,17 +98,4 @@ class ActionModelAbstract {
 };
 std::ostream& operator<<(std::ostream& os, const ActionModelAbstract& model);
 
-namespace internal {
-
-/// The data as a model's own kind; throws std::invalid_argument when they are null or of another.
-template <class Data, class Base>
-Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
-  Data* own = dynamic_cast<Data*>(&check_data(where, data));
-  require(own != nullptr, where,
-          "the data were created by another kind of model, data of this one's createData() are expected");
-  return *own;
-}
-
-}  // namespace internal
-
 }  // namespace manycontact

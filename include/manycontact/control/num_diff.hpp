@@ -38,9 +38,8 @@ class ActionModelNumDiff : public ActionModelAbstract {
   void print(std::ostream& os) const override;
 
  private:
-  struct At;
-  void differentiate(ActionDataAbstract& data, At& at) const;
-  void second_differences(ActionDataAbstract& data, At& at) const;
+  void differentiate(const std::shared_ptr<ActionDataAbstract>& data, const Eigen::VectorXd& x,
+                     const Eigen::VectorXd& u, bool terminal);
   std::shared_ptr<ActionModelAbstract> model_;
   bool gauss_;
   double step_;
