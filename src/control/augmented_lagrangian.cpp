@@ -13,6 +13,7 @@ namespace manycontact {
 using Vectors = std::vector<Eigen::VectorXd>;
 using Index = Eigen::Index;
 using internal::ConstraintRows;
+using internal::rows_at;
 
 namespace {
 
@@ -29,17 +30,6 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
       std::any_of(models.begin(), models.end(), [](const auto& model) { return model->get_has_control_limits(); });
   if (limited) return std::make_shared<SolverBoxFDDP>(std::move(problem));
   return std::make_shared<SolverFDDP>(std::move(problem));
-}
-
-const std::shared_ptr<ActionModelAbstract>& model_at(const ShootingProblem& problem, std::size_t t) {
-  return t < problem.get_T() ? problem.get_runningModels()[t] : problem.get_terminalModel();
-}
-const std::shared_ptr<ActionDataAbstract>& data_at(const ShootingProblem& problem, std::size_t t) {
-  return t < problem.get_T() ? problem.get_runningDatas()[t] : problem.get_terminalData();
-}
-ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
-  const ActionModelAbstract& model = *model_at(problem, t);
-  return {model, internal::is_terminal(model, t, problem.get_T())};
 }
 
 // The reduction at which a minimisation may stop after one that left m: what is missed moves constraints by 0.09 m.
@@ -85,12 +75,11 @@ bool SolverAugmentedLagrangian::is_decorated() const {
   const std::size_t T = problem_->get_T();
   if (augmented_->get_T() != T) return false;
   for (std::size_t t = 0; t <= T; ++t) {
-    const auto& data = data_at(*augmented_, t);
+    const auto& data = augmented_->data(t);
     if ((rows_at(*problem_, t).size() > 0) != (nodes_[t] != nullptr)) return false;
-    if (nodes_[t] == nullptr
-            ? model_at(*augmented_, t) != model_at(*problem_, t) || data != data_at(*problem_, t)
-            : model_at(*augmented_, t) != nodes_[t] || nodes_[t]->get_model() != model_at(*problem_, t) ||
-                  static_cast<ActionDataAugmentedLagrangian&>(*data).inner != data_at(*problem_, t))
+    if (nodes_[t] == nullptr ? augmented_->model(t) != problem_->model(t) || data != problem_->data(t)
+                             : augmented_->model(t) != nodes_[t] || nodes_[t]->get_model() != problem_->model(t) ||
+                                   static_cast<ActionDataAugmentedLagrangian&>(*data).inner != problem_->data(t))
       return false;
     if (nodes_[t] && nodes_[t]->get_multipliers().size() != rows_at(*problem_, t).size()) return false;
   }
@@ -106,8 +95,8 @@ void SolverAugmentedLagrangian::decorate() {
   ShootingProblem::Models models;
   ShootingProblem::Datas datas;
   for (std::size_t t = 0; t <= T; ++t) {
-    models.push_back(model_at(*problem_, t));
-    datas.push_back(data_at(*problem_, t));
+    models.push_back(problem_->model(t));
+    datas.push_back(problem_->data(t));
     const Index rows = rows_at(*problem_, t).size();
     y_next_[t].setZero(rows);
     if (rows == 0) continue;
@@ -141,7 +130,7 @@ void SolverAugmentedLagrangian::circularAppend(std::shared_ptr<ActionModelAbstra
   const std::size_t last = problem_->get_T() - 1;
   std::rotate(nodes_.begin(), nodes_.begin() + 1, nodes_.end() - 1);
   const Index rows = rows_at(*problem_, last).size();
-  nodes_[last] = rows == 0 ? nullptr : std::make_shared<ActionModelAugmentedLagrangian>(model_at(*problem_, last));
+  nodes_[last] = rows == 0 ? nullptr : std::make_shared<ActionModelAugmentedLagrangian>(problem_->model(last));
   if (nodes_[last]) nodes_[last]->set_multipliers(Eigen::VectorXd::Zero(rows));
   decorate();
 }
@@ -226,8 +215,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   if (inner_->get_cost() != merit_) {
     moved_ = true;
     merit_ = inner_->get_cost();
-    cost_ = 0;
-    for (std::size_t t = 0; t <= problem_->get_T(); ++t) cost_ += data_at(*problem_, t)->cost;
+    cost_ = problem_->total_cost();
     measureViolation();
   }
   stop_ = inner_->get_stop();
@@ -249,7 +237,7 @@ void SolverAugmentedLagrangian::measureViolation() {
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
     const ConstraintRows rows = rows_at(*problem_, t);
     for (Index i = 0; i < rows.size(); ++i) {
-      const double v = std::abs(rows.violation(*data_at(*problem_, t), i));
+      const double v = std::abs(rows.violation(*problem_->data(t), i));
       double& feas = i < rows.inequalities() ? gfeas_ : hfeas_;
       feas = feasnorm_ == LInf ? larger(v, feas) : feas + v;
       violation_ = larger(v, violation_);
@@ -260,8 +248,8 @@ void SolverAugmentedLagrangian::measureViolation() {
 // Violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers. (Those of
 // a plain adjoint recursion would grow with the robots' unstable motions.)
 void SolverAugmentedLagrangian::assess() {
-  cost_ = 0;
   merit_ = augmented_->calc(xs_, us_);
+  cost_ = problem_->total_cost();
   inner_->set_preg(inner_->get_reg_min());
   inner_->computeDirection(true);
   while (!inner_->direction_is_sound() && inner_->get_preg() < inner_->get_reg_max()) {
@@ -271,9 +259,8 @@ void SolverAugmentedLagrangian::assess() {
   measureViolation();
   measure_ = 0;
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
-    cost_ += data_at(*problem_, t)->cost;
     if (!nodes_[t]) continue;
-    y_next_[t] = static_cast<ActionDataAugmentedLagrangian&>(*data_at(*augmented_, t)).y_next;
+    y_next_[t] = static_cast<ActionDataAugmentedLagrangian&>(*augmented_->data(t)).y_next;
     const Eigen::VectorXd& y = nodes_[t]->get_multipliers();
     for (Index i = 0; i < y.size(); ++i) measure_ = larger(std::abs(y_next_[t][i] - y[i]) / rho_, measure_);
   }

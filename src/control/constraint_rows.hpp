@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "manycontact/control/action_model.hpp"
+#include "manycontact/control/shooting.hpp"
 
 namespace manycontact::internal {
 
@@ -37,9 +37,8 @@ class ConstraintRows {
   const Eigen::VectorXd &lo_, &hi_;
 };
 
-/// ShootingProblem evaluates nodes without controls as it does the terminal one.
-inline bool is_terminal(const ActionModelAbstract& model, std::size_t t, std::size_t T) {
-  return t == T || model.get_nu() == 0;
+inline ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
+  return {*problem.model(t), problem.by_state_alone(t)};
 }
 
 }  // namespace manycontact::internal

@@ -188,14 +188,16 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   cost_try_ = 0;
   xnext_ = problem_->get_x0();
   for (std::size_t t = 0; t <= T; ++t) {
-    const ActionModelAbstract& model = t < T ? *problem_->get_runningModels()[t] : *problem_->get_terminalModel();
     if (t < T ? keep_gaps : keep_terminal_gap) {
       step_ = (steplength - 1) * fs_[t];
-      model.get_state()->integrate(xnext_, step_, xs_try_[t]);
+      problem_->model(t)->get_state()->integrate(xnext_, step_, xs_try_[t]);
     } else {
       xs_try_[t] = xnext_;
     }
-    cost_try_ += t < T ? stepNode(t, steplength) : stepTerminal();
+    if (!problem_->by_state_alone(t)) stepControl(t, steplength);
+    problem_->calc_node(t, xs_try_, us_try_);
+    cost_try_ += problem_->data(t)->cost;
+    if (t < T) xnext_ = problem_->data(t)->xnext;
     if (raiseIfNaN(cost_try_) || !is_sound(xnext_)) {
       cost_try_ = std::numeric_limits<double>::quiet_NaN();
       return;
@@ -203,27 +205,12 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   }
 }
 
-// u = us - s k - K (x (-) xs); xnext and the node's cost there.
-double SolverDDP::stepNode(std::size_t t, double steplength) {
-  const auto& model = problem_->get_runningModels()[t];
-  const auto& data = problem_->get_runningDatas()[t];
-  model->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
-  if (model->get_nu() != 0) {
-    us_try_[t] = us_[t] - steplength * k_[t];
-    us_try_[t].noalias() -= K_[t] * dx_[t];
-    limitControl(t);
-    model->calc(data, xs_try_[t], us_try_[t]);
-  } else {
-    model->calc(data, xs_try_[t]);
-  }
-  xnext_ = data->xnext;
-  return data->cost;
-}
-
-double SolverDDP::stepTerminal() {
-  const auto& data = problem_->get_terminalData();
-  problem_->get_terminalModel()->calc(data, xs_try_.back());
-  return data->cost;
+// u = us - s k - K (x (-) xs)
+void SolverDDP::stepControl(std::size_t t, double steplength) {
+  problem_->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
+  us_try_[t] = us_[t] - steplength * k_[t];
+  us_try_[t].noalias() -= K_[t] * dx_[t];
+  limitControl(t);
 }
 
 void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_); }

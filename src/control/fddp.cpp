@@ -10,8 +10,7 @@ const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
     const std::size_t T = problem_->get_T();
     for (std::size_t k = 0; k <= T; ++k) {
       const std::size_t t = k == 0 ? T : k - 1;  // the terminal node first, as in Crocoddyl
-      const ActionModelAbstract& model = t < T ? *problem_->get_runningModels()[t] : *problem_->get_terminalModel();
-      model.get_state()->diff(xs_try_[t], xs_[t], step_);
+      problem_->model(t)->get_state()->diff(xs_try_[t], xs_[t], step_);
       fTVxx_p_.noalias() = Vxx_[t] * step_;
       dv_ -= fs_[t].dot(fTVxx_p_);
     }

@@ -46,9 +46,9 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
-    const ActionModelAbstract& model = t < T ? *problem.get_runningModels()[t] : *problem.get_terminalModel();
-    const ActionDataAbstract& d = t < T ? *problem.get_runningDatas()[t] : *problem.get_terminalData();
-    const ConstraintRows rows(model, internal::is_terminal(model, t, T));
+    const ActionModelAbstract& model = *problem.model(t);
+    const ActionDataAbstract& d = *problem.data(t);
+    const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) check_size("kkt_residual", "multipliers of a node", y->size(), static_cast<std::size_t>(rows.size()));
     for (Eigen::Index k = 0; y && k < rows.size(); ++k) {

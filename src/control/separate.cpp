@@ -20,9 +20,8 @@ const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& mod
   return dynamic_cast<const ActionModelParts*>(model.get());
 }
 
-// Of node t, T the terminal one.
 const ActionModelParts& parts_of(const ShootingProblem& problem, std::size_t t) {
-  const auto* model = as_parts(t < problem.get_T() ? problem.get_runningModels()[t] : problem.get_terminalModel());
+  const auto* model = as_parts(problem.model(t));
   require(model != nullptr, kWho, "some nodes are ActionModelParts and others are not, all are expected");
   return *model;
 }
@@ -66,8 +65,8 @@ ShootingPart part_of(const ShootingProblem& problem, std::size_t i) {
 }  // namespace
 
 std::vector<ShootingPart> separate(const ShootingProblem& problem) {
-  bool any = as_parts(problem.get_terminalModel()) != nullptr;
-  for (const auto& model : problem.get_runningModels()) any |= as_parts(model) != nullptr;
+  bool any = false;
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) any |= as_parts(problem.model(t)) != nullptr;
   if (!any) return {whole(problem)};
   std::vector<ShootingPart> out;
   for (std::size_t i = 0; i < parts_of(problem, problem.get_T()).get_parts().size(); ++i)

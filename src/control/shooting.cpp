@@ -71,50 +71,47 @@ void ShootingProblem::check_sizes(const char* where, std::size_t xs, std::size_t
   require(us == get_T(), where, "the number of controls is not the number of running nodes");
 }
 
-// In the nodes' order, whatever the number of threads.
 double ShootingProblem::total_cost() const {
   double cost = 0;
   for (const auto& data : running_datas_) cost += data->cost;
   return cost + terminal_data_->cost;
 }
 
+void ShootingProblem::calc_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs,
+                                const std::vector<Eigen::VectorXd>& us) {
+  if (by_state_alone(t))
+    model(t)->calc(data(t), xs[t]);
+  else
+    model(t)->calc(data(t), xs[t], us[t]);
+}
+
+void ShootingProblem::calcDiff_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs,
+                                    const std::vector<Eigen::VectorXd>& us) {
+  if (by_state_alone(t))
+    model(t)->calcDiff(data(t), xs[t]);
+  else
+    model(t)->calcDiff(data(t), xs[t], us[t]);
+}
+
 double ShootingProblem::calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
   check_sizes("ShootingProblem::calc", xs.size(), get_T() + 1, us.size());
-  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) {
-    if (t == get_T())
-      terminal_model_->calc(terminal_data_, xs[t]);
-    else if (running_models_[t]->get_nu() == 0)
-      running_models_[t]->calc(running_datas_[t], xs[t]);
-    else
-      running_models_[t]->calc(running_datas_[t], xs[t], us[t]);
-  });
+  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) { calc_node(t, xs, us); });
   return total_cost();
 }
 
 double ShootingProblem::calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
   check_sizes("ShootingProblem::calcDiff", xs.size(), get_T() + 1, us.size());
-  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) {
-    if (t == get_T())
-      terminal_model_->calcDiff(terminal_data_, xs[t]);
-    else if (running_models_[t]->get_nu() == 0)
-      running_models_[t]->calcDiff(running_datas_[t], xs[t]);
-    else
-      running_models_[t]->calcDiff(running_datas_[t], xs[t], us[t]);
-  });
+  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) { calcDiff_node(t, xs, us); });
   return total_cost();
 }
 
 void ShootingProblem::rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs) {
   check_sizes("ShootingProblem::rollout", xs.size(), get_T() + 1, us.size());
   xs[0] = x0_;
-  for (std::size_t t = 0; t < get_T(); ++t) {
-    if (running_models_[t]->get_nu() == 0)
-      running_models_[t]->calc(running_datas_[t], xs[t]);
-    else
-      running_models_[t]->calc(running_datas_[t], xs[t], us[t]);
-    xs[t + 1] = running_datas_[t]->xnext;
+  for (std::size_t t = 0; t <= get_T(); ++t) {
+    calc_node(t, xs, us);
+    if (t < get_T()) xs[t + 1] = data(t)->xnext;
   }
-  terminal_model_->calc(terminal_data_, xs.back());
 }
 
 std::vector<Eigen::VectorXd> ShootingProblem::rollout_us(const std::vector<Eigen::VectorXd>& us) {
@@ -194,9 +191,8 @@ bool ShootingProblem::is_updated() { return std::exchange(is_updated_, false); }
 std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem) {
   os << "ShootingProblem (T=" << problem.get_T() << ", nx=" << problem.get_nx() << ", ndx=" << problem.get_ndx()
      << ")\n  Models:\n";
-  for (std::size_t t = 0; t < problem.get_T(); ++t)
-    os << "    " << t << ": " << *problem.get_runningModels()[t] << "\n";
-  return os << "    " << problem.get_T() << ": " << *problem.get_terminalModel();
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) os << (t ? "\n" : "") << "    " << t << ": " << *problem.model(t);
+  return os;
 }
 
 }  // namespace manycontact

@@ -65,8 +65,7 @@ void SolverAbstract::resizeData() {
   xs_.resize(T + 1);
   us_.resize(T);
   fs_.resize(T + 1);
-  for (std::size_t t = nodes; t <= T; ++t)
-    xs_[t] = (t < T ? *models[t] : *problem_->get_terminalModel()).get_state()->zero();
+  for (std::size_t t = nodes; t <= T; ++t) xs_[t] = problem_->model(t)->get_state()->zero();
   for (std::size_t t = 0; t < T; ++t)
     if (us_[t].size() != static_cast<Eigen::Index>(models[t]->get_nu())) us_[t].setZero(models[t]->get_nu());
   for (Eigen::VectorXd& f : fs_)
@@ -120,14 +119,13 @@ void SolverAbstract::check_us(const char* where, const std::vector<Eigen::Vector
 
 void SolverAbstract::setCandidate(const std::vector<Eigen::VectorXd>& xs_warm,
                                   const std::vector<Eigen::VectorXd>& us_warm, bool is_feasible) {
-  const ShootingProblem::Models& models = problem_->get_runningModels();
   if (!xs_warm.empty()) check_xs("Solver::setCandidate", xs_warm);
   if (!us_warm.empty()) check_us("Solver::setCandidate", us_warm);
   for (std::size_t t = 0; t < xs_.size(); ++t) {
     if (!xs_warm.empty())
       xs_[t] = xs_warm[t];
     else
-      xs_[t] = (t < models.size() ? *models[t] : *problem_->get_terminalModel()).get_state()->zero();
+      xs_[t] = problem_->model(t)->get_state()->zero();
   }
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (!us_warm.empty())

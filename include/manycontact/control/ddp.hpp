@@ -90,8 +90,8 @@ class SolverDDP : public SolverAbstract {
   virtual bool closesGaps() const { return true; }
   bool findDirection(bool recalc);
   bool searchLine();
-  double stepNode(std::size_t t, double steplength);
-  double stepTerminal();
+  /// us_try[t] at xs_try[t].
+  void stepControl(std::size_t t, double steplength);
   /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// us_try[t] onto the control limits, for box solvers.

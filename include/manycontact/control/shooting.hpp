@@ -32,6 +32,11 @@ class ShootingProblem {
   double calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
   /// Every node's derivatives at the last calc; returns the total cost.
   double calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
+  /// Node t alone, as calc and calcDiff evaluate it at xs[t], us[t].
+  void calc_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
+  void calcDiff_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
+  /// Of the last calc, in the nodes' order.
+  double total_cost() const;
   /// xs (T + 1) from x0 on.
   void rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs);
   std::vector<Eigen::VectorXd> rollout_us(const std::vector<Eigen::VectorXd>& us);
@@ -52,6 +57,15 @@ class ShootingProblem {
   const std::shared_ptr<ActionModelAbstract>& get_terminalModel() const { return terminal_model_; }
   const Datas& get_runningDatas() const { return running_datas_; }
   const std::shared_ptr<ActionDataAbstract>& get_terminalData() const { return terminal_data_; }
+  /// Node t <= T, T the terminal one.
+  const std::shared_ptr<ActionModelAbstract>& model(std::size_t t) const {
+    return t < get_T() ? running_models_[t] : terminal_model_;
+  }
+  const std::shared_ptr<ActionDataAbstract>& data(std::size_t t) const {
+    return t < get_T() ? running_datas_[t] : terminal_data_;
+  }
+  /// Whether node t is evaluated by x alone: the terminal one, and nodes without controls.
+  bool by_state_alone(std::size_t t) const { return t == get_T() || running_models_[t]->get_nu() == 0; }
   std::size_t get_nx() const { return nx_; }
   std::size_t get_ndx() const { return ndx_; }
   std::size_t get_nu_max() const;
@@ -70,7 +84,6 @@ class ShootingProblem {
   void check_data(const char* where, const std::shared_ptr<ActionModelAbstract>& model,
                   const std::shared_ptr<ActionDataAbstract>& data) const;
   void check_sizes(const char* where, std::size_t xs, std::size_t expected_xs, std::size_t us) const;
-  double total_cost() const;
   Eigen::VectorXd x0_;
   std::shared_ptr<ActionModelAbstract> terminal_model_;
   std::shared_ptr<ActionDataAbstract> terminal_data_;
