@@ -1,30 +1,13 @@
 #include "manycontact/lq/plan.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::lq {
 namespace {
 
-// Sets of blocks that only ever grow together.
-class Partition {
- public:
-  explicit Partition(int n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int find(int i) const {
-    while (parent_[i] != i) i = parent_[i];
-    return i;
-  }
-  void join(int i, int j) {  // the smaller leads
-    i = find(i);
-    j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-void join_knot(const Problem& problem, const Knot& knot, Join join, Partition& partition) {
+void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
   std::vector<int> first(knot.bonds.size(), -1);  // block that the bond touches
@@ -79,12 +62,12 @@ void add_bonds(const Knot& knot, Cluster& c) {
   }
 }
 
-std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, const Partition& partition) {
+std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, sparse::UnionFind& partition) {
   const Knot& knot = problem.knots[k];
   std::vector<Cluster> clusters;
-  std::vector<int> index(problem.blocks(), -1);  // by the partition's leader
+  std::vector<int> index(problem.blocks(), -1);  // by the partition's root
   for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
-    int& c = index[partition.find(knot.groups[g].blocks.front())];
+    int& c = index[partition.root(knot.groups[g].blocks.front())];
     if (c < 0) {
       c = static_cast<int>(clusters.size());
       clusters.emplace_back();
@@ -112,7 +95,8 @@ void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int block
 }  // namespace
 
 Plan make_plan(const Problem& problem, Join join) {
-  Partition partition(problem.blocks());
+  std::vector<int> memory(problem.blocks());
+  sparse::UnionFind partition(memory);  // sets of blocks, which only ever grow together
   if (join == Join::kNoBonds)
     for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
   const int T = problem.horizon();

@@ -1,41 +1,25 @@
 #include "manycontact/task/parts.hpp"
 
-#include <numeric>
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
 namespace {
-
-// The first of those joined to robot i, by halving paths.
-int first_joined(std::vector<int>& to, int i) {
-  while (to[static_cast<std::size_t>(i)] != i) {
-    int& next = to[static_cast<std::size_t>(i)];
-    next = to[static_cast<std::size_t>(next)];
-    i = next;
-  }
-  return i;
-}
-
-void join(std::vector<int>& to, int i, int j) {
-  i = first_joined(to, i);
-  j = first_joined(to, j);
-  to[static_cast<std::size_t>(std::max(i, j))] = std::min(i, j);
-}
 
 bool joins_all(const TaskTerm& term) {
   return term.robots.empty() &&
          (term.residual == TaskResidual::kCom || term.residual == TaskResidual::kCentroidalMomentum);
 }
 
-void join_of_phase(const Scene& scene, const TaskPhase& phase, std::vector<int>& to) {
+void join_of_phase(const Scene& scene, const TaskPhase& phase, sparse::UnionFind& sets) {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (phase.active[c] && contact.A.robot >= 0 && contact.B.robot >= 0) join(to, contact.A.robot, contact.B.robot);
+    if (phase.active[c] && contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
   }
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms)
       if (joins_all(term))
-        for (int r = 1; r < scene.nrobots(); ++r) join(to, 0, r);
+        for (int r = 1; r < scene.nrobots(); ++r) sets.join(0, r);
 }
 
 void append(std::vector<int>& list, int first, int count) {
@@ -144,19 +128,19 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
 
 std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
   const Scene& scene = task.scene.scene;
-  std::vector<int> to(scene.robots.size());
-  std::iota(to.begin(), to.end(), 0);
-  for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, to);
-  join_of_phase(scene, task.terminal, to);
+  std::vector<int> memory(scene.robots.size());
+  sparse::UnionFind sets(memory);
+  for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, sets);
+  join_of_phase(scene, task.terminal, sets);
   std::vector<std::vector<int>> parts;
-  std::vector<std::size_t> part_at(to.size());
+  std::vector<std::size_t> part_at(memory.size());  // by root, the first of its set
   for (int r = 0; r < scene.nrobots(); ++r) {
-    const int first = first_joined(to, r);
-    if (first == r) {
-      part_at[static_cast<std::size_t>(r)] = parts.size();
+    const auto root = static_cast<std::size_t>(sets.root(r));
+    if (root == static_cast<std::size_t>(r)) {
+      part_at[root] = parts.size();
       parts.emplace_back();
     }
-    parts[part_at[static_cast<std::size_t>(first)]].push_back(r);
+    parts[part_at[root]].push_back(r);
   }
   return parts;
 }
