@@ -74,22 +74,11 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
 
 // A term of single coordinates of the whole scene, which has a number for each: those of the part's.
 TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share) {
-  const ActionPart at = coordinates_of(scene, share.robots);
-  std::vector<int> rows;
-  switch (term.residual) {
-    case TaskResidual::kState:
-      rows = at.dx;
-      break;
-    case TaskResidual::kControl:
-    case TaskResidual::kJointEffort:
-      rows = at.u;
-      break;
-    default:  // accelerations, and torques against gravity
-      rows.assign(at.dx.begin(), at.dx.begin() + static_cast<std::ptrdiff_t>(at.dx.size() / 2));
-  }
+  const std::vector<int> rows = rows_of(term.residual, scene, share.robots);
   term.nr = static_cast<int>(rows.size());
   if (term.reference.size() > 0)
-    term.reference = Eigen::VectorXd(term.reference(term.residual == TaskResidual::kState ? at.x : rows));
+    term.reference = Eigen::VectorXd(
+        term.reference(term.residual == TaskResidual::kState ? coordinates_of(scene, share.robots).x : rows));
   for (Eigen::VectorXd* numbers : {&term.weights, &term.lower, &term.upper})
     if (numbers->size() > 0) *numbers = Eigen::VectorXd((*numbers)(rows));
   return term;
@@ -177,6 +166,20 @@ ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots) {
     append(out.dx, scene.nv + robot.idx_v, robot.model->nv);
   }
   return out;
+}
+
+std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots) {
+  ActionPart at = coordinates_of(scene, robots);
+  switch (residual) {
+    case TaskResidual::kState:
+      return at.dx;
+    case TaskResidual::kControl:
+    case TaskResidual::kJointEffort:
+      return at.u;
+    default:  // accelerations, and torques against gravity
+      at.dx.resize(at.dx.size() / 2);
+      return at.dx;
+  }
 }
 
 }  // namespace manycontact

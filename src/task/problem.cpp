@@ -92,15 +92,9 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-Eigen::VectorXd x0_of(const TaskFile& task) {
-  Eigen::VectorXd x0(task.scene.scene.nq + task.scene.scene.nv);
-  x0 << task.scene.q, task.scene.v;
-  return x0;
-}
-
 // Torques of each phase: quasi-static at x0 without its velocity, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task, const TaskProblem& problem) {
-  Eigen::VectorXd still = x0_of(task);
+  Eigen::VectorXd still = task::x0_of(task.scene);
   still.tail(task.scene.scene.nv).setZero();
   std::vector<Eigen::VectorXd> us;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
@@ -118,7 +112,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
     running.push_back(nodes[static_cast<std::size_t>(k)]);
     out.us.push_back(us[static_cast<std::size_t>(k)]);
   }
-  const Eigen::VectorXd x0 = x0_of(task);
+  const Eigen::VectorXd x0 = task::x0_of(task.scene);
   out.problem = std::make_shared<ShootingProblem>(x0, running, nodes.back());
   out.xs.assign(running.size() + 1, x0);
 }

@@ -1,11 +1,10 @@
-#include <numeric>
-
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "manycontact/task/parts.hpp"
 #include "manycontact/task/rows.hpp"
 #include "terms.hpp"
 
@@ -30,32 +29,6 @@ Vec6<double> six(const Eigen::VectorXd& given) {
 
 // ---- of single coordinates: the scene's, or those of the robots
 
-// Which of the scene's x (nq + nv), dx, u, v are a robot's.
-void append_range(int first, int count, std::vector<int>& out) {
-  for (int i = 0; i < count; ++i) out.push_back(first + i);
-}
-
-void append_rows(TaskResidual kind, const Scene& scene, const Robot& robot, std::vector<int>& rows) {
-  const Model& model = *robot.model;
-  switch (kind) {
-    case TaskResidual::kState:
-      append_range(robot.idx_v, model.nv, rows);
-      append_range(scene.nv + robot.idx_v, model.nv, rows);
-      return;
-    case TaskResidual::kJointAcceleration:
-      append_range(robot.idx_v, model.nv, rows);
-      return;
-    default:
-      append_range(robot.idx_u, model.nu(), rows);
-  }
-}
-
-Eigen::VectorXd x0_of(const SceneFile& file) {
-  Eigen::VectorXd x0(file.scene.nq + file.scene.nv);
-  x0 << file.q, file.v;
-  return x0;
-}
-
 // The scene's reference: zeros (of a state x0), with the term's numbers where they belong.
 Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
@@ -66,17 +39,9 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
                                     term.residual == TaskResidual::kJointAcceleration ? scene.nv : scene.nu));
   if (term.reference.size() == 0) return out;
   for (const int r : term.robots) {
+    scatter(term.reference, state ? coordinates_of(scene, {r}).x : rows_of(term.residual, scene, {r}), out);
     const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
-    const Model& model = *robot.model;
-    if (!state) {
-      std::vector<int> rows;
-      append_rows(term.residual, scene, robot, rows);
-      for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = term.reference[static_cast<Eigen::Index>(i)];
-      continue;
-    }
-    out.segment(robot.idx_q, model.nq) = term.reference.head(model.nq);
-    out.segment(scene.nq + robot.idx_v, model.nv) = term.reference.tail(model.nv);
-    if (model.floating_base)
+    if (state && robot.model->floating_base)
       out.segment<7>(robot.idx_q) =
           pose_of_placement(move(file, term, r) * placement_of_pose(term.reference.head<7>()));
   }
@@ -102,7 +67,10 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
   const Scene& scene = p.task.scene.scene;
   if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) return out;
   std::vector<int> rows;
-  for (const int r : term.robots) append_rows(term.residual, scene, scene.robots[static_cast<std::size_t>(r)], rows);
+  for (const int r : term.robots) {  // one robot's after the other's, as the term's numbers are repeated
+    const std::vector<int> own = rows_of(term.residual, scene, {r});
+    rows.insert(rows.end(), own.begin(), own.end());
+  }
   out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
   out.copies = static_cast<int>(term.robots.size());
   return out;
@@ -175,6 +143,12 @@ std::string copy_name(const TaskTerm& term, std::size_t i, std::size_t count) {
 }
 
 }  // namespace
+
+Eigen::VectorXd x0_of(const SceneFile& file) {
+  Eigen::VectorXd x0(file.scene.nq + file.scene.nv);
+  x0 << file.q, file.v;
+  return x0;
+}
 
 std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& p) {
   std::vector<Residual> out;

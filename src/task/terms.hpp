@@ -24,6 +24,9 @@ struct Residual {
   Eigen::VectorXd lower, upper;  // of a cone
 };
 
+/// (q, v) as the scene's file has them.
+Eigen::VectorXd x0_of(const SceneFile& file);
+
 /// Throws std::invalid_argument where the term does not fit.
 std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& parts);
 

@@ -17,4 +17,8 @@ TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 /// Which coordinates of the scene's x, dx, u are these robots', in the order of part_of's scene. The model is left out.
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
 
+/// Which rows of a residual of single coordinates of the whole scene (of its dx, velocities or u) are these robots', in
+/// the same order.
+std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots);
+
 }  // namespace manycontact
