@@ -12,14 +12,8 @@ using internal::Stage;
 
 namespace {
 
-constexpr const char* kWho = "DifferentialActionModelContactFwdDynamics";
+constexpr const char* kDifferentialActionModelContactFwdDynamics = "DifferentialActionModelContactFwdDynamics";
 const std::shared_ptr<ConstraintModelManager> kNoConstraints;
-
-template <class Part>
-const std::shared_ptr<Part>& given(const std::shared_ptr<Part>& part, const char* what) {
-  require(part != nullptr, kWho, std::string(what) + " is a null pointer");
-  return part;
-}
 
 }  // namespace
 
@@ -36,19 +30,21 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
                                                   std::shared_ptr<CostModelSum> costs,
                                                   std::shared_ptr<ConstraintModelManager> constraints, double damping,
                                                   bool enable_force)
-    : Base(given(state, "the state"), given(actuation, "the actuation")->get_nu(),
-           given(costs, "the stack of costs")->get_nr(), constraints ? constraints->get_ng() : 0,
-           constraints ? constraints->get_nh() : 0),
+    : Base(internal::given(kDifferentialActionModelContactFwdDynamics, state, "the state"),
+           internal::given(kDifferentialActionModelContactFwdDynamics, actuation, "the actuation")->get_nu(),
+           internal::given(kDifferentialActionModelContactFwdDynamics, costs, "the stack of costs")->get_nr(),
+           constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0),
       multibody_(std::move(state)),
       actuation_(std::move(actuation)),
-      contacts_(given(contacts, "the stack of contacts")),
+      contacts_(internal::given(kDifferentialActionModelContactFwdDynamics, contacts, "the stack of contacts")),
       costs_(std::move(costs)),
       constraints_(std::move(constraints)),
       armature_(multibody_->get_model()->armature),
       enable_force_(enable_force) {
   const auto check_part = [this](const auto& part, const char* what) {
-    require(part.get_state() == state_, kWho, std::string(what) + " of another state, this one's is expected");
-    require(part.get_nu() == nu_, kWho,
+    require(part.get_state() == state_, kDifferentialActionModelContactFwdDynamics,
+            std::string(what) + " of another state, this one's is expected");
+    require(part.get_nu() == nu_, kDifferentialActionModelContactFwdDynamics,
             std::string(what) + " of nu = " + std::to_string(part.get_nu()) + ", the actuation's " +
                 std::to_string(nu_) + " is expected");
   };
@@ -72,7 +68,8 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
 }
 
 void Model_::set_damping_factor(double damping) {
-  require(damping >= 0 && std::isfinite(damping), std::string(kWho) + "::set_damping_factor",
+  require(damping >= 0 && std::isfinite(damping),
+          std::string(kDifferentialActionModelContactFwdDynamics) + "::set_damping_factor",
           std::to_string(damping) + " was given, a finite number that is not negative is expected");
   damping_ = damping;
 }
@@ -80,7 +77,8 @@ void Model_::set_damping_factor(double damping) {
 void Model_::set_armature(const Eigen::VectorXd& armature) {
   check_size("set_armature", "armature", armature.size(), state_->get_nv());
   for (double number : armature)
-    require(number >= 0 && std::isfinite(number), std::string(kWho) + "::set_armature",
+    require(number >= 0 && std::isfinite(number),
+            std::string(kDifferentialActionModelContactFwdDynamics) + "::set_armature",
             std::to_string(number) + " was given, finite numbers that are not negative are expected");
   armature_ = armature;
   models_ = std::make_shared<const std::vector<std::shared_ptr<const Model>>>(
@@ -206,7 +204,8 @@ void Model_::check_stage(const Data& d, Stage stage) const {
       d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
   if (fits) each_status([&](std::size_t k, bool active) { fits &= d.status[k] == active; });
   if (!fits)
-    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " +
+    throw std::logic_error(std::string(kDifferentialActionModelContactFwdDynamics) +
+                           "::calcDiff: it uses the values of the last calc; " +
                            (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
                            " is expected before it, on the same data, with the same costs and constraints");
 }
@@ -272,9 +271,9 @@ void Model_::set_g_ub(const Eigen::VectorXd& g_ub) {
 }
 
 void Model_::print(std::ostream& os) const {
-  os << kWho << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx() << ", nu=" << nu_
-     << ", nc=" << contacts_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh()
-     << ", damping=" << damping_ << "}";
+  os << kDifferentialActionModelContactFwdDynamics << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx()
+     << ", nu=" << nu_ << ", nc=" << contacts_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng()
+     << ", nh=" << get_nh() << ", damping=" << damping_ << "}";
 }
 
 }  // namespace manycontact

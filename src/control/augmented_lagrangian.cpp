@@ -17,7 +17,7 @@ using internal::rows_at;
 
 namespace {
 
-constexpr const char* kWho = "SolverAugmentedLagrangian";
+constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kProgress = 0.1;  // of m by one minimisation, or the penalty grows
 constexpr double kHoped = 0.3;     // of m by the next one, and what may be missed of that
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -60,7 +60,7 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
     : SolverAbstract(std::move(problem)) {
   decorate();
   inner_ = make(augmented_);
-  require(inner_ != nullptr && inner_->get_problem() == augmented_, kWho,
+  require(inner_ != nullptr && inner_->get_problem() == augmented_, kSolverAugmentedLagrangian,
           "a solver of the problem that was passed is expected");
   inner_->setCallbacks({std::make_shared<Relay>(*this)});
   limits_ = dynamic_cast<SolverBoxDDP*>(inner_.get()) || dynamic_cast<SolverBoxFDDP*>(inner_.get());
@@ -144,9 +144,10 @@ Vectors SolverAugmentedLagrangian::get_multipliers() const {
 
 void SolverAugmentedLagrangian::set_multipliers(const Vectors& multipliers) {
   resizeData();
-  require(multipliers.size() == nodes_.size(), kWho, "the number of multipliers is not T + 1");
+  require(multipliers.size() == nodes_.size(), kSolverAugmentedLagrangian, "the number of multipliers is not T + 1");
   for (std::size_t t = 0; t < nodes_.size(); ++t)
-    check_size(kWho, "multipliers of a node", multipliers[t].size(), static_cast<std::size_t>(y_next_[t].size()));
+    check_size(kSolverAugmentedLagrangian, "multipliers of a node", multipliers[t].size(),
+               static_cast<std::size_t>(y_next_[t].size()));
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     if (nodes_[t]) nodes_[t]->set_multipliers(multipliers[t]);
 }
@@ -301,7 +302,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
 // ---- settings -----------------------------------------------------------------------------------------------------
 
 void SolverAugmentedLagrangian::set_penalty(double penalty) {
-  require(penalty > 0 && std::isfinite(penalty), kWho, "a positive penalty is expected");
+  require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
   rho_ = penalty;
   for (const Node& node : nodes_)
     if (node) node->set_penalty(rho_);
@@ -311,19 +312,19 @@ void SolverAugmentedLagrangian::set_penalty_init(double penalty) {
   rho_init_ = penalty;
 }
 void SolverAugmentedLagrangian::set_penalty_factor(double factor) {
-  require(factor > 1 && std::isfinite(factor), kWho, "a factor above 1 is expected");
+  require(factor > 1 && std::isfinite(factor), kSolverAugmentedLagrangian, "a factor above 1 is expected");
   rho_factor_ = factor;
 }
 void SolverAugmentedLagrangian::set_penalty_max(double penalty) {
-  require(penalty > 0 && std::isfinite(penalty), kWho, "a positive penalty is expected");
+  require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
   rho_max_ = penalty;
 }
 void SolverAugmentedLagrangian::set_th_constraint(double th_constraint) {
-  require(th_constraint > 0, kWho, "a positive tolerance is expected");
+  require(th_constraint > 0, kSolverAugmentedLagrangian, "a positive tolerance is expected");
   th_constraint_ = th_constraint;
 }
 void SolverAugmentedLagrangian::set_th_kkt(double th_kkt) {
-  require(th_kkt > 0, kWho, "a positive tolerance is expected");
+  require(th_kkt > 0, kSolverAugmentedLagrangian, "a positive tolerance is expected");
   th_kkt_ = th_kkt;
 }
 

@@ -15,15 +15,9 @@ using internal::Stage;
 
 namespace {
 
-constexpr const char* kWho = "ActionModelImpulseFwdDynamics";
+constexpr const char* kActionModelImpulseFwdDynamics = "ActionModelImpulseFwdDynamics";
 const std::shared_ptr<ConstraintModelManager> kNoConstraints;
 const std::vector<int> kNoColumns;
-
-template <class Part>
-const std::shared_ptr<Part>& given(const std::shared_ptr<Part>& part, const char* what) {
-  require(part != nullptr, kWho, std::string(what) + " is a null pointer");
-  return part;
-}
 
 // What costs and constraints write their derivatives into: a differential model's data without controls.
 class Terms : public DifferentialActionModelAbstract {
@@ -39,7 +33,7 @@ class Terms : public DifferentialActionModelAbstract {
 };
 
 void check_residual(const std::string& name, const ResidualModelAbstract& residual) {
-  require(!residual.depends_on().u && !residual.depends_on().acceleration, kWho,
+  require(!residual.depends_on().u && !residual.depends_on().acceleration, kActionModelImpulseFwdDynamics,
           "\"" + name + "\" depends on controls or accelerations, which an impact does not have");
 }
 
@@ -56,17 +50,20 @@ Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
                                       std::shared_ptr<CostModelSum> costs,
                                       std::shared_ptr<ConstraintModelManager> constraints, double r_coeff,
                                       double damping, bool)
-    : Base(given(state, "the state"), 0, given(costs, "the stack of costs")->get_nr(),
+    : Base(internal::given(kActionModelImpulseFwdDynamics, state, "the state"), 0,
+           internal::given(kActionModelImpulseFwdDynamics, costs, "the stack of costs")->get_nr(),
            constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0,
            constraints ? constraints->get_ng_T() : 0, constraints ? constraints->get_nh_T() : 0),
       multibody_(std::move(state)),
-      impulses_(given(impulses, "the stack of impulses")),
+      impulses_(internal::given(kActionModelImpulseFwdDynamics, impulses, "the stack of impulses")),
       costs_(std::move(costs)),
       constraints_(std::move(constraints)),
       actuation_(std::make_shared<internal::ImpactActuation>(multibody_)) {
   const auto check_part = [this](const auto& part, const char* what, std::size_t nu) {
-    require(part.get_state() == state_, kWho, std::string(what) + " of another state, this one's is expected");
-    require(nu == 0, kWho, std::string(what) + " of nu = " + std::to_string(nu) + ", 0 is expected");
+    require(part.get_state() == state_, kActionModelImpulseFwdDynamics,
+            std::string(what) + " of another state, this one's is expected");
+    require(nu == 0, kActionModelImpulseFwdDynamics,
+            std::string(what) + " of nu = " + std::to_string(nu) + ", 0 is expected");
   };
   check_part(*impulses_, "impulses", 0);
   check_part(*costs_, "costs", costs_->get_nu());
@@ -79,7 +76,8 @@ Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
 }
 
 void Model_::set_restitution_coefficient(double r_coeff) {
-  require(r_coeff >= 0 && std::isfinite(r_coeff), std::string(kWho) + "::set_restitution_coefficient",
+  require(r_coeff >= 0 && std::isfinite(r_coeff),
+          std::string(kActionModelImpulseFwdDynamics) + "::set_restitution_coefficient",
           std::to_string(r_coeff) + " was given, a finite number that is not negative is expected");
   r_coeff_ = actuation_->restitution = r_coeff;
 }
@@ -221,7 +219,8 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
 void Model_::differentiate_impact(Data& d, Stage stage) const {
   read_status(d.status_now);
   if (d.stage != stage || d.status_now != d.status)
-    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " +
+    throw std::logic_error(std::string(kActionModelImpulseFwdDynamics) +
+                           "::calcDiff: it uses the values of the last calc; " +
                            (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
                            " is expected before it, on the same data, with the same costs and constraints");
   const Eigen::Index nv = state_->get_nv();
@@ -271,9 +270,9 @@ void Model_::quasiStatic(const DataPtr&, VectorRef u, const ConstVectorRef& x, s
 }
 
 void Model_::print(std::ostream& os) const {
-  os << kWho << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx() << ", nc=" << impulses_->get_nc()
-     << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh() << ", r_coeff=" << r_coeff_
-     << ", damping=" << get_damping_factor() << "}";
+  os << kActionModelImpulseFwdDynamics << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx()
+     << ", nc=" << impulses_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh()
+     << ", r_coeff=" << r_coeff_ << ", damping=" << get_damping_factor() << "}";
 }
 
 }  // namespace manycontact

@@ -28,11 +28,6 @@ const char* to_string(StopReason reason) {
 
 namespace {
 
-const ShootingProblem& given(const std::shared_ptr<ShootingProblem>& problem) {
-  require(problem != nullptr, "Solver", "a shooting problem is expected, not a null pointer");
-  return *problem;
-}
-
 double norm(const Eigen::VectorXd& x, FeasibilityNorm which) {
   if (x.size() == 0) return 0;
   return which == LInf ? x.lpNorm<Eigen::Infinity>() : x.lpNorm<1>();
@@ -54,7 +49,7 @@ double violation(const Eigen::VectorXd& g, const Eigen::VectorXd& lb, const Eige
 bool raiseIfNaN(double value) { return !(value < 1e30 && value > -std::numeric_limits<double>::infinity()); }
 
 SolverAbstract::SolverAbstract(std::shared_ptr<ShootingProblem> problem) : problem_(std::move(problem)) {
-  (void)given(problem_);
+  internal::given("Solver", problem_, "a shooting problem");
   SolverAbstract::resizeData();
 }
 
