@@ -46,6 +46,7 @@ print(mc.solve(scene.scene, scene.q, scene.v, scene.u, data).status)"
 fi
 
 # Nothing is left when they are gone.
-inside apt-get purge -y -qq 'manycontact' 'libmanycontact*' 'python3-manycontact*' >/dev/null
+# shellcheck disable=SC2046
+inside apt-get purge -y -qq $(for name in $names; do echo "${name%%_*}"; done) >/dev/null
 if inside find /usr -name '*manycontact*' | grep .; then exit 1; fi
 echo "packages: installed, used and removed in a clean root"
