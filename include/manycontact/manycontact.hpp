@@ -3,6 +3,7 @@
 // model and its optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/batch.hpp"
@@ -17,4 +18,5 @@
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/simulation/switch.hpp"
 #include "manycontact/version.hpp"

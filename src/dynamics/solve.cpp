@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bodies.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
@@ -111,9 +112,8 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
   internal::give_up_solution(data);
   internal::remake(data.tau, scene.nv);
   for (const Robot& robot : scene.robots) {
-    const int first = robot.model->first_actuated();
-    data.tau.segment(robot.idx_v, first).setZero();
-    data.tau.segment(robot.idx_v + first, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
+    data.tau.segment(robot.idx_v, robot.model->nv).setZero();
+    for (int k = 0; k < robot.model->nu(); ++k) data.tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
   }
   return internal::solve_checked(scene, q, v, data.tau, data);
 }
@@ -136,6 +136,8 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   remake(data.a, scene.nv);
   data.v = v;
   data.tau = tau;
+  for (const Robot& robot : scene.robots)
+    add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
   data.report.method = data.options.method;
   w.q = q;
   w.kinematics_known = false;

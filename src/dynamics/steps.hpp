@@ -45,7 +45,8 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& island, IslandDerivatives& out);
+void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
+                    IslandDerivatives& out);
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
 void solve_panel(const Scene& scene, IslandWork& island, IslandDerivatives& out, PanelWork& work);
 /// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.

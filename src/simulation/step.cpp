@@ -25,16 +25,22 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   return status != Status::kFailed;
 }
 
+void watch_condition(const Scene& scene, SimulationData& data) {
+  if (data.condition_every == 0 || data.steps % data.condition_every != 0) return;
+  estimate_condition(scene, data.dynamics);
+  data.condition = data.dynamics.report.condition;
+}
+
 }  // namespace internal
 
 SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const ConstVector& v_, Integrator integrator_,
                                double h_, const Options& options)
-    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options) {
+    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options), at_rest(scene) {
   if (q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
-  for (Eigen::VectorXd* x : {&next_v, &stage_v, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
+  for (Eigen::VectorXd* x : {&next_v, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
 }
 
 StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {

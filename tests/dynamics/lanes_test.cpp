@@ -32,11 +32,11 @@ Herd any_herd(std::mt19937& rng, int count, bool floating, double damping) {
   options.floating_base = floating;
   const auto model = std::make_shared<const Model>(random_model(rng, options));
   std::vector<Contact> contacts;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 4; ++k) {
     Contact c;
-    c.type = k == 0 ? ContactType::k6D : k == 1 ? ContactType::k3D : ContactType::k1D;
-    c.reference_frame = static_cast<ReferenceFrame>(k);
-    c.A = {0, 8 + 2 * k, random_placement(rng)};
+    c.type = k == 0 ? ContactType::k6D : k == 1 ? ContactType::k3D : k == 2 ? ContactType::k1D : ContactType::k5D;
+    c.reference_frame = static_cast<ReferenceFrame>(k % 3);
+    c.A = {0, k == 3 ? 6 : 8 + 2 * k, random_placement(rng)};
     if (k == 2) c.B = {0, 2, random_placement(rng)};  // a loop
     c.axis = random_vector(3, rng);
     c.alpha = k == 1 ? 0 : 20;

@@ -7,6 +7,7 @@
 // are immovable and dropped.
 
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,7 +21,9 @@ struct UrdfOptions {
   double armature = 0;         // of every coordinate but the floating base's, kg m^2 (kg for prismatic)
   std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
   std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
-  bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
+  std::set<std::string> passive = {};                              // joints without torques: Joint::actuated is false
+  bool model_dynamics = false;  // <dynamics>: fills Model::damping and friction; else only noted
+  bool refuse_mimic = false;    // a moving joint with <mimic> is an InputError
 
   bool operator==(const UrdfOptions&) const = default;
 };

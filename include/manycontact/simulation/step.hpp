@@ -1,6 +1,19 @@
 #pragma once
 // A scene on its way through time, on the manifold of its configurations, contacts held as the scene says.
 //
+// Semi-implicit Euler holds contacts in the velocity, by an impulse h f:
+//
+//     [ M  J^T     ] [ v+   ]   [ M v + h (S^T u - h(q, v)) ]
+//     [ J  -delta I] [ -h f ] = [      -(1 - z) e / h       ]      q+ = q (+) h v+
+//
+// with e the contact's error and z what the gains make of it per step (error_growth, simulation/gains.hpp). Where e = 0
+// this takes v + h a_free to the nearest velocity that the contacts allow, in the kinetic metric: contacts never add
+// energy but for e. (Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do: J v has grown by h J' v
+// since the last step, so that the curvature J' v is answered twice, and where it grows from step to step, as legs
+// straighten, half the energy of a scene was added in 10 ms.) The first step stops what velocity the contacts do not
+// allow. The scheme is Moreau's; see Stewart and Trinkle, International Journal for Numerical Methods in Engineering 39
+// (1996).
+//
 // RK4 is Munthe-Kaas': q(t) = q0 (+) w(t), and the classical scheme on (w, v) from w = 0 with
 //
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
@@ -16,6 +29,7 @@
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
+#include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/simulation/integrator.hpp"
 
@@ -29,6 +43,22 @@ enum class StepStatus {
   kTooFast,       // a velocity after the step is beyond SimulationData::velocity_limit
 };
 
+/// The scene at rest, of which semi-implicit Euler and impacts ask for a velocity in the place of an acceleration: no
+/// gravity, no bias, and a contact's error e is to be answered by a velocity. With the memory for that.
+struct SceneAtRest {
+  explicit SceneAtRest(const Scene& scene);
+  /// Takes over what may change in `of`. alpha becomes (1 - error_growth) / h [1/s], 0 where h is 0; beta 0.
+  void follow(const Scene& of, Integrator integrator, double h);
+  /// tau = ID(q, v, a), without contacts. q: nq; v, a, tau: nv.
+  void inverse_dynamics_of(const Scene& of, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                           const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
+
+  Scene scene;
+  Eigen::VectorXd zero;                 // nv
+  std::vector<Kinematics<double>> kin;  // per robot
+  std::vector<Vec6<double>> f;          // scratch
+};
+
 struct SimulationData {
   /// Starts at q (nq), v (nv). Throws std::invalid_argument unless sizes fit and h is finite and positive.
   SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
@@ -38,14 +68,21 @@ struct SimulationData {
   double h;                     // s
   double velocity_limit = 1e5;  // m/s, rad/s: nothing real is faster, but for light
 
-  Eigen::VectorXd q, v;            // the state: of the start, then by step
-  long steps = 0;                  // done so far
-  Status worst = Status::kOk;      // of all solves so far
-  SceneData dynamics;              // of the last solve; dynamics.active may be switched between steps
+  int condition_every = 0;  // estimates the condition of K in every so many steps; 0: never
+  double condition = 0;     // 1-norm condition of K, the largest of the islands, when last estimated
+
+  Eigen::VectorXd q, v;        // the state: of the start, then by step
+  long steps = 0;              // done so far
+  Status worst = Status::kOk;  // of all solves so far
+  SceneData dynamics;          // a, f, report: of the last solve; by semi-implicit Euler a mean acceleration, and
+                               // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp)
+  Eigen::VectorXd f;           // by step: contact forces at the state it started from (dynamics.f_offset)
   Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
 
+  SceneAtRest at_rest;
+
   // scratch
-  Eigen::VectorXd stage_q, stage_v, w, w_rate, v_rate, w_sum, v_sum;
+  Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
   double time() const { return static_cast<double>(steps) * h; }
 };

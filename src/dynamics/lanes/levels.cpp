@@ -1,6 +1,7 @@
 #include <array>
 
 #include "lanes.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
 
 namespace manycontact {
@@ -50,6 +51,7 @@ bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p
 
 bool fits(const Scene& scene, const Island& island) {
   if (island.robots.size() != 1 || island.nv == 0 || island.size() > kLargest) return false;
+  if (has_friction(*scene.robots[island.robots.front()].model)) return false;
   for (int c : island.contacts)
     if (scene.contacts[c].A.joint < 0 || (scene.contacts[c].B.robot >= 0 && scene.contacts[c].B.joint < 0))
       return false;
