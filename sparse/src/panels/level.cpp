@@ -145,6 +145,9 @@ void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
 extern const PanelKernels MANYCONTACT_OF_LEVEL(level_);
 const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
                                                    kernel::kColumns<double>,
+                                                   ldl_scheduled_factor<double>,
+                                                   ldl_scheduled_solve<double>,
+                                                   ldl_scheduled_residual<double>,
                                                    ldl_scheduled_solve_panel<double>,
                                                    solve_apart,
                                                    panel_residual,

@@ -1,5 +1,5 @@
 #include "manycontact/kkt/factor/factors.hpp"
-#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/ldl.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
@@ -21,7 +21,7 @@ class LdlFactor final : public Factor {
     double* scale = scratch.scale.data();
     double ratio = 0;
     if (schedule_) {
-      sparse::ldl_scheduled_factor(*schedule_, Kx, L_.data(), D_.data(), scale);
+      sparse::panel_kernels().factor(*schedule_, Kx, L_.data(), D_.data(), scale);
       ratio = sparse::smallest_pivot_ratio(K.size(), D_.data(), scale);
     } else {
       if (sparse::ldl_factor(pattern_->K, pattern_->ldl, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
@@ -36,7 +36,7 @@ class LdlFactor final : public Factor {
 
   void solve(double* x) override {
     if (schedule_)
-      sparse::ldl_scheduled_solve(*schedule_, L_.data(), D_.data(), x);
+      sparse::panel_kernels().solve_vector(*schedule_, L_.data(), D_.data(), x);
     else
       sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
   }

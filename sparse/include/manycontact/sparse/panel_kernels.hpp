@@ -1,5 +1,5 @@
 #pragma once
-// Kernels on row-major panels of doubles, compiled for several levels of instructions and chosen when the program runs.
+// Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen when the program runs.
 // Levels agree to rounding.
 
 #include <span>
@@ -11,6 +11,11 @@ namespace manycontact::sparse {
 struct PanelKernels {
   const char* name;
   int columns;  // of a panel worked at a time
+  /// ldl_scheduled_factor, ldl_scheduled_solve and ldl_scheduled_residual (ldl_kernels.hpp) of doubles.
+  void (*factor)(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale);
+  void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
+  void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
+                          double* scale);
   /// ldl_scheduled_solve_panel (ldl_kernels.hpp) of doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero);
