@@ -46,11 +46,16 @@ class LdlFactor final : public Factor {
     const sparse::PanelKernels& kernels = sparse::panel_kernels();
     if (!schedule_)
       return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    const std::size_t n = D_.size();
-    if (n * ld <= kStaysInCache)
+    reserve_panels();
+    if (D_.size() * ld <= kStaysInCache)
       return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    if (work_.size() < n * kernels.columns) work_.resize(n * kernels.columns);
     kernels.solve_apart(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
+  }
+  bool refines_panels() const override { return schedule_ != nullptr; }
+  void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
+    reserve_panels();
+    sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
+                                          pattern_->perm.data(), X, ld, first, cols, nonzero, work_.data());
   }
   void release_panels() override { work_ = {}; }
 
@@ -59,6 +64,11 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
+  // For refinement too: a later state may need it, and must not allocate.
+  void reserve_panels() {
+    const std::size_t size = D_.size() * (2 * sparse::panel_kernels().columns + 1);
+    if (work_.size() < size) work_.resize(size);
+  }
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     pattern_ = nullptr;  // should memory run out
     const sparse::LdlSchedule* schedule = method_ == Method::kSparseLdl ? &pattern->schedule() : nullptr;
@@ -72,7 +82,7 @@ class LdlFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
   std::vector<double> L_, D_;
-  std::vector<double> work_;  // of solve_panel
+  std::vector<double> work_;  // of solve_panel and solve_panel_refined
   double growth_ = 1;
 };
 

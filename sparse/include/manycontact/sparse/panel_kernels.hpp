@@ -11,7 +11,7 @@ namespace manycontact::sparse {
 struct PanelKernels {
   const char* name;
   int columns;  // of a panel worked at a time
-  /// ldl_scheduled_factor, ldl_scheduled_solve and ldl_scheduled_residual (ldl_kernels.hpp) of doubles.
+  /// ldl_scheduled_factor, ldl_scheduled_solve (ldl_kernels.hpp) of doubles, and residual (upper_csc.hpp).
   void (*factor)(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale);
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
@@ -22,6 +22,10 @@ struct PanelKernels {
   /// The same for rows that are far apart: a chunk of columns is worked beside the panel. work: n x `columns`.
   void (*solve_apart)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                       int first, int cols, char* nonzero, double* work);
+  /// solve_apart refined once: with X = A^-1 B, X + A^-1 (B - A X). work: n x (2 `columns` + 1).
+  void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
+                        const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
+                        double* work);
   /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
   /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
