@@ -46,11 +46,11 @@ void evaluate_contacts(const Scene& scene, Workspace& w) {
     };
     for (int c : group.members) {
       const Contact& contact = scene.contacts[c];
-      if (!g.rows_at_hand.empty() && !lanes::alike(*first, contact)) evaluate_those_at_hand();
+      if (!g.rows_at_hand.empty() && !lanes::alike_rows(*first, contact)) evaluate_those_at_hand();
       if (g.rows_at_hand.empty()) first = &contact;
       const auto A = body(w, contact.A.robot);
-      g.rows_at_hand.push_back({A, contact.B.robot < 0 ? A : body(w, contact.B.robot), contact.B.placement.R.data(),
-                                lanes::ContactTerms::arrays_of(w.contacts[c])});
+      g.rows_at_hand.push_back({A, contact.B.robot < 0 ? A : body(w, contact.B.robot), contact.A.placement.R.data(),
+                                contact.B.placement.R.data(), lanes::ContactTerms::arrays_of(w.contacts[c])});
       if (static_cast<int>(g.rows_at_hand.size()) == w.lanes.level->width) evaluate_those_at_hand();
     }
     evaluate_those_at_hand();

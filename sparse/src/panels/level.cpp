@@ -116,7 +116,8 @@ inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB
 void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
   kernel::in_chunks<kernel::kColumns<double>>(0, cols, [&](int first, auto size) {
     const auto at = [&](int k) { return static_cast<std::ptrdiff_t>(row[k]) * ld + first; };
-    subtract_product<size.value>(A, Ax, [&](int k) { return X + at(k); }, [&](int k) { return B + at(k); });
+    subtract_product<size.value>(
+        A, Ax, [&](int k) { return X + at(k); }, [&](int k) { return B + at(k); });
   });
 }
 
@@ -138,7 +139,8 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
       b.store(r + k * N);
     }
     kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), x, N, nonzero);
-    subtract_product<N>(A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
+    subtract_product<N>(
+        A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
     kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), r, N, everywhere);
     for (int k = 0; k < schedule.n; ++k) {
       auto sum = Tile<double, N>::load(x + k * N);

@@ -90,8 +90,16 @@ class RobotTerms {
   template <class S>
   static Arrays<S> arrays_of(Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M, S* h) {
     static_assert(sizeof(SE3<S>) == 12 * sizeof(S) && sizeof(Inertia<S>) == 13 * sizeof(S));
-    return {kin.origin.data(),   kin.oMi.front().R.data(), kin.J.data(), &kin.Y.front().m, kin.v.front().data(),
-            kin.a.front().data(), kin.a_base.data(),        &Yc.front().m, M,                h};
+    return {kin.origin.data(),
+            kin.oMi.front().R.data(),
+            kin.J.data(),
+            &kin.Y.front().m,
+            kin.v.front().data(),
+            kin.a.front().data(),
+            kin.a_base.data(),
+            &Yc.front().m,
+            M,
+            h};
   }
   static Counts counts_of(const Model& model) {
     const int n = model.njoints();
@@ -132,14 +140,14 @@ class ContactTerms {
   };
   struct Rows {
     Body A, B;
-    const double* placement;  // B's, where B is the world
+    const double *placement_A, *placement_B;  // of the contact's frames on their bodies, or in the world
     Arrays<double> out;
   };
 
   virtual ~ContactTerms() = default;
   /// Memory for contacts side by side. The arguments of Level::make_contacts.
   virtual void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
-  /// rows: one, or after `widen` as many as fit side by side, alike to `contact` (`alike`).
+  /// rows: one, or after `widen` as many as fit side by side, alike to `contact` but for placements (`alike_rows`).
   virtual void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) = 0;
 };
 
@@ -165,9 +173,10 @@ const Level* level_of(Lanes lanes);
 bool fits(const Scene& scene, const Island& island);
 /// Whether A is on a moving body, and B on one or in the world.
 bool moves_at_both_ends(const Contact& contact);
-/// Whether contacts on the same joints can be evaluated side by side: alike but for B's placement in the world.
-bool alike(const Contact& x, const Contact& y);
-/// Whether two islands of one shape and model can stand side by side: their contacts are alike.
+/// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
+bool alike_rows(const Contact& x, const Contact& y);
+/// Whether two islands of one shape and model can stand side by side: their contacts are alike but for B's placement in
+/// the world.
 bool alike(const Scene& scene, const Island& x, const Island& y);
 
 }  // namespace manycontact::lanes

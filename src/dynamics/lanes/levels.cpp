@@ -57,15 +57,19 @@ bool fits(const Scene& scene, const Island& island) {
 
 bool moves_at_both_ends(const Contact& c) { return c.A.joint >= 0 && (c.B.robot < 0 || c.B.joint >= 0); }
 
-bool alike(const Contact& c, const Contact& d) {
-  return c.type == d.type && c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta &&
-         c.A.joint == d.A.joint && (c.B.robot < 0) == (d.B.robot < 0) && c.B.joint == d.B.joint && c.axis == d.axis &&
-         same(c.A.placement, d.A.placement) && (c.B.robot < 0 || same(c.B.placement, d.B.placement));
+bool alike_rows(const Contact& c, const Contact& d) {
+  return c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta && c.axis == d.axis;
 }
 
 bool alike(const Scene& scene, const Island& x, const Island& y) {
-  for (std::size_t k = 0; k < x.contacts.size(); ++k)
-    if (!alike(scene.contacts[x.contacts[k]], scene.contacts[y.contacts[k]])) return false;
+  for (std::size_t k = 0; k < x.contacts.size(); ++k) {
+    const Contact& c = scene.contacts[x.contacts[k]];
+    const Contact& d = scene.contacts[y.contacts[k]];
+    if (!alike_rows(c, d) || c.type != d.type || c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) ||
+        c.B.joint != d.B.joint || !same(c.A.placement, d.A.placement) ||
+        (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))
+      return false;
+  }
   return true;
 }
 

@@ -12,15 +12,12 @@ namespace {
 
 constexpr int kLargestModel = 400;  // velocities: as for islands that stand in lanes
 
-bool is_small(const Model& model) {
-  return model.njoints() > 0 && model.nv <= kLargestModel && !model.M_begin.empty();
-}
+bool is_small(const Model& model) { return model.njoints() > 0 && model.nv <= kLargestModel && !model.M_begin.empty(); }
 
 bool evaluated_in_lanes(const Scene& scene, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return false;
-  return d.island.robots.size() > 1 &&
-         std::all_of(d.island.robots.begin(), d.island.robots.end(),
-                     [&](int r) { return is_small(*scene.robots[r].model); });
+  return d.island.robots.size() > 1 && std::all_of(d.island.robots.begin(), d.island.robots.end(),
+                                                   [&](int r) { return is_small(*scene.robots[r].model); });
 }
 
 void add_robot_to_group(const Scene& scene, const Level& level, int r, TermGroups& g) {
@@ -47,14 +44,8 @@ void add_contact_to_group(const Scene& scene, const Workspace& w, const Level& l
 
 bool before(const Contact& x, const Contact& y) {
   const auto numbers = [](const Contact& c) {
-    std::array<double, 30> n{static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
-    const auto place = [](const SE3<double>& M, double* to) {
-      std::copy_n(M.R.data(), 9, to);
-      std::copy_n(M.p.data(), 3, to + 9);
-    };
-    place(c.A.placement, n.data() + 6);
-    if (c.B.robot >= 0) place(c.B.placement, n.data() + 18);
-    return n;
+    return std::array<double, 6>{
+        static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
   };
   const auto a = numbers(x), b = numbers(y);
   return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too

@@ -106,21 +106,22 @@ class ContactTermsOf {
 
   void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const ContactTerms::Rows> rows) {
     A_.load(rows, contact.A.joint, [](const ContactTerms::Rows& r) -> const ContactTerms::Body& { return r.A; });
-    const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * contact.A.placement.cast<S>();
+    const double* from[8];
+    SE3<S> on_A, on_B;
+    load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_A; }), 12, on_A.R.data());
+    load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_B; }), 12, on_B.R.data());
+    const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * on_A;
     Vec3<S> from_b = A_.kin.origin;
     if (contact.B.robot < 0) {
-      SE3<S> bMB;
-      const double* from[8];
-      load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement; }), 12, bMB.R.data());
-      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, bMB, from_b, rows_);
+      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, on_B, from_b, rows_);
     } else {
       B_.load(rows, contact.B.joint, [](const ContactTerms::Rows& r) -> const ContactTerms::Body& { return r.B; });
-      const SE3<S> bMB = B_.kin.oMi[contact.B.joint] * contact.B.placement.cast<S>();
       if (contact.A.robot == contact.B.robot)
         from_b.setZero();
       else
         from_b -= B_.kin.origin;
-      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, bMB, from_b, rows_);
+      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, B_.kin.oMi[contact.B.joint] * on_B,
+                              from_b, rows_);
     }
     const ContactTerms::Arrays<S> arrays = ContactTerms::arrays_of(rows_);
     const ContactTerms::Counts counts = ContactTerms::counts_of(contact.rows(), support_.cols());

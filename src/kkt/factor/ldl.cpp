@@ -1,5 +1,4 @@
 #include "manycontact/kkt/factor/factors.hpp"
-#include "manycontact/sparse/ldl.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
@@ -46,12 +45,11 @@ class LdlFactor final : public Factor {
     const sparse::PanelKernels& kernels = sparse::panel_kernels();
     if (!schedule_)
       return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    if (stays_in_cache(ld)) return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
     reserve_panels();
-    if (D_.size() * ld <= kStaysInCache)
-      return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
     kernels.solve_apart(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
   }
-  bool refines_panels() const override { return schedule_ != nullptr; }
+  bool refines_panels(int ld) const override { return schedule_ && !stays_in_cache(ld); }
   void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
     reserve_panels();
     sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
@@ -64,6 +62,7 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
+  bool stays_in_cache(int ld) const { return D_.size() * ld <= kStaysInCache; }
   // For refinement too: a later state may need it, and must not allocate.
   void reserve_panels() {
     const std::size_t size = D_.size() * (2 * sparse::panel_kernels().columns + 1);

@@ -29,8 +29,9 @@ class Factor {
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Whether there is solve_panel_refined: X + K^-1 (B - K X) where solve_panel gives X = K^-1 B, for the K factorized.
-  virtual bool refines_panels() const { return false; }
+  /// Whether there is solve_panel_refined for panels of that row stride: X + K^-1 (B - K X) where solve_panel gives
+  /// X = K^-1 B, for the K factorized.
+  virtual bool refines_panels(int ld) const { return (void)ld, false; }
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) {
     (void)K, solve_panel(X, ld, first, cols, nonzero);
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen when the program runs.
-// Levels agree to rounding.
+// Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen
+// when the program runs. Levels agree to rounding.
 
 #include <span>
 
