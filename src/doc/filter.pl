@@ -2,7 +2,7 @@
 # What Doxygen is to see of a header, line by line: its plain comments are documentation too.
 #   the comment under #pragma once, and others that stand alone at the margin: of the file
 #   x;  // text, and further lines of that comment: of the member x
-#   struct x {  // text: of x
+#   struct x {  // text: of x, a function likewise
 #   /// text above several declarations: of each of them
 use strict;
 use warnings;
@@ -27,6 +27,8 @@ for my $i (0 .. $#lines) {
     if (/^#pragma once/) {
       $_ = '/// @file';
       $in_file_comment = 1;
+    } elsif (m{^// clang-format} && !$in_file_comment) {
+      $_ = '';
     } elsif (m{^//( .*)?$} && ($in_file_comment || $before eq '')) {
       $lines[$i - 1] = '/// @file' unless $in_file_comment;
       my $text = $1 // '';
@@ -37,13 +39,16 @@ for my $i (0 .. $#lines) {
     } elsif (m{^(\s*)///(?!<)( ?)(.*)$}) {
       $_ = "$1/// " . plain($3);
       $in_file_comment = $in_member_comment = 0;
-    } elsif (m!^(\s+[^/\s}].*?[;,\w)}])(\s+)//\s(.*)$! && !m!\{\s+// !) {
+    } elsif (m!^(\s*[^/\s}#].*?[;,\w)}])(\s+)//\s(.*)$! && !m!\{\s+// !) {
       $_ = "$1$2///< " . plain($3);
       $column = length("$1$2");
       $in_member_comment = 1;
       $in_file_comment = 0;
-    } elsif (m!^(\s*)((?:struct|class|enum)\b.*\{)\s+// (.*)$!) {
-      $_ = "$1/** " . plain($3) . " */ $2";
+    } elsif (m!^( {0,2})((?:struct|class|enum|constexpr|SE3<).*\{)\s+// (.*)$!) {
+      my ($indent, $code, $words) = ($1, $2, "/** " . plain($3) . " */");
+      my $template = $before =~ /^\s*template/;
+      $lines[$i - 1] = "$words $before" if $template;
+      $_ = $template ? "$indent$code" : "$indent$words $code";
       $in_file_comment = $in_member_comment = 0;
     } elsif ($in_member_comment && m{^(\s+)//\s+(.*)$} && length($1) == $column) {
       $_ = "$1///< " . plain($2);

@@ -17,9 +17,9 @@ enum class Status {
   kRegularised,   // the answer to a neighbouring problem
   kFailed,        // no answer: accelerations and forces are NaN
 };
-std::string to_string(Status status);
+std::string to_string(Status status);  // "ok", "redundant", ...
 
-struct IslandReport {
+struct IslandReport {  // Of one island's answer.
   Status status = Status::kOk;
   Method method = Method::kSparseLdl;  // the one that answered
   Order order = Order::kLeafToRoot;    // its order, where it has one
@@ -39,7 +39,7 @@ struct IslandReport {
   double error_acceleration = 0, error_forces = 0;
 };
 
-struct Report {
+struct Report {  // Of the whole scene's answer.
   Status status = Status::kOk;
   Method method = Method::kAuto;      // the one asked for
   std::vector<IslandReport> islands;  // with method dense-schur, which takes the scene as one system, a single one

@@ -26,7 +26,7 @@ struct ContactGroup {
   int line = 1;
 };
 
-struct SceneFile {
+struct SceneFile {  // A scene, its state, and which elements of the file its robots and contacts came from.
   std::string path;
   Scene scene;
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu

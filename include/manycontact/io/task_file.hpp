@@ -76,7 +76,7 @@ enum class TaskSolver { kFddp, kBoxFddp, kSparse, kAuto };
 const char* to_string(TaskSolver solver);
 enum class TaskGuess { kQuasiStatic, kZero };
 
-struct TaskFile {
+struct TaskFile {  // A task as its file has it.
   std::string path, name;
   SceneFile scene;
   double step = 0;  // s
