@@ -1,5 +1,5 @@
 #pragma once
-// A scene from its XML file (models/README.md, "Scene file"): robots with their copies and their state, contacts.
+// A scene from its XML file (src/doc/scene_file.md): robots with their copies and their state, contacts.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// An optimal control task from its XML file (models/README.md, "Task file"): a scene, phases with their contacts, costs
+// An optimal control task from its XML file (src/doc/task_file.md): a scene, phases with their contacts, costs
 // and constraints, and how it is to be solved. Plain data; task/problem.hpp makes a shooting problem of it.
 
 #include <string>
