@@ -14,7 +14,8 @@ function(complaints said)  # further lines of the Doxyfile
   set(${said} "${warnings}" PARENT_SCOPE)
 endfunction()
 
-complaints(said "SEARCHENGINE = NO")
+# Of the page of outcomes the first lines: its table of 908 cases takes twice as long as all the rest.
+complaints(said "SEARCHENGINE = NO" "FILTER_PATTERNS += */stability/README.md=\"head -40\"")
 if(said)
   message(FATAL_ERROR "${said}")
 endif()

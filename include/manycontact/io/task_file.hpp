@@ -42,7 +42,7 @@ struct TaskTerm {
   TaskResidual residual = TaskResidual::kState;
   int nr = 0;  // rows, of one copy
 
-  // Whom it is about: robots, or a frame on each of them, or contacts of the scene. No robot: the whole scene.
+  /// Whom it is about: robots, or a frame on each of them, or contacts of the scene. No robot: the whole scene.
   std::vector<int> robots, contacts;
   bool copied = false;  // all copies are meant, and places are those of the robot before `arrange` moved it
   std::string frame;    // of the robots
@@ -58,7 +58,7 @@ struct TaskTerm {
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr, of weighted activations
   double eps = 1;           // of kSmooth1Norm
-  // Of a constraint, and of a barrier: nr, -inf and inf allowed; empty: those of the cone.
+  /// Of a constraint, and of a barrier: nr, -inf and inf allowed; empty: those of the cone.
   Eigen::VectorXd lower, upper;
 };
 

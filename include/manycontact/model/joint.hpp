@@ -30,7 +30,7 @@ struct Joint {
   SE3<double> placement;                      // of the joint frame in the parent joint's frame
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
   Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame
-  // Limits, one value per velocity coordinate; infinite where the file gives none.
+  /// Limits, one value per velocity coordinate; infinite where the file gives none.
   Eigen::VectorXd lower, upper;  // position (floating: unused)
   Eigen::VectorXd velocity_limit, effort_limit;
 
