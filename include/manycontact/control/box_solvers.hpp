@@ -25,7 +25,7 @@ class SolverWithBox : public Base {
   std::vector<Eigen::VectorXd> du_lb_, du_ub_;
 };
 
-class SolverBoxDDP : public SolverWithBox<SolverDDP> {
+class SolverBoxDDP : public SolverWithBox<SolverDDP> {  // DDP with controls in a box
  public:
   using SolverWithBox::SolverWithBox;
   void forwardPass(double steplength) override;
