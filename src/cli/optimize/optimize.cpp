@@ -7,6 +7,7 @@
 
 #include "../common/command.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 
 namespace manycontact::cli {
 
@@ -70,6 +71,7 @@ int run_optimize(const Arguments& arguments) {
   TaskProblem problem = make_problem(task, chosen);
   check_writable(*out, "--out");
   if (json) check_writable(*json, "--json");
+  std::optional<Recording> view = recording_of(arguments, task.scene.scene);
 
   const InterruptFlag stop;
   std::size_t k = 0;
@@ -80,7 +82,10 @@ int run_optimize(const Arguments& arguments) {
   const OptimizedTask motion{task, problem, solution};
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
-  if (*out != "-" && json.value_or("") != "-") print_summary(std::cout, motion);
+  const bool summary = *out != "-" && json.value_or("") != "-";
+  if (summary) print_summary(std::cout, motion);
+  if (view) record_motion(motion, *view);
+  finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);
   return solution.converged ? kExitOk : kExitUnsound;
 }
 
@@ -93,6 +98,7 @@ const Command& optimize_command() {
       "A motion of a scene: the task's costs at their least, its contacts held.",
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
       "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"

@@ -7,6 +7,8 @@
 
 namespace manycontact::cli {
 
+struct Recording;
+
 struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
@@ -18,6 +20,12 @@ void write_json(const OptimizedTask& motion, const std::string& path);
 
 /// CSV in the columns of `simulate`: a row per node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
+
+/// The states as frames of a view, with the torques and cones of the task.
+void record_motion(const OptimizedTask& motion, Recording& recording);
+
+/// The friction coefficient of the contact's cones in this phase, the smallest; infinite without.
+double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
 /// Its parts: where robots and frames went, largest torques, contact forces.
