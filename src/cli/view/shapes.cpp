@@ -1,7 +1,7 @@
 // What robots look like: their URDF's visuals, and capsules between the joints of bodies that have none.
 
-#include <filesystem>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "decimate.hpp"
@@ -29,14 +29,14 @@ Json json_of(const SE3<double>& at) {
 struct Meshes {
   Json list = Json::array();
   std::map<std::string, int> index;  // by path; -1: not to be had
-  std::vector<std::string> lost;     // as the URDF names them
+  std::set<std::string> lost;        // as the URDF names them, and why
 };
 
 // The mesh's number in the list; -1 where it cannot be had.
 int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {
   const std::string path = find_mesh(urdf, name);
   if (path.empty() || !is_mesh_format(path)) {
-    meshes.lost.push_back(name + (path.empty() ? " (not found)" : " (neither .stl nor .obj)"));
+    meshes.lost.insert(name + (path.empty() ? " (not found)" : " (neither .stl nor .obj)"));
     return -1;
   }
   const auto [at, is_new] = meshes.index.emplace(path, -1);
@@ -50,7 +50,7 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
     at->second = static_cast<int>(meshes.list.size());
     meshes.list.push_back({{"vertices", base64_of(vertices)}, {"triangles", base64_of(triangles)}});
   } catch (const InputError& error) {
-    meshes.lost.push_back(error.what());
+    meshes.lost.insert(error.what());
   }
   return at->second;
 }
@@ -76,14 +76,14 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Bodies without a shape: from their joint to those they carry, leaves to their farthest frame or through their
-// centre of mass. The body -1 is a fixed base.
-void add_capsules(const Model& model, const std::vector<char>& drawn, Json& shapes) {
+// Bodies without a shape, or short of one: from their joint to those they carry, leaves to their farthest frame or
+// through their centre of mass. The body -1 is a fixed base.
+void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
-  std::vector<std::vector<Vec3<double>>> ends(drawn.size());  // per body, the base first
+  std::vector<std::vector<Vec3<double>>> ends(whole.size());  // per body, the base first
   for (const Joint& joint : model.joints) ends[static_cast<std::size_t>(joint.parent + 1)].push_back(joint.placement.p);
   for (std::size_t body = model.floating_base ? 1 : 0; body < ends.size(); ++body) {
-    if (drawn[body]) continue;
+    if (whole[body]) continue;
     const int joint = static_cast<int>(body) - 1;
     if (ends[body].empty() && joint >= 0) {
       const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
@@ -110,12 +110,13 @@ Json names_of_bodies(const Model& model) {
 Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
   std::unordered_map<std::string, const Frame*> frames;
   for (const Frame& frame : model.frames) frames.emplace(frame.name, &frame);
-  std::vector<char> drawn(model.joints.size() + 1);  // the base first
+  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // the base first
   Json shapes = Json::array();
   for (const Visual& visual : load_visuals(urdf)) {
     const auto found = frames.find(visual.link);
     if (found == frames.end()) continue;
     const Frame& frame = *found->second;
+    const auto body = static_cast<std::size_t>(frame.joint + 1);
     Json shape = {{"body", frame.joint},
                   {"shape", kNames[static_cast<int>(visual.shape)]},
                   {"size", {visual.size[0], visual.size[1], visual.size[2]}},
@@ -123,12 +124,17 @@ Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
     if (visual.colour) shape["colour"] = *visual.colour;
     if (visual.shape == VisualShape::kMesh) {
       const int mesh = mesh_number(urdf, visual.mesh, meshes);
-      if (mesh < 0) continue;
+      if (mesh < 0) {
+        short_of[body] = 1;
+        continue;
+      }
       shape["mesh"] = mesh;
     }
-    drawn[static_cast<std::size_t>(frame.joint + 1)] = 1;
+    drawn[body] = 1;
     shapes.push_back(std::move(shape));
   }
+  for (std::size_t body = 0; body < drawn.size(); ++body)
+    if (short_of[body]) drawn[body] = 0;
   add_capsules(model, drawn, shapes);
   return {{"name", model.name}, {"bodies", names_of_bodies(model)}, {"shapes", std::move(shapes)}};
 }
@@ -148,8 +154,9 @@ Json shapes_of(const SceneFile& file, std::vector<std::string>& notes) {
                         {"base", json_of(file.scene.robots[k].base)}});
   }
   if (!meshes.lost.empty())
-    notes.push_back("capsules stand for " + text::count(static_cast<long>(meshes.lost.size()), "mesh") + ": " +
-                    text::join(meshes.lost, 2));
+    notes.push_back("capsules stand for " + std::to_string(meshes.lost.size()) +
+                    (meshes.lost.size() == 1 ? " mesh: " : " meshes: ") +
+                    text::join({meshes.lost.begin(), meshes.lost.end()}, 2));
   return {{"models", std::move(models)}, {"robots", std::move(robots)}, {"meshes", std::move(meshes.list)}};
 }
 

@@ -33,7 +33,9 @@ int run_view(const Arguments& arguments) {
 
   const SceneFile file = trajectory ? read_scene(path) : load_scene(path);
   Recording recording(file.scene, rate);
-  if (arguments.has("--friction")) recording.friction.assign(file.scene.contacts.size(), friction);
+  if (arguments.has("--friction"))
+    for (std::size_t c = 0; c < recording.friction.size(); ++c)
+      if (file.scene.contacts[c].B.robot < 0) recording.friction[c] = friction;
   if (trajectory) {
     read_trajectory(*trajectory, file.scene, recording);
   } else {
@@ -74,7 +76,7 @@ const Command& view_command() {
       {{"--out", "FILE", "HTML, one file that needs no network; - is standard output", true},
        {"--trajectory", "FILE", "CSV in the columns of `simulate`; default: the scene's state, with the forces there"},
        {"--rate", "HZ", "frames per second at most (50)"},
-       {"--friction", "MU", "of all contacts' cones, about the z axis of their reference frames"}},
+       {"--friction", "MU", "draws cones at contacts with the world, about the z axis of their reference frames"}},
       "Forces are arrows, at 1:1000 [m/N] or what suits the scene; those of a trajectory are its columns f:*, or "
       "none.\n"
       "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "

@@ -18,23 +18,37 @@ class OrbitCamera {
     canvas.addEventListener('contextmenu', (e) => e.preventDefault());
   }
 
-  // So that a ball fills most of the picture, but for what `left` of its width the panel covers.
-  fit(centre, radius, aspect) {
-    const half = THREE.Math.degToRad(this.camera.fov) / 2;
-    this.target.copy(centre);
-    this.distance = radius / Math.sin(Math.min(half, Math.atan(Math.tan(half) * aspect)));
+  // From the target to the camera.
+  direction() {
+    const c = Math.cos(this.elevation);
+    return new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation));
+  }
+
+  // So that boxes fill a picture of this aspect: every corner x to the side of the middle and z nearer than it asks for
+  // a distance of x / tan(half the angle) + z.
+  fit(boxes, middle, aspect) {
+    this.target.copy(middle);
+    const back = this.direction(), right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
+    const above = back.clone().cross(right), slope = 0.9 * Math.tan(THREE.Math.degToRad(this.camera.fov) / 2);
+    this.distance = 0;
+    for (const {min, max} of boxes)
+      for (let k = 0; k < 8; ++k) {
+        const corner = new THREE.Vector3(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z);
+        corner.sub(this.target);
+        const side = Math.max(Math.abs(corner.dot(right)) / aspect, Math.abs(corner.dot(above)));
+        this.distance = Math.max(this.distance, side / slope + corner.dot(back));
+      }
     this.changed();
   }
 
-  update(aspect) {
-    const c = Math.cos(this.elevation);
-    this.camera.position.set(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation))
-        .multiplyScalar(this.distance).add(this.target);
+  // For a picture of this size whose leftmost pixels are covered.
+  update(width, height, covered) {
+    this.camera.position.copy(this.direction()).multiplyScalar(this.distance).add(this.target);
     this.camera.lookAt(this.target);
-    this.camera.aspect = aspect;
-    this.camera.near = this.distance / 100;
+    this.camera.aspect = width / height;
+    this.camera.near = this.distance / 50;
     this.camera.far = this.distance * 100;
-    this.camera.updateProjectionMatrix();
+    this.camera.setViewOffset(width, height, -covered / 2, 0, width, height);
     this.camera.updateMatrixWorld();
   }
 

@@ -32,7 +32,7 @@ class Contacts {
   arrow(shaft, head) {
     const group = new THREE.Group();
     const solid = new THREE.MeshPhongMaterial({specular: 0x111111});
-    const ghost = new THREE.MeshBasicMaterial({transparent: true, opacity: 0.38, depthTest: false, depthWrite: false});
+    const ghost = new THREE.MeshBasicMaterial({transparent: true, opacity: 0.55, depthTest: false, depthWrite: false});
     const parts = [[shaft, solid], [head, solid], [shaft, ghost], [head, ghost]].map(([geometry, material]) => {
       const mesh = new THREE.Mesh(geometry, material);
       mesh.castShadow = material === solid;
@@ -81,7 +81,7 @@ class Contacts {
     const mu = parts.contact.friction, known = mu > 0 && !isNaN(force.x);
     parts.cone.visible = this.shown.cones && mu > 0;
     if (parts.cone.visible) {
-      const height = 0.2 * this.size / Math.max(1, mu);
+      const height = 0.13 * this.size / Math.max(1, mu);
       parts.cone.scale.set(mu * height, mu * height, height);
       this.turn(parts.cone, normal);
     }
@@ -94,7 +94,7 @@ class Contacts {
     const length = scale * force.length() / this.newtons;
     arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
     if (!arrow.group.visible) return;
-    const radius = 0.009 * this.size * Math.min(1, length / (0.08 * this.size)), head = Math.min(6 * radius, 0.5 * length);
+    const radius = 0.011 * this.size * Math.min(1, length / (0.06 * this.size)), head = Math.min(6 * radius, 0.5 * length);
     for (const shaft of arrow.shafts) shaft.scale.set(radius, radius, length - head);
     for (const cone of arrow.heads) {
       cone.scale.set(2.6 * radius, 2.6 * radius, head);

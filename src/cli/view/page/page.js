@@ -10,10 +10,10 @@ class Page {
     this.playing = false;
     this.changed = true;
     this.setWorld();
-    this.setFirstCamera();
     this.setControls();
     this.setPlots();
     this.setText();
+    this.setFirstCamera();
     this.followAddress();
     requestAnimationFrame((ms) => this.tick(ms));
   }
@@ -29,38 +29,48 @@ class Page {
     this.robots.place(frameAt(this.times, this.now));
     this.world.updateMatrixWorld();
 
-    const boxes = this.robots.boxes();
-    this.box = boxes.reduce((all, box) => all.union(box), new THREE.Box3());
-    if (this.box.isEmpty()) this.box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
-    const sizes = boxes.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
-    this.size = Math.min(sizes[sizes.length >> 1] || 1, this.box.getSize(new THREE.Vector3()).length());
+    this.boxes = this.robots.boxes();
+    if (this.boxes.length === 0) this.boxes.push(new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1)));
+    this.box = this.boxes.reduce((all, box) => all.union(box), new THREE.Box3());
+    const sizes = this.boxes.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
+    this.size = sizes[sizes.length >> 1] || 1;  // of a robot
     this.contacts = new Contacts(this.data, this.size, this.world);
     this.addFloor();
     this.addLight();
   }
 
+  // Squares are a texture: lines that pass the camera are lost in some browsers.
   addFloor() {
-    const radius = Math.max(this.box.getSize(new THREE.Vector3()).length(), 2 * this.size), low = Math.min(this.box.min.z, 0);
+    const radius = Math.max(this.box.getSize(new THREE.Vector3()).length(), 2 * this.size);
     const centre = this.box.getCenter(new THREE.Vector3());
-    const height = low < -0.02 * this.size ? low : 0;
-    const cell = roundUp(0.2 * this.size), cells = 2 * Math.min(Math.ceil(4 * radius / cell), 400);
-    const ground = new THREE.Mesh(new THREE.PlaneBufferGeometry(60 * radius, 60 * radius),
-                                  new THREE.MeshPhongMaterial({color: 0xdfe5ea, specular: 0}));
-    ground.receiveShadow = true;
-    ground.position.set(centre.x, centre.y, height - 0.002 * this.size);
-    const grid = new THREE.GridHelper(cells * cell, cells, 0xb4c0cb, 0xc9d2da);
-    grid.rotation.x = Math.PI / 2;
-    grid.position.set(Math.round(centre.x / cell) * cell, Math.round(centre.y / cell) * cell, height);
-    this.world.add(ground, grid);
+    this.cell = roundUp(Math.max(0.2 * this.size, 0.04 * radius));
+    const cells = 2 * Math.ceil(20 * radius / this.cell), middle = (x) => Math.round(x / this.cell) * this.cell;
+    const canvas = document.createElement('canvas'), g = canvas.getContext('2d'), n = 256;
+    canvas.width = canvas.height = n;
+    g.fillStyle = '#e3e8ec';
+    g.fillRect(0, 0, n, n);
+    g.strokeStyle = '#b3bfc9';
+    g.lineWidth = 5;
+    g.strokeRect(0, 0, n, n);
+    const squares = new THREE.CanvasTexture(canvas);
+    squares.wrapS = squares.wrapT = THREE.RepeatWrapping;
+    squares.repeat.set(cells, cells);
+    squares.anisotropy = this.renderer.capabilities.getMaxAnisotropy();
+    const floor = new THREE.Mesh(new THREE.PlaneBufferGeometry(cells * this.cell, cells * this.cell),
+                                 new THREE.MeshPhongMaterial({map: squares, specular: 0}));
+    floor.receiveShadow = true;
+    floor.position.set(middle(centre.x), middle(centre.y), this.box.min.z < -0.02 * this.size ? this.box.min.z : 0);
+    this.world.add(floor);
     this.world.fog = new THREE.Fog(0xe9eef3, 4 * radius, 11 * radius);
-    this.cell = cell;
   }
 
   addLight() {
     const radius = this.box.getSize(new THREE.Vector3()).length() / 2 + 0.4 * this.size;
     const centre = this.box.getCenter(new THREE.Vector3());
-    this.world.add(new THREE.HemisphereLight(0xffffff, 0xb9b2a6, 0.72));
-    const sun = new THREE.DirectionalLight(0xfff6e8, 0.5);
+    this.world.add(new THREE.HemisphereLight(0xffffff, 0xb9b2a6, 0.7));
+    this.lamp = new THREE.DirectionalLight(0xffffff, 0.22);  // goes with the camera
+    this.world.add(this.lamp, this.lamp.target);
+    const sun = new THREE.DirectionalLight(0xfff6e8, 0.4);
     sun.position.set(0.9, -0.6, 1.9).normalize().multiplyScalar(4 * radius).add(centre);
     sun.target.position.copy(centre);
     sun.castShadow = true;
@@ -75,12 +85,15 @@ class Page {
     const size = this.box.getSize(new THREE.Vector3());
     const wide = Math.hypot(size.x, size.y);
     this.camera.elevation = wide > 2.5 * size.z ? 0.5 : 0.2;
-    this.camera.azimuth = size.x > 1.5 * size.y ? -1.25 : size.y > 1.5 * size.x ? -0.38 : -0.75;
+    this.camera.azimuth = size.x > 1.5 * size.y ? -1.2 : size.y > 1.5 * size.x ? -0.38 : -0.75;
     const canvas = element('canvas');
-    this.camera.fit(this.box.getCenter(new THREE.Vector3()), 0.5 * size.length(), canvas.clientWidth / canvas.clientHeight);
+    this.camera.fit(this.boxes, this.box.getCenter(new THREE.Vector3()), (canvas.clientWidth - this.covered()) / canvas.clientHeight);
     this.startTarget = this.camera.target.clone();
     this.startCentre = this.robots.centre();
   }
+
+  // What the panel takes of the picture's width.
+  covered() { return Math.min(element('panel').offsetWidth + 12, element('canvas').clientWidth / 2); }
 
   setControls() {
     const update = () => { this.changed = true; };
@@ -129,7 +142,7 @@ class Page {
     const count = (n, what) => n + ' ' + what + (n === 1 ? '' : /y$/.test(what) ? '' : 's');
     const islands = new Set(data.frames.islands.slice(0, data.robots.length)).size;
     document.title = data.name + ' - manycontact';
-    element('title').textContent = data.name;
+    element('title').textContent = data.name.replace(/_/g, '_\u200b');  // may break there
     element('summary').textContent = count(data.robots.length, 'robot') + ', ' + (bodies === 1 ? '1 body' : bodies + ' bodies') +
         ', ' + count(islands, 'island') + ', ' + count(data.contacts.length, 'contact') + '; grid ' + show(this.cell) + ' m';
     const known = Array.from(data.frames.forces).some((x) => x === x);
@@ -192,7 +205,9 @@ class Page {
     const canvas = element('canvas'), width = canvas.clientWidth, height = canvas.clientHeight;
     this.renderer.setPixelRatio(window.devicePixelRatio || 1);
     this.renderer.setSize(width, height, false);
-    this.camera.update(width / height);
+    this.camera.update(width, height, this.covered());
+    this.lamp.position.copy(this.camera.camera.position);
+    this.lamp.target.position.copy(this.camera.target);
     this.renderer.render(this.world, this.camera.camera);
 
     const now = Math.min(this.now, this.times[this.times.length - 1]);

@@ -70,8 +70,8 @@ class Robots {
     if (by === 'urdf') return urdf ? new THREE.Color(urdf[0], urdf[1], urdf[2]) : new THREE.Color(0x9aa7b3);
     const first = this.data.frames.islands[frame * this.data.robots.length + robot];
     const group = by === 'robots' ? robot : this.islands.get(first);
-    const shade = by === 'robots' ? 0 : [0, 0.13, -0.11, 0.06, -0.05][(robot - first) % 5];
-    return new THREE.Color().setHSL(((208 + 137.508 * group) % 360) / 360, 0.45, 0.56 + shade);
+    const shade = by === 'robots' ? 0 : [0, 0.12, -0.14, 0.06, -0.07][(robot - first) % 5];
+    return new THREE.Color().setHSL(((208 + 137.508 * group) % 360) / 360, 0.5, 0.6 + shade);
   }
 
   paint(frame, by) {
