@@ -45,7 +45,7 @@ TEST_F(Browser, ShowsTheBodiesAndPlays) {
   EXPECT_EQ(data(dom, "error"), "");
   EXPECT_EQ(data(dom, "robots"), "3");
   EXPECT_EQ(data(dom, "bodies"), "67");
-  EXPECT_EQ(data(dom, "shapes"), "69");
+  EXPECT_EQ(data(dom, "shapes"), "67");
   EXPECT_EQ(data(dom, "contacts"), "8");
   EXPECT_EQ(data(dom, "islands"), "1");
   EXPECT_EQ(data(dom, "frames"), "6");

@@ -4,6 +4,8 @@
 #include <regex>
 
 #include "cli/page.hpp"
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/io/task_file.hpp"
 #include "manycontact/manycontact.hpp"
 
 namespace manycontact::cli {
@@ -95,7 +97,7 @@ TEST_F(View, ASceneIsOnePageThatLoadsNothing) {
   EXPECT_EQ(page.scene["robots"].size(), 3u);
   EXPECT_EQ(page.bodies(), 33u + 33 + 1);
   EXPECT_EQ(page.frames(), 1u);
-  EXPECT_EQ(page.scene["models"][0]["shapes"].size(), 34u);  // the URDF's visuals
+  EXPECT_EQ(page.scene["models"][0]["shapes"].size(), 33u);  // the URDF's visuals
   EXPECT_EQ(page.scene["models"].back()["shapes"][0]["size"], nlohmann::json({3.0, 0.08, 0.08}));
   EXPECT_EQ(page.scene["contacts"].size(), 8u);
   EXPECT_EQ(page.scene["contacts"][0]["friction"], 0.7);
