@@ -9,6 +9,7 @@
 #include "../common/command.hpp"
 #include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 
 namespace manycontact::cli {
 
@@ -81,6 +82,7 @@ int run_optimize(const Arguments& arguments) {
   check_writable(*out, "--out");
   if (json) check_writable(*json, "--json");
   if (charts) prepare_charts(*charts);
+  std::optional<Recording> view = recording_of(arguments, task.scene.scene);
 
   const InterruptFlag stop;
   std::size_t k = 0;
@@ -92,7 +94,10 @@ int run_optimize(const Arguments& arguments) {
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
-  if (*out != "-" && json.value_or("") != "-") print_summary(std::cout, motion);
+  const bool summary = *out != "-" && json.value_or("") != "-";
+  if (summary) print_summary(std::cout, motion);
+  if (view) record_motion(motion, *view);
+  finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);
   return solution.converged ? kExitOk : kExitUnsound;
 }
 
@@ -106,6 +111,7 @@ const Command& optimize_command() {
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
        {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
+       view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
       "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
