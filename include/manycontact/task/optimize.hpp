@@ -26,7 +26,7 @@ struct TaskTimes {
   double total = 0;
 };
 
-struct TaskSolution {
+struct TaskSolution {  // What optimize found, and how.
   bool converged = false;
   double cost = 0;
   std::string reason;                     // why it stopped; of infeasible constraints, which and by how much
@@ -42,7 +42,7 @@ struct TaskSolution {
   TaskTimes times;
 };
 
-struct TaskOptions {
+struct TaskOptions {  // How to solve, where the file does not say it.
   TaskSolver solver = TaskSolver::kAuto;
   int threads = 0;  // 0: OpenMP's
   /// After each iteration; false ends the solve there.
