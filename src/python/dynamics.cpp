@@ -304,18 +304,6 @@ auto block_property(Block (IslandDerivatives::*block)() const) {
   };
 }
 
-// The matrix as scipy's, which takes over its memory.
-py::object scipy_csc(Eigen::SparseMatrix<double>&& given) {
-  auto* A = new Eigen::SparseMatrix<double>(std::move(given));
-  const py::capsule owner(A, [](void* p) { delete static_cast<Eigen::SparseMatrix<double>*>(p); });
-  const py::array values = view(A->valuePtr(), {A->nonZeros()}, {1}, owner, true);
-  const py::array_t<int> rows(A->nonZeros(), A->innerIndexPtr(), owner);
-  const py::array_t<int> columns(A->outerSize() + 1, A->outerIndexPtr(), owner);
-  return py::module_::import("scipy.sparse")
-      .attr("csc_matrix")(py::make_tuple(values, rows, columns),
-                          py::arg("shape") = py::make_tuple(A->rows(), A->cols()), py::arg("copy") = false);
-}
-
 // K of one island, or of the whole scene (island < 0), as scipy's.
 py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   data.use([&](SceneData& d) { complete(scene, d); });
@@ -643,6 +631,17 @@ void add_batches(py::module_& m) {
 }
 
 }  // namespace
+
+py::object scipy_csc(Eigen::SparseMatrix<double>&& given) {
+  auto* A = new Eigen::SparseMatrix<double>(std::move(given));
+  const py::capsule owner(A, [](void* p) { delete static_cast<Eigen::SparseMatrix<double>*>(p); });
+  const py::array values = view(A->valuePtr(), {A->nonZeros()}, {1}, owner, true);
+  const py::array_t<int> rows(A->nonZeros(), A->innerIndexPtr(), owner);
+  const py::array_t<int> columns(A->outerSize() + 1, A->outerIndexPtr(), owner);
+  return py::module_::import("scipy.sparse")
+      .attr("csc_matrix")(py::make_tuple(values, rows, columns),
+                          py::arg("shape") = py::make_tuple(A->rows(), A->cols()), py::arg("copy") = false);
+}
 
 Options options_of(py::handle method, py::handle order, py::handle lanes) {
   Options options;

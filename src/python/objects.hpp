@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <Eigen/SparseCore>
 #include <atomic>
 #include <memory>
 #include <sstream>
@@ -27,28 +28,16 @@ std::string text_of(const T& x) {
 
 /// A class's member matrix as a property: an array on it, which keeps the object; assignment writes into it. Only for
 /// members that keep their size.
-template <class Class, class T, class M>
-void member_view(Class& c, const char* name, M T::*member, const char* doc, bool writeable = true) {
-  const auto get = [member, writeable](py::object self) { return view(self.cast<T&>().*member, self, writeable); };
-  if (writeable)
-    c.def_property(
-        name, get, [member](T& self, py::object values) { assign(self.*member, values); }, doc);
-  else
-    c.def_property_readonly(name, get, doc);
+template <class Class, class M>
+void member_view(Class& c, const char* name, M member, const char* doc) {
+  using T = typename Class::type;
+  c.def_property(
+      name, [member](py::object self) { return view(self.cast<T&>().*member, self, true); },
+      [member](T& self, py::handle values) { assign(self.*member, values); }, doc);
 }
 
-/// The same for a member whose size changes: a copy, which cannot be written into.
-template <class Class, class T, class M>
-void member_copy(Class& c, const char* name, M T::*member, const char* doc) {
-  c.def_property_readonly(
-      name,
-      [member](const T& self) {
-        py::array out = copy(self.*member);
-        py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-        return out;
-      },
-      doc);
-}
+/// A sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
+py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_scenes(py::module_& m);
 void add_dynamics(py::module_& m);
