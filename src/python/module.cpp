@@ -54,5 +54,10 @@ PYBIND11_MODULE(_manycontact, m) {
   add_scenes(m);
   add_dynamics(m);
   add_simulation(m);
+  add_action_parts(m);
+  add_action(m);
+  add_control(m);
+  add_solvers(m);
+  add_task(m);
   m.attr("__name__") = own_name;
 }

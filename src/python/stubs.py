@@ -38,7 +38,7 @@ def parts_at(text, separator):
 
 
 def type_of(text):
-    text = re.sub(r"\bmanycontact\.(?:_manycontact\.)?", "", text.strip())
+    text = re.sub(r"\bmanycontact(?:::|\.)(?:_manycontact\.)?", "", text.strip())
     text = re.sub(r"\bnumpy\.ndarray\[[^\]]*\]|\bnumpy\.ndarray\b", "numpy.ndarray", text)
     text = re.sub(r"\b(handle|object|function|iterator|array)\b", "Any", text.replace("numpy.array", "array"))
     try:
