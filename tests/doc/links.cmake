@@ -5,6 +5,7 @@ file(GLOB pages ${PROJECT}/*.md ${PROJECT}/src/doc/*.md ${PROJECT}/models/*.md $
 set(count 0)
 foreach(page IN LISTS pages)
   file(READ ${page} text)
+  string(REGEX REPLACE "```[^`]*```" "" text "${text}")  # programs
   string(REPLACE "](" "@(" text "${text}")
   string(REGEX REPLACE "[][;]" " " text "${text}")  # CMake's lists would trip over these
   string(REGEX MATCHALL "@\\([^()# \n]+" links "${text}")

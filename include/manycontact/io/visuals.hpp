@@ -13,7 +13,7 @@ namespace manycontact {
 
 enum class VisualShape { kBox, kCylinder, kSphere, kMesh };
 
-struct Visual {
+struct Visual {  // One shape of a link.
   std::string link;
   SE3<double> placement;  // in the link's frame
   VisualShape shape = VisualShape::kBox;
