@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-struct Mesh {  // Triangles of a file.
+struct Mesh {                                  // Triangles of a file.
   std::vector<std::array<float, 3>> vertices;  // in the file's own unit
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
