@@ -1,10 +1,13 @@
-# Every page's links and pictures lead to files that are there.
+# Every page has a title, and its links and pictures lead to files that are there.
 #   PROJECT: the top folder
 file(GLOB pages ${PROJECT}/*.md ${PROJECT}/src/doc/*.md ${PROJECT}/models/*.md ${PROJECT}/sparse/*.md
                 ${PROJECT}/include/manycontact/*/README.md ${PROJECT}/bench/*/README.md ${PROJECT}/tests/*/README.md)
 set(count 0)
 foreach(page IN LISTS pages)
   file(READ ${page} text)
+  if(NOT text MATCHES "^# ")
+    message(SEND_ERROR "${page} does not begin with a title")
+  endif()
   string(REGEX REPLACE "```[^`]*```" "" text "${text}")  # programs
   string(REPLACE "](" "@(" text "${text}")
   string(REGEX REPLACE "[][;]" " " text "${text}")  # CMake's lists would trip over these
