@@ -176,7 +176,7 @@ TEST_F(View, TrajectoryWithForces) {
   for (const std::string contact : {"left", "right"})
     for (int k = 0; k < 6; ++k) {
       head += ",f:" + contact + "[" + std::to_string(k) + "]";
-      row += "," + std::to_string(k + (contact == "left" ? 10 : 20));
+      row += ',' + std::to_string(k + (contact == "left" ? 10 : 20));
       none += contact == "left" ? ",1" : ",";  // right is let go
     }
   std::ofstream(path("f.csv")) << head << "\n" << row << "\n" << none << "\n";

@@ -9,6 +9,7 @@ class OrbitCamera {
     this.azimuth = -0.9;   // rad, from x towards y
     this.elevation = 0.28; // rad
     this.distance = 5;     // m
+    this.moved = false;    // by the user
     this.changed = changed;
     this.pointers = new Map();
     canvas.addEventListener('pointerdown', (e) => this.down(canvas, e));
@@ -29,7 +30,7 @@ class OrbitCamera {
   fit(boxes, middle, aspect) {
     this.target.copy(middle);
     const back = this.direction(), right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
-    const above = back.clone().cross(right), slope = 0.9 * Math.tan(THREE.Math.degToRad(this.camera.fov) / 2);
+    const above = back.clone().cross(right), slope = 0.97 * Math.tan(THREE.Math.degToRad(this.camera.fov) / 2);
     this.distance = 0;
     for (const {min, max} of boxes)
       for (let k = 0; k < 8; ++k) {
@@ -38,7 +39,6 @@ class OrbitCamera {
         const side = Math.max(Math.abs(corner.dot(right)) / aspect, Math.abs(corner.dot(above)));
         this.distance = Math.max(this.distance, side / slope + corner.dot(back));
       }
-    this.changed();
   }
 
   // For a picture of this size whose leftmost pixels are covered.
@@ -57,6 +57,7 @@ class OrbitCamera {
   down(canvas, e) {
     canvas.setPointerCapture(e.pointerId);
     this.pointers.set(e.pointerId, {x: e.clientX, y: e.clientY});
+    this.moved = true;
   }
 
   move(canvas, e) {
@@ -88,6 +89,7 @@ class OrbitCamera {
 
   zoom(factor) {
     this.distance = Math.min(Math.max(this.distance * factor, 1e-3), 1e5);
+    this.moved = true;
     this.changed();
   }
 }

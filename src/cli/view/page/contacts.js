@@ -94,7 +94,7 @@ class Contacts {
     const length = scale * force.length() / this.newtons;
     arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
     if (!arrow.group.visible) return;
-    const radius = 0.011 * this.size * Math.min(1, length / (0.06 * this.size)), head = Math.min(6 * radius, 0.5 * length);
+    const radius = 0.009 * this.size * Math.min(1, length / (0.1 * this.size)), head = Math.min(6 * radius, 0.5 * length);
     for (const shaft of arrow.shafts) shaft.scale.set(radius, radius, length - head);
     for (const cone of arrow.heads) {
       cone.scale.set(2.6 * radius, 2.6 * radius, head);

@@ -86,10 +86,9 @@ class Page {
     const wide = Math.hypot(size.x, size.y);
     this.camera.elevation = wide > 2.5 * size.z ? 0.5 : 0.2;
     this.camera.azimuth = size.x > 1.5 * size.y ? -1.2 : size.y > 1.5 * size.x ? -0.38 : -0.75;
-    const canvas = element('canvas');
-    this.camera.fit(this.boxes, this.box.getCenter(new THREE.Vector3()), (canvas.clientWidth - this.covered()) / canvas.clientHeight);
-    this.startTarget = this.camera.target.clone();
+    this.startTarget = this.box.getCenter(new THREE.Vector3());
     this.startCentre = this.robots.centre();
+    this.camera.target.copy(this.startTarget);
   }
 
   // What the panel takes of the picture's width.
@@ -161,6 +160,7 @@ class Page {
     const words = new URLSearchParams(location.hash.slice(1));
     for (const name of ['azimuth', 'elevation', 'distance'])
       if (words.has(name) && isFinite(Number(words.get(name)))) this.camera[name] = Number(words.get(name));
+    this.camera.moved = words.has('distance');
     if (words.has('t') && isFinite(Number(words.get('t')))) this.seek(Number(words.get('t')));
     if (words.has('play')) this.play(true);
   }
@@ -199,10 +199,12 @@ class Page {
                            contacts: element('show_contacts').checked};
     this.contacts.place(at, scale);
     element('scale_text').textContent = 'an arrow of 1 m: ' + show(this.contacts.newtons / scale) + ' N';
+    const canvas = element('canvas'), width = canvas.clientWidth, height = canvas.clientHeight;
+    if (!this.camera.moved)
+      this.camera.fit(this.boxes, this.startTarget, (width - this.covered()) / height);
     if (element('follow').checked)
       this.camera.target.copy(this.robots.centre()).sub(this.startCentre).add(this.startTarget);
 
-    const canvas = element('canvas'), width = canvas.clientWidth, height = canvas.clientHeight;
     this.renderer.setPixelRatio(window.devicePixelRatio || 1);
     this.renderer.setSize(width, height, false);
     this.camera.update(width, height, this.covered());
