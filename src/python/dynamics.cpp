@@ -42,14 +42,6 @@ namespace {
 // ---- names of enumerations -----------------------------------------------------------------------------------------
 
 template <class E>
-E named(py::handle given, std::optional<E> (*find)(const std::string&), const char* what) {
-  if (!py::isinstance<py::str>(given)) return given.cast<E>();
-  const auto name = given.cast<std::string>();
-  if (const auto found = find(name)) return *found;
-  throw py::value_error(std::string("unknown ") + what + " '" + name + "'");
-}
-
-template <class E>
 void with_text(py::enum_<E>& e) {
   e.def(
       "__str__", [](E x) { return to_string(x); }, py::prepend());
@@ -645,9 +637,9 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given) {
 
 Options options_of(py::handle method, py::handle order, py::handle lanes) {
   Options options;
-  options.method = named<Method>(method, &method_from_string, "method");
-  if (!order.is_none()) options.order = named<Order>(order, &order_from_string, "order");
-  options.lanes = named<Lanes>(lanes, &lanes_from_string, "lanes");
+  options.method = value_or_name<Method>(method, method_from_string, "method");
+  if (!order.is_none()) options.order = value_or_name<Order>(order, order_from_string, "order");
+  options.lanes = value_or_name<Lanes>(lanes, lanes_from_string, "lanes");
   return options;
 }
 

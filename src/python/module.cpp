@@ -1,6 +1,7 @@
 // The module manycontact._manycontact; the package's __init__.py shows its names as manycontact's.
 
 #include "manycontact/io/input_error.hpp"
+#include "manycontact/version.hpp"
 #include "objects.hpp"
 
 namespace manycontact::python {

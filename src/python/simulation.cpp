@@ -25,10 +25,8 @@ struct Simulation {
 };
 
 Integrator integrator_of(py::handle given) {
-  if (!py::isinstance<py::str>(given)) return given.cast<Integrator>();
-  const auto name = given.cast<std::string>();
-  if (const auto found = integrator_from_string(name)) return *found;
-  throw py::value_error("unknown integrator '" + name + "', expected semi-implicit-euler or rk4");
+  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
+                                   ", expected 'semi-implicit-euler' or 'rk4'");
 }
 
 // States every so many steps.

@@ -92,7 +92,6 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
   void differentiate_impact(Data& data, internal::Stage stage) const;
   void finish(Data& data, internal::Stage stage) const;
   void copy_derivatives(Data& data) const;
-  void read_status(std::vector<bool>& status) const;
   void lay_out(Data& data) const;
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ImpulseModelMultiple> impulses_;
@@ -119,7 +118,6 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {
   Eigen::VectorXd x_rest, v;       // [q; 0] and the velocity before, of the last calc
   Eigen::VectorXd x;               // of the last calc
   std::vector<bool> status;        // of the costs, then of the constraints, at the last calc
-  std::vector<bool> status_now;    // scratch
   std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks are laid out for
   std::vector<FrameIndex> frames;  // theirs then
 };

@@ -19,12 +19,12 @@ enum FeasibilityNorm { LInf = 0, L1 };
 
 enum class StopReason {
   kNone,         // solve() has not run
-  kConverged,    // the stopping value fell below th_stop at a feasible candidate
+  kConverged,    // the stopping value fell below th_stop at a feasible candidate, and what else a solver asks for
   kIterations,   // maxiter iterations were done
   kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
   kNoStep,       // no step of a direction was accepted up to the largest regularisation
   kInterrupted,  // interrupt() was called
-  kInfeasible,   // constraints are not met, and at the largest penalty come no closer
+  kInfeasible,   // constraints are not met, and under a penalty that outweighs the cost come no closer
 };
 const char* to_string(StopReason reason);
 

@@ -25,7 +25,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
 };
-[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
+[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);  // nv, nc rows
 
 /// The same as one sparse matrix, rows [a; f], columns [q | v | u] (those asked for), column-major.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
