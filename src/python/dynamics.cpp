@@ -580,8 +580,11 @@ py::tuple batch_of_products(const Scene& scene, py::handle q, py::handle v, py::
 
 void add_batches(py::module_& m) {
   py::class_<BatchData>(m, "BatchData", "The memory of the threads that solve many states of one scene.")
-      .def(py::init<const Scene&, int, const Options&>(), py::arg("scene"), py::arg("threads") = 0,
-           py::arg_v("options", Options(), "Options()"), "threads: 0, as many as OpenMP would take.")
+      .def(py::init([](const Scene& scene, int threads, const Options& options) {
+             return std::make_unique<BatchData>(scene, checked_threads(threads), options);
+           }),
+           py::arg("scene"), py::arg("threads") = 0, py::arg_v("options", Options(), "Options()"),
+           "threads: 0, as many as OpenMP would take.")
       .def_readwrite("options", &BatchData::options)
       .def_property(
           "active", [](const BatchData& b) { return std::vector<bool>(b.active.begin(), b.active.end()); },

@@ -18,6 +18,9 @@ using Unlocked = py::call_guard<py::gil_scoped_release>;
 /// A Python object that C++ keeps; let go from any thread.
 std::shared_ptr<void> keep(py::handle object);
 
+/// A number of threads that a machine can start; 0: OpenMP's.
+int checked_threads(int threads);
+
 /// A value of an enumeration, given as such or by its name.
 template <class E, class Find>
 E value_or_name(py::handle given, const Find& find, const char* what, const char* names = "") {

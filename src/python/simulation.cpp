@@ -177,8 +177,10 @@ void add_invariants(py::module_& m) {
       .def_readwrite("alpha", &Gains::alpha, "[1/s^2]")
       .def_readwrite("beta", &Gains::beta, "[1/s]")
       .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })
-      .def("__repr__",
-           [](const Gains& g) { return "Gains(" + std::to_string(g.alpha) + ", " + std::to_string(g.beta) + ")"; });
+      .def("__repr__", [](const Gains& g) {
+        return "Gains(" + std::string(py::str(py::float_(g.alpha))) + ", " + std::string(py::str(py::float_(g.beta))) +
+               ")";
+      });
   m.def(
       "recommended_gains", [](py::handle i, double h) { return recommended_gains(integrator_of(i), h); },
       py::arg("integrator"), py::arg("h"), "Gains for steps of h [s].");

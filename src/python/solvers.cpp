@@ -42,7 +42,7 @@ void add_problem(py::module_& m) {
       .def_property_readonly("nx", &P::get_nx)
       .def_property_readonly("ndx", &P::get_ndx)
       .def_property_readonly("nu_max", &P::get_nu_max)
-      .def_property("nthreads", &P::get_nthreads, &P::set_nthreads)
+      .def_property("nthreads", &P::get_nthreads, [](P& p, int n) { p.set_nthreads(checked_threads(n)); })
       .def("__str__", &text_of<P>);
 }
 

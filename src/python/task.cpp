@@ -23,7 +23,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared
                            py::handle solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;
   options.solver = solver_of(solver);
-  options.threads = threads;
+  options.threads = checked_threads(threads);
   options.each = [&each](const TaskIteration& iteration) {
     const py::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
