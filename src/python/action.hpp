@@ -20,6 +20,13 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
 
 namespace manycontact::python {
 
+/// The data that a createData of Python's returned.
+template <class Data>
+std::shared_ptr<Data> made(std::shared_ptr<Data> data) {
+  if (!data) throw py::value_error("createData returned None, data are expected");
+  return data;
+}
+
 /// A member of action data that the library's models resize: an array on it in data of models written in Python, which
 /// keep their size, else a copy that cannot be written into. Assignment writes into it in either.
 template <class Class, class M>
@@ -86,15 +93,16 @@ void add_action_model(Class& c) {
           [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
             u ? x.calc(data, state, *u) : x.calc(data, state);
           },
-          py::arg("data"), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
+          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
           "Dynamics, cost and constraints at x (nx), u (nu); without u those of a terminal node.")
       .def(
           "calcDiff",
           [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
             u ? x.calcDiff(data, state, *u) : x.calcDiff(data, state);
           },
-          py::arg("data"), py::arg("x"), py::arg("u") = py::none(), Unlocked(), "Derivatives at the last calc.")
-      .def("quasiStatic", &T::quasiStatic_x, py::arg("data"), py::arg("x"), py::arg("maxiter") = 100,
+          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
+          "Derivatives at the last calc.")
+      .def("quasiStatic", &T::quasiStatic_x, py::arg("data").none(false), py::arg("x"), py::arg("maxiter") = 100,
            py::arg("tol") = 1e-9, Unlocked(), "Controls (nu) that keep x (nx) still.")
       .def("__str__", &text_of<T>);
 }
@@ -115,7 +123,9 @@ struct PyActionModel : Abstract {
   void calcDiff(const Data& data, const ConstVectorRef& x) override {
     PYBIND11_OVERRIDE(void, Abstract, calcDiff, data, x);
   }
-  Data createData() override { PYBIND11_OVERRIDE(Data, Abstract, createData, ); }
+  Data createData() override {
+    return made([&]() -> Data { PYBIND11_OVERRIDE(Data, Abstract, createData, ); }());
+  }
 };
 
 }  // namespace manycontact::python

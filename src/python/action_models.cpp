@@ -158,6 +158,12 @@ void add_base(py::module_& m) {
       .value("kSparse", MatrixStorage::kSparse);
 
   py::class_<AbstractData, std::shared_ptr<AbstractData>> data(m, "DifferentialActionDataAbstract");
+  py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(
+      m, "DifferentialActionModelAbstract",
+      "Continuous dynamics, cost and constraints of one node. Derive from it: calc(self, data, x, u=None) sets\n"
+      "data.xout and data.cost; calcDiff(self, data, x, u=None) sets data.Fx, Fu, Lx, Lu, Lxx, Lxu, Luu; without u "
+      "the\n"
+      "node is terminal. createData(self) may return data of a class derived from DifferentialActionDataAbstract.");
   data.def(py::init<const Abstract*>(), py::arg("model").none(false));
   add_action_data(data);
   member_view(data, "xout", &AbstractData::xout, "Accelerations (nv): by calc.");
@@ -167,12 +173,6 @@ void add_base(py::module_& m) {
   sparse_twin(data, "Lxu_sparse", &AbstractData::Lxu_sparse);
   sparse_twin(data, "Luu_sparse", &AbstractData::Luu_sparse);
 
-  py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(
-      m, "DifferentialActionModelAbstract",
-      "Continuous dynamics, cost and constraints of one node. Derive from it: calc(self, data, x, u=None) sets\n"
-      "data.xout and data.cost; calcDiff(self, data, x, u=None) sets data.Fx, Fu, Lx, Lu, Lxx, Lxu, Luu; without u "
-      "the\n"
-      "node is terminal. createData(self) may return data of a class derived from DifferentialActionDataAbstract.");
   model.def(py::init<std::shared_ptr<StateAbstract>, std::size_t, std::size_t, std::size_t, std::size_t>(),
             py::arg("state"), py::arg("nu"), py::arg("nr") = 0, py::arg("ng") = 0, py::arg("nh") = 0);
   add_action_model<AbstractData>(model);

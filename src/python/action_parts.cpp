@@ -81,8 +81,8 @@ void add_actuations(py::module_& m) {
       .def("calc",
            py::overload_cast<const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
                              const ConstVectorRef&>(&Abstract::calc),
-           py::arg("data"), py::arg("x"), py::arg("u"), "data.tau.")
-      .def("commands", &Abstract::commands, py::arg("data"), py::arg("x"), py::arg("tau"), "data.u.")
+           py::arg("data").none(false), py::arg("x"), py::arg("u"), "data.tau.")
+      .def("commands", &Abstract::commands, py::arg("data").none(false), py::arg("x"), py::arg("tau"), "data.u.")
       .def("__str__", &text_of<Abstract>);
   py::class_<ActuationModelSelection, Abstract, std::shared_ptr<ActuationModelSelection>>(
       m, "ActuationModelSelection", "u is the torque of a selection of coordinates.");
@@ -105,7 +105,9 @@ struct PyActivation : ActivationModelAbstract {
   void calcDiff(const Data& data, const ConstVectorRef& r) override {
     PYBIND11_OVERRIDE_PURE(void, ActivationModelAbstract, calcDiff, data, r);
   }
-  Data createData() override { PYBIND11_OVERRIDE(Data, ActivationModelAbstract, createData, ); }
+  Data createData() override {
+    return made([&]() -> Data { PYBIND11_OVERRIDE(Data, ActivationModelAbstract, createData, ); }());
+  }
 };
 
 template <class T>
@@ -116,6 +118,9 @@ auto activation(py::module_& m, const char* name, const char* doc) {
 void add_activations(py::module_& m) {
   using Abstract = ActivationModelAbstract;
   py::class_<ActivationDataAbstract, std::shared_ptr<ActivationDataAbstract>> data(m, "ActivationDataAbstract");
+  py::class_<Abstract, PyActivation, std::shared_ptr<Abstract>> model(
+      m, "ActivationModelAbstract",
+      "a(r). Derive from it: calc(self, data, r) sets data.a_value; calcDiff(self, data, r) sets data.Ar, data.Arr.");
   data.def(py::init([](const Abstract& model) { return std::make_shared<ActivationDataAbstract>(model.get_nr()); }),
            py::arg("model"))
       .def_readwrite("a_value", &ActivationDataAbstract::a_value, "a(r): by calc.")
@@ -125,14 +130,11 @@ void add_activations(py::module_& m) {
           "Diagonal of the Hessian (nr): by calcDiff.");
   member_view(data, "Ar", &ActivationDataAbstract::Ar, "Gradient (nr): by calcDiff.");
 
-  py::class_<Abstract, PyActivation, std::shared_ptr<Abstract>>(
-      m, "ActivationModelAbstract",
-      "a(r). Derive from it: calc(self, data, r) sets data.a_value; calcDiff(self, data, r) sets data.Ar, data.Arr.")
-      .def(py::init<std::size_t>(), py::arg("nr"))
+  model.def(py::init<std::size_t>(), py::arg("nr"))
       .def_property_readonly("nr", &Abstract::get_nr)
       .def("createData", &Abstract::createData)
-      .def("calc", &Abstract::calc, py::arg("data"), py::arg("r"))
-      .def("calcDiff", &Abstract::calcDiff, py::arg("data"), py::arg("r"))
+      .def("calc", &Abstract::calc, py::arg("data").none(false), py::arg("r"))
+      .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("r"))
       .def("__str__", &text_of<Abstract>);
 
   py::class_<ActivationBounds>(m, "ActivationBounds", "lb <= r <= ub, drawn in to the middle by beta in [0, 1].")

@@ -22,15 +22,15 @@ using Vector = Eigen::VectorXd;
 
 void add_base(py::module_& m) {
   py::class_<AbstractData, std::shared_ptr<AbstractData>> data(m, "ActionDataAbstract");
-  data.def(py::init<const Abstract*>(), py::arg("model").none(false));
-  add_action_data(data);
-  member_view(data, "xnext", &AbstractData::xnext, "Next state (nx): by calc.");
-
   py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(
       m, "ActionModelAbstract",
       "A node in discrete time. Derive from it: calc(self, data, x, u=None) sets data.xnext and data.cost;\n"
       "calcDiff(self, data, x, u=None) sets data.Fx, Fu, Lx, Lu, Lxx, Lxu, Luu; without u the node is terminal.\n"
       "createData(self) may return data of a class derived from ActionDataAbstract.");
+  data.def(py::init<const Abstract*>(), py::arg("model").none(false));
+  add_action_data(data);
+  member_view(data, "xnext", &AbstractData::xnext, "Next state (nx): by calc.");
+
   model.def(py::init<std::shared_ptr<StateAbstract>, std::size_t, std::size_t, std::size_t, std::size_t, std::size_t,
                      std::size_t>(),
             py::arg("state"), py::arg("nu"), py::arg("nr") = 0, py::arg("ng") = 0, py::arg("nh") = 0,

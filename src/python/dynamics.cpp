@@ -42,14 +42,6 @@ namespace {
 // ---- names of enumerations -----------------------------------------------------------------------------------------
 
 template <class E>
-E named(py::handle given, std::optional<E> (*find)(const std::string&), const char* what) {
-  if (!py::isinstance<py::str>(given)) return given.cast<E>();
-  const auto name = given.cast<std::string>();
-  if (const auto found = find(name)) return *found;
-  throw py::value_error(std::string("unknown ") + what + " '" + name + "'");
-}
-
-template <class E>
 void with_text(py::enum_<E>& e) {
   e.def(
       "__str__", [](E x) { return to_string(x); }, py::prepend());
@@ -588,8 +580,11 @@ py::tuple batch_of_products(const Scene& scene, py::handle q, py::handle v, py::
 
 void add_batches(py::module_& m) {
   py::class_<BatchData>(m, "BatchData", "The memory of the threads that solve many states of one scene.")
-      .def(py::init<const Scene&, int, const Options&>(), py::arg("scene"), py::arg("threads") = 0,
-           py::arg_v("options", Options(), "Options()"), "threads: 0, as many as OpenMP would take.")
+      .def(py::init([](const Scene& scene, int threads, const Options& options) {
+             return std::make_unique<BatchData>(scene, checked_threads(threads), options);
+           }),
+           py::arg("scene"), py::arg("threads") = 0, py::arg_v("options", Options(), "Options()"),
+           "threads: 0, as many as OpenMP would take.")
       .def_readwrite("options", &BatchData::options)
       .def_property(
           "active", [](const BatchData& b) { return std::vector<bool>(b.active.begin(), b.active.end()); },
@@ -645,9 +640,9 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given) {
 
 Options options_of(py::handle method, py::handle order, py::handle lanes) {
   Options options;
-  options.method = named<Method>(method, &method_from_string, "method");
-  if (!order.is_none()) options.order = named<Order>(order, &order_from_string, "order");
-  options.lanes = named<Lanes>(lanes, &lanes_from_string, "lanes");
+  options.method = value_or_name<Method>(method, method_from_string, "method");
+  if (!order.is_none()) options.order = value_or_name<Order>(order, order_from_string, "order");
+  options.lanes = value_or_name<Lanes>(lanes, lanes_from_string, "lanes");
   return options;
 }
 

@@ -15,6 +15,12 @@ std::shared_ptr<void> keep(py::handle object) {
           }};
 }
 
+int checked_threads(int threads) {
+  constexpr int kMost = 1024;
+  if (threads > kMost) throw py::value_error("at most " + std::to_string(kMost) + " threads are started");
+  return threads;
+}
+
 namespace {
 
 py::handle input_error_type;

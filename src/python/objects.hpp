@@ -18,6 +18,19 @@ using Unlocked = py::call_guard<py::gil_scoped_release>;
 /// A Python object that C++ keeps; let go from any thread.
 std::shared_ptr<void> keep(py::handle object);
 
+/// A number of threads that a machine can start; 0: OpenMP's.
+int checked_threads(int threads);
+
+/// A value of an enumeration, given as such or by its name.
+template <class E, class Find>
+E value_or_name(py::handle given, const Find& find, const char* what, const char* names = "") {
+  if (py::isinstance<E>(given)) return given.cast<E>();
+  if (!py::isinstance<py::str>(given)) throw py::type_error(std::string("a ") + what + " or its name is expected");
+  const auto name = given.cast<std::string>();
+  if (const std::optional<E> found = find(name)) return *found;
+  throw py::value_error(std::string("unknown ") + what + " '" + name + "'" + names);
+}
+
 /// What operator<< prints, for __str__.
 template <class T>
 std::string text_of(const T& x) {

@@ -25,10 +25,8 @@ struct Simulation {
 };
 
 Integrator integrator_of(py::handle given) {
-  if (!py::isinstance<py::str>(given)) return given.cast<Integrator>();
-  const auto name = given.cast<std::string>();
-  if (const auto found = integrator_from_string(name)) return *found;
-  throw py::value_error("unknown integrator '" + name + "', expected semi-implicit-euler or rk4");
+  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
+                                   ", expected 'semi-implicit-euler' or 'rk4'");
 }
 
 // States every so many steps.
@@ -179,8 +177,10 @@ void add_invariants(py::module_& m) {
       .def_readwrite("alpha", &Gains::alpha, "[1/s^2]")
       .def_readwrite("beta", &Gains::beta, "[1/s]")
       .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })
-      .def("__repr__",
-           [](const Gains& g) { return "Gains(" + std::to_string(g.alpha) + ", " + std::to_string(g.beta) + ")"; });
+      .def("__repr__", [](const Gains& g) {
+        return "Gains(" + std::string(py::str(py::float_(g.alpha))) + ", " + std::string(py::str(py::float_(g.beta))) +
+               ")";
+      });
   m.def(
       "recommended_gains", [](py::handle i, double h) { return recommended_gains(integrator_of(i), h); },
       py::arg("integrator"), py::arg("h"), "Gains for steps of h [s].");

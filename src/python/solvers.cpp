@@ -42,7 +42,7 @@ void add_problem(py::module_& m) {
       .def_property_readonly("nx", &P::get_nx)
       .def_property_readonly("ndx", &P::get_ndx)
       .def_property_readonly("nu_max", &P::get_nu_max)
-      .def_property("nthreads", &P::get_nthreads, &P::set_nthreads)
+      .def_property("nthreads", &P::get_nthreads, [](P& p, int n) { p.set_nthreads(checked_threads(n)); })
       .def("__str__", &text_of<P>);
 }
 
@@ -90,7 +90,13 @@ void add_base(py::module_& m) {
           "__str__", [](StopReason r) { return to_string(r); }, py::prepend());
 
   using S = SolverAbstract;
-  py::class_<S, std::shared_ptr<S>>(m, "SolverAbstract", "What solvers of a ShootingProblem have in common.")
+  py::class_<CallbackAbstract, PyCallback, std::shared_ptr<CallbackAbstract>> callback(
+      m, "CallbackAbstract", "Derive from it: __call__(self, solver) is called after each iteration.");
+  py::class_<S, std::shared_ptr<S>> solver(m, "SolverAbstract", "What solvers of a ShootingProblem have in common.");
+  callback.def(py::init<>())
+      .def(
+          "__call__", [](CallbackAbstract& c, SolverAbstract& of) { c(of); }, py::arg("solver"));
+  solver
       .def("solve", &solve_problem, py::arg("init_xs") = Vectors(), py::arg("init_us") = Vectors(),
            py::arg("maxiter") = 100, py::arg("isFeasible") = false, py::arg_v("init_reg", NAN, "float('nan')"),
            Unlocked(),
@@ -179,11 +185,6 @@ void add_solver_classes(py::module_& m) {
 }
 
 void add_callbacks(py::module_& m) {
-  py::class_<CallbackAbstract, PyCallback, std::shared_ptr<CallbackAbstract>>(
-      m, "CallbackAbstract", "Derive from it: __call__(self, solver) is called after each iteration.")
-      .def(py::init<>())
-      .def(
-          "__call__", [](CallbackAbstract& c, SolverAbstract& solver) { c(solver); }, py::arg("solver"));
   py::enum_<VerboseLevel>(m, "VerboseLevel")
       .value("_0", _0)
       .value("_1", _1)

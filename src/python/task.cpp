@@ -7,12 +7,15 @@ namespace manycontact::python {
 
 namespace {
 
-TaskSolver solver_of(py::handle given) {
-  if (!py::isinstance<py::str>(given)) return given.cast<TaskSolver>();
-  const auto name = given.cast<std::string>();
+std::optional<TaskSolver> solver_from_string(const std::string& name) {
   for (const TaskSolver s : {TaskSolver::kFddp, TaskSolver::kBoxFddp, TaskSolver::kSparse, TaskSolver::kAuto})
     if (name == to_string(s)) return s;
-  throw py::value_error("unknown solver '" + name + "', expected one of 'fddp', 'box-fddp', 'sparse', 'auto'");
+  return std::nullopt;
+}
+
+TaskSolver solver_of(py::handle given) {
+  return value_or_name<TaskSolver>(given, solver_from_string, "solver",
+                                   ", expected one of 'fddp', 'box-fddp', 'sparse', 'auto'");
 }
 
 // each: called with the TaskIteration after each iteration; False ends the solve, None does not.
@@ -20,7 +23,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared
                            py::handle solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;
   options.solver = solver_of(solver);
-  options.threads = threads;
+  options.threads = checked_threads(threads);
   options.each = [&each](const TaskIteration& iteration) {
     const py::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -70,17 +73,23 @@ void add_task(py::module_& m) {
       .def_readonly("step_length", &TaskIteration::step_length)
       .def_readonly("gaps", &TaskIteration::gaps)
       .def_readonly("feasible", &TaskIteration::feasible);
+  py::class_<TaskViolation>(m, "TaskViolation", "How far a motion is from a constraint.")
+      .def_readonly("constraint", &TaskViolation::constraint)
+      .def_readonly("by", &TaskViolation::by, "Largest distance of a row to its bounds.")
+      .def_readonly("node", &TaskViolation::node);
   py::class_<TaskSolution>(m, "TaskSolution", "What a solver did.")
       .def_readonly("converged", &TaskSolution::converged)
       .def_readonly("cost", &TaskSolution::cost)
       .def_readonly("reason", &TaskSolution::reason, "Why it stopped.")
       .def_readonly("iterations", &TaskSolution::iterations, "List of TaskIteration.")
+      .def_readonly("polishing_iterations", &TaskSolution::polishing_iterations, "After these, to the KKT residual.")
       .def_readonly("xs", &TaskSolution::xs, "nodes + 1 states (nq + nv).")
       .def_readonly("us", &TaskSolution::us, "Torques (nu) of each node [N m, N].")
       .def_readonly("solver", &TaskSolution::solver)
       .def_readonly("blocks", &TaskSolution::blocks)
       .def_readonly("kkt_residual", &TaskSolution::kkt_residual)
       .def_readonly("constraint_violation", &TaskSolution::constraint_violation)
+      .def_readonly("violations", &TaskSolution::violations, "List of TaskViolation.")
       .def_readonly("outer_iterations", &TaskSolution::outer_iterations);
 
   m.def(

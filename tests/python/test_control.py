@@ -123,6 +123,8 @@ def test_box(one_joint):  # noqa: F811
     assert np.max(np.abs(solver.us)) <= 0.5 + 1e-12
     residual = mc.kkt_residual(solver.problem, solver.xs, solver.us, solver.Vx, True)
     assert np.isfinite(residual)
+    with pytest.raises(ValueError, match="threads"):
+        solver.problem.nthreads = 1000000
     with pytest.raises(ValueError, match="nan"):
         node.u_lb = [np.nan]
     with pytest.raises(ValueError, match="sizes|expected|numbers"):

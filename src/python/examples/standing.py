@@ -20,13 +20,13 @@ print(mc.solve(scene, file.q, file.v, u, data))
 blocks = mc.differentiate(scene, data).islands[0]
 print("largest df/du:", abs(blocks.dforces_du).max(), "N per N m")
 
-# %% Pushed: the base starts at 0.1 m/s forward; contacts hold by the gains that this step bears.
+# %% Pushed: the base starts at 0.1 m/s sideways; contacts hold by the gains that this step bears.
 h = 1e-3
 gains = mc.recommended_gains("rk4", h)
 for contact in scene.contacts:
     scene.change_contact(contact.name, gains=tuple(gains))
 v = np.array(file.v)
-v[mc.v_index(scene, scene.robots[0].name, "root")] = 0.1
+v[mc.v_index(scene, scene.robots[0].name, "root") + 1] = 0.1
 simulation = mc.SimulationData(scene, file.q, v, "rk4", h)
 times, forces = [], []
 for _ in range(300):
