@@ -8,7 +8,7 @@
 
 namespace manycontact {
 
-using DataPtr = std::shared_ptr<ActivationDataAbstract>;
+using ActivationDataPtr = std::shared_ptr<ActivationDataAbstract>;
 
 namespace {
 
@@ -29,12 +29,12 @@ double not_negative(const char* who, double alpha) {
 ActivationModelSmooth2Norm::ActivationModelSmooth2Norm(std::size_t nr, double eps)
     : ActivationModelAbstract(nr), eps_(positive("ActivationModelSmooth2Norm", "eps", eps)) {}
 
-void ActivationModelSmooth2Norm::calc(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelSmooth2Norm::calc(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelSmooth2Norm::calc", "r", r.size(), nr_);
   data->a_value = std::sqrt(eps_ + r.squaredNorm());
 }
 
-void ActivationModelSmooth2Norm::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelSmooth2Norm::calcDiff(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelSmooth2Norm::calcDiff", "r", r.size(), nr_);
   const double a = std::sqrt(eps_ + r.squaredNorm());
   data->Ar = r / a;
@@ -54,14 +54,14 @@ void ActivationModel2NormBarrier::set_alpha(double alpha) {
   alpha_ = not_negative("ActivationModel2NormBarrier::set_alpha", alpha);
 }
 
-void ActivationModel2NormBarrier::calc(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModel2NormBarrier::calc(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModel2NormBarrier::calc", "r", r.size(), nr_);
   const double e = std::min(r.norm() - alpha_, 0.0);
   data->a_value = e * e / 2;
 }
 
 // With d = |r|: gradient (d - alpha) r / d, Hessian alpha r r^T / d^3 + (d - alpha) / d I.
-void ActivationModel2NormBarrier::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModel2NormBarrier::calcDiff(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModel2NormBarrier::calcDiff", "r", r.size(), nr_);
   const double d = r.norm();
   data->Ar.setZero();
@@ -85,13 +85,13 @@ void ActivationModelQuadFlatExp::set_alpha(double alpha) {
   alpha_ = positive("ActivationModelQuadFlatExp::set_alpha", "alpha", alpha);
 }
 
-void ActivationModelQuadFlatExp::calc(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelQuadFlatExp::calc(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelQuadFlatExp::calc", "r", r.size(), nr_);
   data->a_value = -std::expm1(-r.squaredNorm() / alpha_);
 }
 
 // With c = 2/alpha exp(-|r|^2/alpha): gradient c r, Hessian c (I - 2/alpha r r^T).
-void ActivationModelQuadFlatExp::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelQuadFlatExp::calcDiff(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelQuadFlatExp::calcDiff", "r", r.size(), nr_);
   const double c = 2 / alpha_ * std::exp(-r.squaredNorm() / alpha_);
   data->Ar = c * r;
@@ -109,13 +109,13 @@ void ActivationModelQuadFlatLog::set_alpha(double alpha) {
   alpha_ = positive("ActivationModelQuadFlatLog::set_alpha", "alpha", alpha);
 }
 
-void ActivationModelQuadFlatLog::calc(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelQuadFlatLog::calc(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelQuadFlatLog::calc", "r", r.size(), nr_);
   data->a_value = std::log1p(r.squaredNorm() / alpha_);
 }
 
 // With c = 2 / (alpha + |r|^2): gradient c r, Hessian c (I - c r r^T).
-void ActivationModelQuadFlatLog::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
+void ActivationModelQuadFlatLog::calcDiff(const ActivationDataPtr& data, const ConstVectorRef& r) {
   check_size("ActivationModelQuadFlatLog::calcDiff", "r", r.size(), nr_);
   const double c = 2 / (alpha_ + r.squaredNorm());
   data->Ar = c * r;

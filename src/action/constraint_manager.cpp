@@ -4,13 +4,13 @@
 namespace manycontact {
 
 namespace {
-constexpr const char* kWho = "ConstraintModelManager";
+constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
 }  // namespace
 
 ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state, std::size_t nu)
     : state_(std::move(state)), nu_(nu) {
-  require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
+  require(state_ != nullptr, kConstraintModelManager, "a state is expected, not a null pointer");
 }
 
 ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state)
@@ -18,28 +18,28 @@ ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> s
 
 void ConstraintModelManager::addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
                                            bool active) {
-  internal::check_part(kWho, name, constraint, state_, nu_);
-  internal::check_new(kWho, "constraint", constraints_, name);
+  internal::check_part(kConstraintModelManager, name, constraint, state_, nu_);
+  internal::check_new(kConstraintModelManager, "constraint", constraints_, name);
   constraints_[name] = std::make_shared<ConstraintItem>(ConstraintItem{name, constraint, active});
   ++version_;
   count();
 }
 
 void ConstraintModelManager::removeConstraint(const std::string& name) {
-  constraints_.erase(internal::find_named(kWho, "constraint", constraints_, name));
+  constraints_.erase(internal::find_named(kConstraintModelManager, "constraint", constraints_, name));
   ++version_;
   count();
 }
 
 void ConstraintModelManager::changeConstraintStatus(const std::string& name, bool active) {
-  ConstraintItem& item = *internal::find_named(kWho, "constraint", constraints_, name)->second;
+  ConstraintItem& item = *internal::find_named(kConstraintModelManager, "constraint", constraints_, name)->second;
   if (item.active == active) return;
   item.active = active;
   count();
 }
 
 bool ConstraintModelManager::getConstraintStatus(const std::string& name) const {
-  return internal::find_named(kWho, "constraint", constraints_, name)->second->active;
+  return internal::find_named(kConstraintModelManager, "constraint", constraints_, name)->second->active;
 }
 
 bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) const {
@@ -244,7 +244,7 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
 }
 
 void ConstraintModelManager::print(std::ostream& os) const {
-  internal::print_parts(os, kWho, constraints_,
+  internal::print_parts(os, kConstraintModelManager, constraints_,
                         [](std::ostream& out, const ConstraintItem& item) { out << *item.constraint; });
 }
 

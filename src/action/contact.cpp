@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "named.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
@@ -14,7 +15,7 @@ Attachment attachment(const StateMultibody& state, FrameIndex id, const SE3<doub
   return {frame.robot, frame.joint, frame.placement * offset};
 }
 
-const char* name_of(ContactType type) {
+const char* class_name(ContactType type) {
   constexpr const char* names[] = {"ContactModel1D", "ContactModel2D", "ContactModel3D", "ContactModel6D"};
   return names[static_cast<int>(type)];
 }
@@ -24,7 +25,7 @@ const char* name_of(ContactType type) {
 ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id,
                                            ReferenceFrame frame, std::size_t nu, const Eigen::Vector2d& gains)
     : state_(std::move(state)), id_(id), nu_(nu) {
-  require(state_ != nullptr, name_of(type), "a state is expected, not a null pointer");
+  require(state_ != nullptr, class_name(type), "a state is expected, not a null pointer");
   contact_.type = type;
   contact_.reference_frame = frame;
   contact_.A = attachment(*state_, id);
@@ -34,7 +35,7 @@ ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state
 ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact,
                                            std::size_t nu)
     : state_(std::move(state)), contact_(contact), gains_(contact.alpha, contact.beta), id_(0), nu_(nu) {
-  require(state_ != nullptr, name_of(contact.type), "a state is expected, not a null pointer");
+  require(state_ != nullptr, class_name(contact.type), "a state is expected, not a null pointer");
 }
 
 void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
@@ -52,13 +53,9 @@ void ContactModelAbstract::set_id(FrameIndex id) {
 }
 
 void ContactModelAbstract::print(std::ostream& os) const {
-  os << name_of(contact_.type)
-     << " {frame=" << (id_ < state_->get_model()->frames.size() ? state_->get_model()->frames[id_].name : "none")
-     << ", type="
-     << (contact_.reference_frame == LOCAL   ? "LOCAL"
-         : contact_.reference_frame == WORLD ? "WORLD"
-                                             : "LOCAL_WORLD_ALIGNED")
-     << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
+  os << class_name(contact_.type) << " {";
+  internal::print_frame(os, *state_->get_model(), id_, contact_.reference_frame);
+  os << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
 std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model) {

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "fwddyn_steps.hpp"
+#include "terms.hpp"
 
 namespace manycontact {
 
@@ -12,14 +13,8 @@ using internal::Stage;
 
 namespace {
 
-constexpr const char* kWho = "DifferentialActionModelContactFwdDynamics";
+constexpr const char* kDifferentialActionModelContactFwdDynamics = "DifferentialActionModelContactFwdDynamics";
 const std::shared_ptr<ConstraintModelManager> kNoConstraints;
-
-template <class Part>
-const std::shared_ptr<Part>& given(const std::shared_ptr<Part>& part, const char* what) {
-  require(part != nullptr, kWho, std::string(what) + " is a null pointer");
-  return part;
-}
 
 }  // namespace
 
@@ -36,19 +31,21 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
                                                   std::shared_ptr<CostModelSum> costs,
                                                   std::shared_ptr<ConstraintModelManager> constraints, double damping,
                                                   bool enable_force)
-    : Base(given(state, "the state"), given(actuation, "the actuation")->get_nu(),
-           given(costs, "the stack of costs")->get_nr(), constraints ? constraints->get_ng() : 0,
-           constraints ? constraints->get_nh() : 0),
+    : Base(internal::given(kDifferentialActionModelContactFwdDynamics, state, "the state"),
+           internal::given(kDifferentialActionModelContactFwdDynamics, actuation, "the actuation")->get_nu(),
+           internal::given(kDifferentialActionModelContactFwdDynamics, costs, "the stack of costs")->get_nr(),
+           constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0),
       multibody_(std::move(state)),
       actuation_(std::move(actuation)),
-      contacts_(given(contacts, "the stack of contacts")),
+      contacts_(internal::given(kDifferentialActionModelContactFwdDynamics, contacts, "the stack of contacts")),
       costs_(std::move(costs)),
       constraints_(std::move(constraints)),
       armature_(multibody_->get_model()->armature),
       enable_force_(enable_force) {
   const auto check_part = [this](const auto& part, const char* what) {
-    require(part.get_state() == state_, kWho, std::string(what) + " of another state, this one's is expected");
-    require(part.get_nu() == nu_, kWho,
+    require(part.get_state() == state_, kDifferentialActionModelContactFwdDynamics,
+            std::string(what) + " of another state, this one's is expected");
+    require(part.get_nu() == nu_, kDifferentialActionModelContactFwdDynamics,
             std::string(what) + " of nu = " + std::to_string(part.get_nu()) + ", the actuation's " +
                 std::to_string(nu_) + " is expected");
   };
@@ -72,7 +69,8 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
 }
 
 void Model_::set_damping_factor(double damping) {
-  require(damping >= 0 && std::isfinite(damping), std::string(kWho) + "::set_damping_factor",
+  require(damping >= 0 && std::isfinite(damping),
+          std::string(kDifferentialActionModelContactFwdDynamics) + "::set_damping_factor",
           std::to_string(damping) + " was given, a finite number that is not negative is expected");
   damping_ = damping;
 }
@@ -80,7 +78,8 @@ void Model_::set_damping_factor(double damping) {
 void Model_::set_armature(const Eigen::VectorXd& armature) {
   check_size("set_armature", "armature", armature.size(), state_->get_nv());
   for (double number : armature)
-    require(number >= 0 && std::isfinite(number), std::string(kWho) + "::set_armature",
+    require(number >= 0 && std::isfinite(number),
+            std::string(kDifferentialActionModelContactFwdDynamics) + "::set_armature",
             std::to_string(number) + " was given, finite numbers that are not negative are expected");
   armature_ = armature;
   models_ = std::make_shared<const std::vector<std::shared_ptr<const Model>>>(
@@ -101,31 +100,6 @@ Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialA
   return *d;
 }
 
-std::size_t Model_::number_of_parts() const {
-  return costs_->get_costs().size() + (constraints_ ? constraints_->get_constraints().size() : 0);
-}
-
-// use(k, active) for each cost, then for each constraint.
-template <class Use>
-void Model_::each_status(Use&& use) const {
-  std::size_t k = 0;
-  for (const auto& [name, item] : costs_->get_costs()) use(k++, item->active);
-  if (!constraints_) return;
-  for (const auto& [name, item] : constraints_->get_constraints()) use(k++, item->active);
-}
-
-// False when a residual has been given another frame.
-bool Model_::residuals_fit(const Data& d) const {
-  auto cost = d.costs->costs.begin();
-  for (const auto& [name, item] : costs_->get_costs())
-    if (!item->cost->get_residual()->fits(*(cost++)->second->residual)) return false;
-  if (!constraints_) return true;
-  auto constraint = d.constraints->constraints.begin();
-  for (const auto& [name, item] : constraints_->get_constraints())
-    if (!item->constraint->get_residual()->fits(*(constraint++)->second)) return false;
-  return true;
-}
-
 // Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
 Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
                               const ConstVectorRef& x) const {
@@ -133,18 +107,11 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
   check_size(where, "x", x.size(), state_->get_nx());
   require(d.contacts_version == contacts_->get_version(), where,
           "contacts were added or removed since the data were created, new data are expected");
-  require(d.costs->version == costs_->get_version(), where,
-          "costs were added or removed since the data were created, new data are expected");
-  require(!constraints_ || d.constraints->version == constraints_->get_version(), where,
-          "constraints were added or removed since the data were created, new data are expected");
-  if (constraints_)
-    for (const auto& [name, item] : constraints_->get_constraints())
-      require(item->active == constraints_->get_active_set().contains(name), where,
-              "the status of a constraint was written into its item, changeConstraintStatus is expected");
+  const internal::ActionTerms terms{*costs_, constraints_.get()};
+  internal::check_terms(where, terms, *d.costs, d.constraints.get());
   d.stage = Stage::kFresh;
   d.x = x;
-  d.status.resize(number_of_parts());
-  each_status([&](std::size_t k, bool active) { d.status[k] = active; });
+  internal::read_status(terms, d.status);
   DataCollector& m = *d.multibody;
   m.scene.damping = damping_;
   bool same = d.models == models_;
@@ -162,7 +129,9 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     prepare(m.scene, m.solution);
     d.laid_out = false;
   }
-  if (!internal::on_same_frames(*contacts_, *m.contacts) || !residuals_fit(d)) d.laid_out = false;
+  if (!internal::on_same_frames(*contacts_, *m.contacts) ||
+      !internal::residuals_fit(terms, *d.costs, d.constraints.get()))
+    d.laid_out = false;
   if (!d.laid_out) {
     internal::lay_out_islands(*actuation_, d);
     internal::lay_out_contacts(*contacts_, m);
@@ -202,13 +171,10 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
 
 // Throws unless a calc of this kind, with what is active now, came before.
 void Model_::check_stage(const Data& d, Stage stage) const {
-  bool fits =
-      d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
-  if (fits) each_status([&](std::size_t k, bool active) { fits &= d.status[k] == active; });
-  if (!fits)
-    throw std::logic_error(std::string(kWho) + "::calcDiff: it uses the values of the last calc; " +
-                           (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
-                           " is expected before it, on the same data, with the same costs and constraints");
+  internal::check_stage(kDifferentialActionModelContactFwdDynamics,
+                        d.stage == stage && d.contacts_version == contacts_->get_version() &&
+                            internal::has_status({*costs_, constraints_.get()}, d.status),
+                        stage);
 }
 
 void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
@@ -237,13 +203,11 @@ void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& dat
 }
 
 bool Model_::needs_forces() const {
-  if (enable_force_) return true;
-  for (const auto& [name, item] : costs_->get_costs())
-    if (item->cost->get_residual()->depends_on().forces) return true;
-  if (constraints_)
-    for (const auto& [name, item] : constraints_->get_constraints())
-      if (item->constraint->get_residual()->depends_on().forces) return true;
-  return false;
+  bool needed = enable_force_;
+  internal::each_residual({*costs_, constraints_.get()}, [&](const auto&, const ResidualModelAbstract& residual, bool) {
+    needed = needed || residual.depends_on().forces;
+  });
+  return needed;
 }
 
 void Model_::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
@@ -272,9 +236,9 @@ void Model_::set_g_ub(const Eigen::VectorXd& g_ub) {
 }
 
 void Model_::print(std::ostream& os) const {
-  os << kWho << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx() << ", nu=" << nu_
-     << ", nc=" << contacts_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh()
-     << ", damping=" << damping_ << "}";
+  os << kDifferentialActionModelContactFwdDynamics << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx()
+     << ", nu=" << nu_ << ", nc=" << contacts_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng()
+     << ", nh=" << get_nh() << ", damping=" << damping_ << "}";
 }
 
 }  // namespace manycontact

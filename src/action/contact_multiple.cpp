@@ -4,12 +4,12 @@
 namespace manycontact {
 
 namespace {
-constexpr const char* kWho = "ContactModelMultiple";
+constexpr const char* kContactModelMultiple = "ContactModelMultiple";
 }
 
 ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu)
     : state_(std::move(state)), nu_(nu) {
-  require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
+  require(state_ != nullptr, kContactModelMultiple, "a state is expected, not a null pointer");
 }
 
 ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state)
@@ -17,21 +17,21 @@ ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state
 
 void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact,
                                       bool active) {
-  internal::check_part(kWho, name, contact, state_, nu_);
-  internal::check_new(kWho, "contact", contacts_, name);
+  internal::check_part(kContactModelMultiple, name, contact, state_, nu_);
+  internal::check_new(kContactModelMultiple, "contact", contacts_, name);
   contacts_[name] = std::make_shared<ContactItem>(ContactItem{name, contact, active});
   ++version_;
   count();
 }
 
 void ContactModelMultiple::removeContact(const std::string& name) {
-  contacts_.erase(internal::find_named(kWho, "contact", contacts_, name));
+  contacts_.erase(internal::find_named(kContactModelMultiple, "contact", contacts_, name));
   ++version_;
   count();
 }
 
 void ContactModelMultiple::changeContactStatus(const std::string& name, bool active) {
-  ContactItem& item = *internal::find_named(kWho, "contact", contacts_, name)->second;
+  ContactItem& item = *internal::find_named(kContactModelMultiple, "contact", contacts_, name)->second;
   if (item.active == active) return;
   item.active = active;
   count();
@@ -47,11 +47,12 @@ void ContactModelMultiple::count() {
 }
 
 bool ContactModelMultiple::getContactStatus(const std::string& name) const {
-  return internal::find_named(kWho, "contact", contacts_, name)->second->active;
+  return internal::find_named(kContactModelMultiple, "contact", contacts_, name)->second->active;
 }
 
 void ContactModelMultiple::print(std::ostream& os) const {
-  internal::print_parts(os, kWho, contacts_, [](std::ostream& out, const ContactItem& item) { out << *item.contact; });
+  internal::print_parts(os, kContactModelMultiple, contacts_,
+                        [](std::ostream& out, const ContactItem& item) { out << *item.contact; });
 }
 
 std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model) {

@@ -22,8 +22,6 @@ std::vector<CostGroup::Run> runs_of(const std::vector<int>& columns) {
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
-int padded(int n) { return (n + 7) / 8 * 8; }
-
 }  // namespace
 
 void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, CostDerivatives& out) {
@@ -46,7 +44,7 @@ void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, Cost
     }
     std::size_t rows = 0;
     for (const CostGroup::Member& member : g.members) rows += block_of(member).rows.size();
-    const std::size_t ld = padded(static_cast<int>(g.xcols.size() + g.ucols.size()) + 1);
+    const std::size_t ld = sparse::padded(g.xcols.size() + g.ucols.size() + 1);
     most = std::max(most, rows * ld);
     widest = std::max(widest, ld);
   }
@@ -136,7 +134,7 @@ void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDeri
       continue;
     }
     const int nx = static_cast<int>(g.xcols.size()), nu = terminal ? 0 : static_cast<int>(g.ucols.size());
-    const int n = nx + nu, ld = padded(n + 1);
+    const int n = nx + nu, ld = sparse::padded(n + 1);
     if (n == 0) continue;
     const int depth = gather(g, weights, nx, nu, ld);
     if (depth == 0) continue;

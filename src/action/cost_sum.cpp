@@ -4,33 +4,33 @@
 namespace manycontact {
 
 namespace {
-constexpr const char* kWho = "CostModelSum";
+constexpr const char* kCostModelSum = "CostModelSum";
 bool is_active(const CostItem& item) { return item.active; }
 }  // namespace
 
 CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
-  require(state_ != nullptr, kWho, "a state is expected, not a null pointer");
+  require(state_ != nullptr, kCostModelSum, "a state is expected, not a null pointer");
 }
 
 CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
 
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
-  internal::check_part(kWho, name, cost, state_, nu_);
-  internal::check_new(kWho, "cost", costs_, name);
+  internal::check_part(kCostModelSum, name, cost, state_, nu_);
+  internal::check_new(kCostModelSum, "cost", costs_, name);
   costs_[name] = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
   ++version_;
   count();
 }
 
 void CostModelSum::removeCost(const std::string& name) {
-  costs_.erase(internal::find_named(kWho, "cost", costs_, name));
+  costs_.erase(internal::find_named(kCostModelSum, "cost", costs_, name));
   ++version_;
   count();
 }
 
 void CostModelSum::changeCostStatus(const std::string& name, bool active) {
-  CostItem& item = *internal::find_named(kWho, "cost", costs_, name)->second;
+  CostItem& item = *internal::find_named(kCostModelSum, "cost", costs_, name)->second;
   if (item.active == active) return;
   item.active = active;
   count();
@@ -47,7 +47,7 @@ void CostModelSum::count() {
 }
 
 bool CostModelSum::getCostStatus(const std::string& name) const {
-  return internal::find_named(kWho, "cost", costs_, name)->second->active;
+  return internal::find_named(kCostModelSum, "cost", costs_, name)->second->active;
 }
 
 void CostModelSum::check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const {
@@ -137,7 +137,7 @@ void CostModelSum::lay_out(CostDataSum& data) const {
 }
 
 void CostModelSum::print(std::ostream& os) const {
-  internal::print_parts(os, kWho, costs_, [](std::ostream& out, const CostItem& item) {
+  internal::print_parts(os, kCostModelSum, costs_, [](std::ostream& out, const CostItem& item) {
     out << "{w=" << item.weight << ", " << *item.cost << "}";
   });
 }

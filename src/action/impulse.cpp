@@ -5,7 +5,7 @@
 namespace manycontact {
 
 namespace {
-constexpr const char* kWho = "ImpulseModelMultiple";
+constexpr const char* kImpulseModelMultiple = "ImpulseModelMultiple";
 }
 
 ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
@@ -14,12 +14,9 @@ ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<Con
 }
 
 void ImpulseModelAbstract::print(std::ostream& os) const {
-  const auto& frames = get_state()->get_model()->frames;
-  os << name_ << " {frame=" << frames[get_id()].name << ", type="
-     << (get_type() == LOCAL   ? "LOCAL"
-         : get_type() == WORLD ? "WORLD"
-                               : "LOCAL_WORLD_ALIGNED")
-     << "}";
+  os << name_ << " {";
+  internal::print_frame(os, *get_state()->get_model(), get_id(), get_type());
+  os << "}";
 }
 
 std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model) {
@@ -45,34 +42,35 @@ ImpulseModelBetweenBodies::ImpulseModelBetweenBodies(std::shared_ptr<StateMultib
                                Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 
 ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state) {
-  require(state != nullptr, kWho, "a state is expected, not a null pointer");
+  require(state != nullptr, kImpulseModelMultiple, "a state is expected, not a null pointer");
   contacts_ = std::make_shared<ContactModelMultiple>(std::move(state));
 }
 
 void ImpulseModelMultiple::addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse,
                                       bool active) {
-  internal::check_part(kWho, name, impulse, get_state(), 0);
-  internal::check_new(kWho, "impulse", impulses_, name);
+  internal::check_part(kImpulseModelMultiple, name, impulse, get_state(), 0);
+  internal::check_new(kImpulseModelMultiple, "impulse", impulses_, name);
   contacts_->addContact(name, impulse->get_contact(), active);
   impulses_[name] = std::make_shared<ImpulseItem>(ImpulseItem{name, impulse, active});
 }
 
 void ImpulseModelMultiple::removeImpulse(const std::string& name) {
-  impulses_.erase(internal::find_named(kWho, "impulse", impulses_, name));
+  impulses_.erase(internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name));
   contacts_->removeContact(name);
 }
 
 void ImpulseModelMultiple::changeImpulseStatus(const std::string& name, bool active) {
-  internal::find_named(kWho, "impulse", impulses_, name)->second->active = active;
+  internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name)->second->active = active;
   contacts_->changeContactStatus(name, active);
 }
 
 bool ImpulseModelMultiple::getImpulseStatus(const std::string& name) const {
-  return internal::find_named(kWho, "impulse", impulses_, name)->second->active;
+  return internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name)->second->active;
 }
 
 void ImpulseModelMultiple::print(std::ostream& os) const {
-  internal::print_parts(os, kWho, impulses_, [](std::ostream& out, const ImpulseItem& item) { out << *item.impulse; });
+  internal::print_parts(os, kImpulseModelMultiple, impulses_,
+                        [](std::ostream& out, const ImpulseItem& item) { out << *item.impulse; });
 }
 
 std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model) {

@@ -8,7 +8,6 @@
 namespace manycontact {
 
 using NumDiff = DifferentialActionModelNumDiff;
-using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 using internal::given;
 
 DifferentialActionDataNumDiff::DifferentialActionDataNumDiff(NumDiff* model)
@@ -21,7 +20,8 @@ constexpr const char* kNumDiff = "DifferentialActionModelNumDiff";
 }  // namespace
 
 NumDiff::DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model, bool with_gauss_approx)
-    : DifferentialActionModelAbstract(given(kNumDiff, model).get_state(), given(kNumDiff, model).get_nu()),
+    : DifferentialActionModelAbstract(internal::given(kNumDiff, model)->get_state(),
+                                      internal::given(kNumDiff, model)->get_nu()),
       model_(std::move(model)),
       gauss_(with_gauss_approx),
       step_(std::cbrt(std::numeric_limits<double>::epsilon())) {
@@ -36,11 +36,13 @@ void NumDiff::set_disturbance(double disturbance) {
   step_ = disturbance;
 }
 
-DataPtr NumDiff::createData() { return std::make_shared<DifferentialActionDataNumDiff>(this); }
+std::shared_ptr<DifferentialActionDataAbstract> NumDiff::createData() {
+  return std::make_shared<DifferentialActionDataNumDiff>(this);
+}
 
 namespace {
 
-DifferentialActionDataNumDiff& own(const DataPtr& data) {
+DifferentialActionDataNumDiff& num_diff_data(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
   return internal::own_data<DifferentialActionDataNumDiff>(kNumDiff, data);
 }
 
@@ -54,20 +56,22 @@ void copy_values(const DifferentialActionDataAbstract& from, DifferentialActionD
 
 }  // namespace
 
-void NumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  DifferentialActionDataNumDiff& d = own(data);
+void NumDiff::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
+                   const ConstVectorRef& u) {
+  DifferentialActionDataNumDiff& d = num_diff_data(data);
   model_->calc(d.data_0, x, u);
   copy_values(*d.data_0, d);
 }
 
-void NumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
-  DifferentialActionDataNumDiff& d = own(data);
+void NumDiff::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
+  DifferentialActionDataNumDiff& d = num_diff_data(data);
   model_->calc(d.data_0, x);
   copy_values(*d.data_0, d);
 }
 
-void NumDiff::differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal) {
-  DifferentialActionDataNumDiff& d = own(data);
+void NumDiff::differentiate(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
+                            const Eigen::VectorXd& u, bool terminal) {
+  DifferentialActionDataNumDiff& d = num_diff_data(data);
   const auto xout = [](const DifferentialActionDataAbstract& from) -> const Eigen::VectorXd& { return from.xout; };
   const internal::Around<DifferentialActionModelAbstract, DifferentialActionDataAbstract, decltype(xout)> at{
       *model_, d.data_step, xout, x, u, terminal};
@@ -81,16 +85,18 @@ void NumDiff::differentiate(const DataPtr& data, const Eigen::VectorXd& x, const
       d);
 }
 
-void NumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void NumDiff::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
+                       const ConstVectorRef& u) {
   differentiate(data, x, u, false);
 }
 
-void NumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+void NumDiff::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
   differentiate(data, x, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu_)), true);
 }
 
-void NumDiff::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
-  model_->quasiStatic(own(data).data_0, u, x, maxiter, tol);
+void NumDiff::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
+                          const ConstVectorRef& x, std::size_t maxiter, double tol) {
+  model_->quasiStatic(num_diff_data(data).data_0, u, x, maxiter, tol);
 }
 
 void NumDiff::print(std::ostream& os) const { os << "DifferentialActionModelNumDiff {" << *model_ << "}"; }

@@ -13,7 +13,9 @@ struct CentroidalData : ResidualDataAbstract {
   Eigen::Vector3d c;                         // by calc: centre of mass in the world
 };
 
-CentroidalData& own(const std::shared_ptr<ResidualDataAbstract>& data) { return static_cast<CentroidalData&>(*data); }
+CentroidalData& centroidal_data(const std::shared_ptr<ResidualDataAbstract>& data) {
+  return static_cast<CentroidalData&>(*data);
+}
 
 Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last, double mass) {
   Eigen::Vector3d c = Eigen::Vector3d::Zero();
@@ -102,7 +104,7 @@ ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr
 
 void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                            const ConstVectorRef&) {
-  CentroidalData& d = own(data);
+  CentroidalData& d = centroidal_data(data);
   d.c = center_of_mass(*d.shared, first_, last_, mass_);
   d.r = -href_;
   for (int r = first_; r < last_; ++r) {
@@ -125,7 +127,7 @@ void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbs
 // dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
 void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                                const ConstVectorRef&) {
-  CentroidalData& d = own(data);
+  CentroidalData& d = centroidal_data(data);
   const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
   RowMajorMatrix& Rx = d.blocks[0].Rx;
   const Eigen::Index n = Rx.cols() / 2;

@@ -16,7 +16,7 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::VectorXd b;                                    // by calc
 };
 
-ContactResidualData& own(const std::shared_ptr<ResidualDataAbstract>& data) {
+ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {
   return static_cast<ContactResidualData&>(*data);
 }
 
@@ -45,10 +45,10 @@ void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out
       if (B(i, k) != 0) out.row(i) += B(i, k) * df.row(k);
 }
 
-std::string name_of(ContactType type) { return std::to_string(contact_rows(type)) + "D"; }
+std::string dimension(ContactType type) { return std::to_string(contact_rows(type)) + "D"; }
 
 std::string only_6d(ContactType type) {
-  return type == ContactType::k6D ? "" : name_of(type) + ", a 6D contact is expected";
+  return type == ContactType::k6D ? "" : dimension(type) + ", a 6D contact is expected";
 }
 
 void check_facets(const char* who, std::size_t given, std::size_t expected) {
@@ -100,7 +100,7 @@ bool ContactResidual::fits(const ResidualDataAbstract& data) const {
 
 void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                            const ConstVectorRef&) {
-  ContactResidualData& d = own(data);
+  ContactResidualData& d = contact_data(data);
   if (!d.contact->active) {
     d.r.setZero();
     return;
@@ -113,7 +113,7 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
 
 void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                const ConstVectorRef&) {
-  ContactResidualData& d = own(data);
+  ContactResidualData& d = contact_data(data);
   if (d.blocks.empty()) return;
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
@@ -136,7 +136,7 @@ ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultib
 
 std::string ResidualModelContactForce::misfit(ContactType type) const {
   if (contact_rows(type) == static_cast<int>(nr_)) return "";
-  return name_of(type) + ", one with nc = " + std::to_string(nr_) + " is expected";
+  return dimension(type) + ", one with nc = " + std::to_string(nr_) + " is expected";
 }
 
 void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const {

@@ -22,7 +22,7 @@ struct FrameResidualData : ResidualDataAbstract {
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
-FrameResidualData& own(const std::shared_ptr<ResidualDataAbstract>& data) {
+FrameResidualData& frame_data(const std::shared_ptr<ResidualDataAbstract>& data) {
   return static_cast<FrameResidualData&>(*data);
 }
 
@@ -86,12 +86,12 @@ ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMu
 
 void ResidualModelFramePlacement::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                        const ConstVectorRef&) {
-  data->r = log6<double>(pref_.inverse() * own(data).oMf());
+  data->r = log6<double>(pref_.inverse() * frame_data(data).oMf());
 }
 
 void ResidualModelFramePlacement::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                            const ConstVectorRef&) {
-  FrameResidualData& d = own(data);
+  FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Mat6<double> J = Jlog6<double>(d.r);
   const SE3<double> M = d.in_tree();
@@ -109,12 +109,12 @@ ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<Sta
 
 void ResidualModelFrameTranslation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                          const ConstVectorRef&) {
-  data->r = own(data).oMf().p - xref_;
+  data->r = frame_data(data).oMf().p - xref_;
 }
 
 void ResidualModelFrameTranslation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                              const ConstVectorRef&) {
-  FrameResidualData& d = own(data);
+  FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Eigen::Vector3d p = d.in_tree().p;
   for (std::size_t k = 0; k < d.chain.size(); ++k)
@@ -131,12 +131,12 @@ ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMult
 
 void ResidualModelFrameRotation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                       const ConstVectorRef&) {
-  data->r = log3<double>(Rref_.transpose() * own(data).oMf().R);
+  data->r = log3<double>(Rref_.transpose() * frame_data(data).oMf().R);
 }
 
 void ResidualModelFrameRotation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                           const ConstVectorRef&) {
-  FrameResidualData& d = own(data);
+  FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   Vec6<double> xi = Vec6<double>::Zero();
   xi.tail<3>() = d.r;
@@ -173,7 +173,7 @@ FrameAxes axes_of(ReferenceFrame type) {
 
 void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                       const ConstVectorRef&) {
-  const FrameResidualData& d = own(data);
+  const FrameResidualData& d = frame_data(data);
   const Vec6<double> v = frame_velocity<double>(d.kin(), d.base(), d.frame->joint, d.frame->placement, axes_of(type_));
   data->r = v - vref_;
 }
@@ -182,7 +182,7 @@ void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract
 //   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
 void ResidualModelFrameVelocity::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                           const ConstVectorRef&) {
-  FrameResidualData& d = own(data);
+  FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Kinematics<double>& kin = d.kin();
   const Model& model = d.model();

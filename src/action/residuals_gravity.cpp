@@ -19,7 +19,9 @@ struct GravityData : ResidualDataAbstract {
   std::vector<IslandDerivatives::Panel> dg;  // by calcDiff, per island: of the static torque, forces held
 };
 
-GravityData& own(const std::shared_ptr<ResidualDataAbstract>& data) { return static_cast<GravityData&>(*data); }
+GravityData& gravity_data(const std::shared_ptr<ResidualDataAbstract>& data) {
+  return static_cast<GravityData&>(*data);
+}
 
 void set_static_part(GravityData& d, bool contacts) {
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {
@@ -101,20 +103,20 @@ void GravityResidual::lay_out(ResidualDataAbstract& data) const {
 
 void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                            const ConstVectorRef&) {
-  GravityData& d = own(data);
+  GravityData& d = gravity_data(data);
   static_torque(d.shared->scene, d.shared->solution, contacts_, d.statics);
   d.r = d.shared->actuation->tau - d.statics.tau;
 }
 
 void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
-  GravityData& d = own(data);
+  GravityData& d = gravity_data(data);
   static_torque(d.shared->scene, d.shared->solution, false, d.statics);
   d.r = -d.statics.tau;
 }
 
 void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                const ConstVectorRef&) {
-  GravityData& d = own(data);
+  GravityData& d = gravity_data(data);
   set_static_part(d, contacts_);
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {
     ResidualBlock& block = d.blocks[i];
@@ -125,7 +127,7 @@ void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data
 }
 
 void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
-  set_static_part(own(data), false);
+  set_static_part(gravity_data(data), false);
 }
 
 void GravityResidual::print(std::ostream& os) const { os << name_; }

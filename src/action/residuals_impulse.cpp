@@ -14,7 +14,9 @@ struct ImpulseCoMData : ResidualDataAbstract {
   Eigen::MatrixXd Jcom;                         // 3 x nv
 };
 
-ImpulseCoMData& own(const std::shared_ptr<ResidualDataAbstract>& data) { return static_cast<ImpulseCoMData&>(*data); }
+ImpulseCoMData& impulse_com_data(const std::shared_ptr<ResidualDataAbstract>& data) {
+  return static_cast<ImpulseCoMData&>(*data);
+}
 
 }  // namespace
 
@@ -36,7 +38,7 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelImpulseCoM::createData(DataCo
 
 void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                                    const ConstVectorRef&) {
-  ImpulseCoMData& d = own(data);
+  ImpulseCoMData& d = impulse_com_data(data);
   const DataCollector& shared = *d.shared;
   d.w = shared.impact->vnext - x.tail(shared.scene.nv);
   for (int r = first_; r < last_; ++r) {
@@ -51,7 +53,7 @@ void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& 
 // d(J_com w)/dq_i with w held constant, times the mass: the linear part of S x* h + Yc (v_p x S), with v, h those of w.
 void ResidualModelImpulseCoM::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                        const ConstVectorRef&) {
-  ImpulseCoMData& d = own(data);
+  ImpulseCoMData& d = impulse_com_data(data);
   const DataCollector& shared = *d.shared;
   const Eigen::Index nv = shared.scene.nv;
   RowMajorMatrix& Rx = d.blocks[0].Rx;

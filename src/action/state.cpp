@@ -72,17 +72,8 @@ void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, Matri
       J);
 }
 
-namespace {
-
-const Multibody& given(const std::shared_ptr<const Multibody>& model) {
-  require(model != nullptr, "StateMultibody", "a model is expected, not a null pointer");
-  return *model;
-}
-
-}  // namespace
-
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
-    : StateAbstract(given(model).nq + given(model).nv, 2 * given(model).nv), model_(std::move(model)) {
+    : StateAbstract(internal::given("StateMultibody", model)->nq + model->nv, 2 * model->nv), model_(std::move(model)) {
   each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
     const int n = joint.nv();
     if (joint.type != JointType::kFloating && joint.lower.size() == n && joint.upper.size() == n) {

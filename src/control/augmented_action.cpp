@@ -9,25 +9,17 @@
 namespace manycontact {
 
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using Data = ActionDataAugmentedLagrangian;
 using internal::ConstraintRows;
 using internal::own_data;
 using Index = Eigen::Index;
 
 namespace {
 
-constexpr const char* kWho = "ActionModelAugmentedLagrangian";
-
-const ActionModelAbstract& given(const std::shared_ptr<ActionModelAbstract>& model) {
-  require(model != nullptr, kWho, "a model is expected, not a null pointer");
-  return *model;
-}
+constexpr const char* kActionModelAugmentedLagrangian = "ActionModelAugmentedLagrangian";
 
 Index most_rows(const ActionModelAbstract& model) {
   return static_cast<Index>(std::max(model.get_ng() + model.get_nh(), model.get_ng_T() + model.get_nh_T()));
 }
-
-constexpr int padded(Index n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 }  // namespace
 
@@ -35,14 +27,15 @@ ActionDataAugmentedLagrangian::ActionDataAugmentedLagrangian(ActionModelAugmente
                                                              std::shared_ptr<ActionDataAbstract> data)
     : ActionDataAbstract(model), inner(std::move(data)) {
   const Index rows = most_rows(*model->get_model());
-  const std::size_t ld = padded(Lx.size() + Lu.size());
+  const std::size_t ld = sparse::padded(Lx.size() + Lu.size());
   y_next.setZero(rows);
   panel.assign(rows * ld, 0);
   product.assign(ld * ld, 0);
 }
 
 ActionModelAugmentedLagrangian::ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model)
-    : ActionModelAbstract(given(model).get_state(), given(model).get_nu()),
+    : ActionModelAbstract(internal::given(kActionModelAugmentedLagrangian, model)->get_state(),
+                          internal::given(kActionModelAugmentedLagrangian, model)->get_nu()),
       model_(std::move(model)),
       y_(Eigen::VectorXd::Zero(static_cast<Index>(model_->get_ng() + model_->get_nh()))) {
   u_lb_ = model_->get_u_lb();
@@ -51,27 +44,29 @@ ActionModelAugmentedLagrangian::ActionModelAugmentedLagrangian(std::shared_ptr<A
 }
 
 void ActionModelAugmentedLagrangian::set_penalty(double rho) {
-  require(rho > 0 && std::isfinite(rho), kWho, "a positive penalty is expected");
+  require(rho > 0 && std::isfinite(rho), kActionModelAugmentedLagrangian, "a positive penalty is expected");
   rho_ = rho;
 }
 
 DataPtr ActionModelAugmentedLagrangian::createData() { return createData(model_->createData()); }
 
 DataPtr ActionModelAugmentedLagrangian::createData(DataPtr inner) {
-  require(model_->checkData(inner), kWho, "data of the model's createData() are expected");
-  return std::make_shared<Data>(this, std::move(inner));
+  require(model_->checkData(inner), kActionModelAugmentedLagrangian, "data of the model's createData() are expected");
+  require(inner->Fx.rows() == static_cast<Index>(state_->get_ndx()), kActionModelAugmentedLagrangian,
+          "the model's data hold no matrices (ActionModelParts with storage kSparse), kDense is expected");
+  return std::make_shared<ActionDataAugmentedLagrangian>(this, std::move(inner));
 }
 
 bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<Data*>(data.get());
+  const auto* d = dynamic_cast<ActionDataAugmentedLagrangian*>(data.get());
   return d && model_->checkData(d->inner);
 }
 
 // With d = c - (the bound that y+ belongs to) an active row adds d (y + y+) / 2; an inactive one - y^2 / (2 rho).
 void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool terminal) const {
-  Data& d = static_cast<Data&>(data);
+  ActionDataAugmentedLagrangian& d = static_cast<ActionDataAugmentedLagrangian&>(data);
   const ConstraintRows rows(*model_, terminal);
-  check_size(kWho, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
+  check_size(kActionModelAugmentedLagrangian, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
   if (d.y_next.size() != rows.size()) d.y_next.resize(rows.size());
   d.xnext = d.inner->xnext;
   d.cost = d.inner->cost;
@@ -86,11 +81,11 @@ void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool t
 }
 
 void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, bool terminal) const {
-  Data& d = static_cast<Data&>(data);
+  ActionDataAugmentedLagrangian& d = static_cast<ActionDataAugmentedLagrangian&>(data);
   const ActionDataAbstract& in = *d.inner;
   const ConstraintRows rows(*model_, terminal);
   const Index nx = d.Lx.size(), nu = terminal ? 0 : d.Lu.size();
-  const int cols = static_cast<int>(nu + nx), ld = padded(cols);
+  const int cols = static_cast<int>(nu + nx), ld = sparse::padded(cols);
   if (d.panel.size() < static_cast<std::size_t>(rows.size() * ld)) d.panel.resize(rows.size() * ld);
   d.Fx = in.Fx, d.Lx = in.Lx, d.Lxx = in.Lxx;
   if (!terminal) d.Fu = in.Fu, d.Lu = in.Lu, d.Lxu = in.Lxu, d.Luu = in.Luu;
@@ -126,37 +121,42 @@ void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, b
 }
 
 void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  Data& d = own_data<Data>("ActionModelAugmentedLagrangian::calc", data);
+  ActionDataAugmentedLagrangian& d =
+      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
   model_->calc(d.inner, x, u);
   add_values(d, false);
 }
 
 void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x) {
-  Data& d = own_data<Data>("ActionModelAugmentedLagrangian::calc", data);
+  ActionDataAugmentedLagrangian& d =
+      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
   model_->calc(d.inner, x);
   add_values(d, true);
 }
 
 void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  Data& d = own_data<Data>("ActionModelAugmentedLagrangian::calcDiff", data);
+  ActionDataAugmentedLagrangian& d =
+      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
   model_->calcDiff(d.inner, x, u);
   add_derivatives(d, false);
 }
 
 void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  Data& d = own_data<Data>("ActionModelAugmentedLagrangian::calcDiff", data);
+  ActionDataAugmentedLagrangian& d =
+      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
   model_->calcDiff(d.inner, x);
   add_derivatives(d, true);
 }
 
 void ActionModelAugmentedLagrangian::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                  std::size_t maxiter, double tol) {
-  Data& d = own_data<Data>("ActionModelAugmentedLagrangian::quasiStatic", data);
+  ActionDataAugmentedLagrangian& d =
+      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::quasiStatic", data);
   model_->quasiStatic(d.inner, u, x, maxiter, tol);
 }
 
 void ActionModelAugmentedLagrangian::print(std::ostream& os) const {
-  os << kWho << " {penalty=" << rho_ << ", " << *model_ << "}";
+  os << kActionModelAugmentedLagrangian << " {penalty=" << rho_ << ", " << *model_ << "}";
 }
 
 }  // namespace manycontact

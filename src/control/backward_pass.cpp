@@ -15,8 +15,6 @@ namespace {
 using sparse::panel_kernels;
 using Index = Eigen::Index;
 
-constexpr int padded(Index n) { return static_cast<int>((n + 7) / 8 * 8); }
-
 void grow(std::vector<double>& panel, std::size_t size) {
   if (panel.size() < size) panel.resize(size);
 }
@@ -100,18 +98,19 @@ void SolverDDP::backwardPass() {
 
 void SolverDDP::layOutPanels(Index nu) {
   const Index ndx = problem_->get_ndx();
-  if (panels_.u == padded(nu) && panels_.x == ndx) return;
-  panels_.u = padded(nu);
+  if (panels_.u == sparse::padded(nu) && panels_.x == ndx) return;
+  panels_.u = sparse::padded(nu);
   panels_.x = static_cast<int>(ndx);
-  panels_.ld = panels_.u + padded(ndx);
+  panels_.ld = panels_.u + sparse::padded(ndx);
   const std::size_t ld = panels_.ld, rows = ndx;
   panels_.F.assign(rows * ld, 0);  // the columns between u and x stay zero
   grow(panels_.VF, rows * ld);
   grow(panels_.YF, rows * ld);
   grow(panels_.H, ld * ld);
   grow(panels_.Fv, ld);
-  for (auto* panel : {&panels_.Qux, &panels_.K}) grow(*panel, static_cast<std::size_t>(panels_.u) * padded(ndx));
-  grow(panels_.QuxK, static_cast<std::size_t>(padded(ndx)) * padded(ndx));
+  for (auto* panel : {&panels_.Qux, &panels_.K})
+    grow(*panel, static_cast<std::size_t>(panels_.u) * sparse::padded(ndx));
+  grow(panels_.QuxK, static_cast<std::size_t>(sparse::padded(ndx)) * sparse::padded(ndx));
 }
 
 // Fv = F^T v and H = F^T V F, of which the upper triangle.
@@ -206,7 +205,8 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
 
 void SolverDDP::computeGains(std::size_t t) {
   require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
-  const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x, ld = padded(ndx);
+  const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x,
+            ld = sparse::padded(ndx);
   if (nu == 0) return;
   Quu_llt_[t].compute(Quu_[t]);
   if (Quu_llt_[t].info() != Eigen::Success) {
@@ -224,7 +224,7 @@ void SolverDDP::computeGains(std::size_t t) {
 
 void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) {
   require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
-  const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = padded(ndx);
+  const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = sparse::padded(ndx);
   Vx_[t] = Qx_[t];
   if (nu == 0) {
     Vxx_[t] = Qxx_[t];

@@ -7,66 +7,68 @@
 
 namespace manycontact {
 
-using Model_ = DifferentialActionModelLQR;
-using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 using M = Eigen::MatrixXd;
 using V = Eigen::VectorXd;
 
 namespace {
 
-constexpr const char* kWho = "DifferentialActionModelLQR";
-
-std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }
-M none(const M& A, const M& B) { return M::Zero(0, 2 * A.cols() + B.cols()); }
-V zeros(Eigen::Index n) { return V::Zero(n); }
+constexpr const char* kDifferentialActionModelLQR = "DifferentialActionModelLQR";
 
 }  // namespace
 
-Model_::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R, const M& N)
-    : Model_(Aq, Av, B, Q, R, N, zeros(Aq.cols()), zeros(2 * Aq.cols()), zeros(B.cols())) {}
+DifferentialActionModelLQR::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R,
+                                                       const M& N)
+    : DifferentialActionModelLQR(Aq, Av, B, Q, R, N, internal::zeros(Aq.cols()), internal::zeros(2 * Aq.cols()),
+                                 internal::zeros(B.cols())) {}
 
-Model_::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R, const M& N, const V& f,
-                                   const V& q, const V& r)
-    : Model_(Aq, Av, B, Q, R, N, none(Aq, B), none(Aq, B), f, q, r, zeros(0), zeros(0)) {}
+DifferentialActionModelLQR::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R,
+                                                       const M& N, const V& f, const V& q, const V& r)
+    : DifferentialActionModelLQR(Aq, Av, B, Q, R, N, internal::no_rows(2 * Aq.cols() + B.cols()),
+                                 internal::no_rows(2 * Aq.cols() + B.cols()), f, q, r, internal::zeros(0),
+                                 internal::zeros(0)) {}
 
-Model_::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R, const M& N, const M& G,
-                                   const M& H, const V& f, const V& q, const V& r, const V& g, const V& h)
-    : DifferentialActionModelAbstract(vectors(2 * Aq.cols()), B.cols(), 0, G.rows(), H.rows()) {
+DifferentialActionModelLQR::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R,
+                                                       const M& N, const M& G, const M& H, const V& f, const V& q,
+                                                       const V& r, const V& g, const V& h)
+    : DifferentialActionModelAbstract(internal::vectors(2 * Aq.cols()), B.cols(), 0, G.rows(), H.rows()) {
   set_LQR(Aq, Av, B, Q, R, N, G, H, f, q, r, g, h);
 }
 
-Model_::DifferentialActionModelLQR(std::size_t nq, std::size_t nu, bool drift_free)
-    : Model_(M::Identity(nq, nq), M::Identity(nq, nq), M::Identity(nq, nu), M::Identity(2 * nq, 2 * nq),
-             M::Identity(nu, nu), M::Zero(2 * nq, nu), drift_free ? V::Zero(nq) : V::Ones(nq), V::Ones(2 * nq),
-             V::Ones(nu)) {}
+DifferentialActionModelLQR::DifferentialActionModelLQR(std::size_t nq, std::size_t nu, bool drift_free)
+    : DifferentialActionModelLQR(M::Identity(nq, nq), M::Identity(nq, nq), M::Identity(nq, nu),
+                                 M::Identity(2 * nq, 2 * nq), M::Identity(nu, nu), M::Zero(2 * nq, nu),
+                                 drift_free ? V::Zero(nq) : V::Ones(nq), V::Ones(2 * nq), V::Ones(nu)) {}
 
-Model_ Model_::Random(std::size_t nq, std::size_t nu, std::size_t ng, std::size_t nh) {
+DifferentialActionModelLQR DifferentialActionModelLQR::Random(std::size_t nq, std::size_t nu, std::size_t ng,
+                                                              std::size_t nh) {
   constexpr auto random = internal::random_matrix;
   const std::size_t nx = 2 * nq;
   const M Aq = random(nq, nq), Av = random(nq, nq), B = random(nq, nu), root = random(nx + nu, nx + nu);
   const M L = root.transpose() * root, G = random(ng, nx + nu), H = random(nh, nx + nu);
   const V f = random(nq, 1), q = random(nx, 1), r = random(nu, 1), g = random(ng, 1), h = random(nh, 1);
-  return Model_(Aq, Av, B, L.topLeftCorner(nx, nx), L.bottomRightCorner(nu, nu), L.topRightCorner(nx, nu), G, H, f, q,
-                r, g, h);
+  return DifferentialActionModelLQR(Aq, Av, B, L.topLeftCorner(nx, nx), L.bottomRightCorner(nu, nu),
+                                    L.topRightCorner(nx, nu), G, H, f, q, r, g, h);
 }
 
-void Model_::set_LQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R, const M& N, const M& G, const M& H,
-                     const V& f, const V& q, const V& r, const V& g, const V& h) {
+void DifferentialActionModelLQR::set_LQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R, const M& N,
+                                         const M& G, const M& H, const V& f, const V& q, const V& r, const V& g,
+                                         const V& h) {
   const Eigen::Index nq = state_->get_nv(), nx = 2 * nq, nu = nu_, ng = ng_, nh = nh_;
   const auto check_shape = [](const char* what, const auto& matrix, Eigen::Index rows, Eigen::Index cols) {
-    internal::check_shape(kWho, what, matrix, rows, cols);
+    internal::check_shape(kDifferentialActionModelLQR, what, matrix, rows, cols);
   };
   check_shape("Aq", Aq, nq, nq), check_shape("Av", Av, nq, nq), check_shape("B", B, nq, nu);
   check_shape("Q", Q, nx, nx), check_shape("R", R, nu, nu), check_shape("N", N, nx, nu);
   check_shape("G", G, ng, nx + nu), check_shape("H", H, nh, nx + nu);
   check_shape("f", f, nq, 1), check_shape("q", q, nx, 1), check_shape("r", r, nu, 1);
   check_shape("g", g, ng, 1), check_shape("h", h, nh, 1);
-  internal::check_convex(kWho, Q, R, N);
+  internal::check_convex(kDifferentialActionModelLQR, Q, R, N);
   Aq_ = Aq, Av_ = Av, B_ = B, Q_ = Q, R_ = R, N_ = N, G_ = G, H_ = H;
   f_ = f, q_ = q, r_ = r, g_ = g, h_ = h;
 }
 
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void DifferentialActionModelLQR::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                      const ConstVectorRef& x, const ConstVectorRef& u) {
   check_size("DifferentialActionModelLQR::calc", "u", u.size(), nu_);
   calc(data, x);
   data->xout = f_;
@@ -76,12 +78,14 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVecto
   internal::add_linear_quadratic_values(*this, x, u, *data);
 }
 
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
+void DifferentialActionModelLQR::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                      const ConstVectorRef& x) {
   check_size("DifferentialActionModelLQR::calc", "x", x.size(), state_->get_nx());
   internal::linear_quadratic_values(*this, x, check_data("DifferentialActionModelLQR::calc", data));
 }
 
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void DifferentialActionModelLQR::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                          const ConstVectorRef& x, const ConstVectorRef& u) {
   check_size("DifferentialActionModelLQR::calcDiff", "u", u.size(), nu_);
   calcDiff(data, x);
   data->Fx << Aq_, Av_;
@@ -89,12 +93,13 @@ void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstV
   internal::add_linear_quadratic_derivatives(*this, x, u, *data);
 }
 
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+void DifferentialActionModelLQR::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
+                                          const ConstVectorRef& x) {
   check_size("DifferentialActionModelLQR::calcDiff", "x", x.size(), state_->get_nx());
   internal::linear_quadratic_derivatives(*this, x, check_data("DifferentialActionModelLQR::calcDiff", data));
 }
 
-void Model_::print(std::ostream& os) const {
+void DifferentialActionModelLQR::print(std::ostream& os) const {
   os << "DifferentialActionModelLQR {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
 }
 

@@ -8,7 +8,6 @@
 namespace manycontact {
 
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using Data = IntegratedActionDataEuler;
 using internal::own_data;
 
 IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler* model)
@@ -32,13 +31,13 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
 namespace {
 
 // The joints' blocks of J1 or J2, by their action on identities.
-void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, Data& d) {
+void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, IntegratedActionDataEuler& d) {
   if (d.wide_joints.empty()) return;
   for (const Jcomponent which : {first, second}) {
-    for (const Data::WideJoint& joint : d.wide_joints)
+    for (const IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
       d.joint_columns.block(joint.first, 0, joint.size, joint.size).setIdentity();
     state.JintegrateTransport(x, d.dx, d.joint_columns, which);
-    for (Data::WideJoint& joint : d.wide_joints)
+    for (IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
       (which == first ? joint.of_x : joint.of_dx).topLeftCorner(joint.size, joint.size) =
           d.joint_columns.block(joint.first, 0, joint.size, joint.size);
   }
@@ -48,7 +47,7 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, D
 
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calc", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelEuler::calc", data);
+  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
   const Eigen::Index nv = state_->get_nv();
   control_->calc(d.control, 0, u);
   differential_->calc(d.differential, x, d.control->w);
@@ -62,7 +61,7 @@ void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef&
 
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelEuler::calc", x);
-  Data& d = own_data<Data>("IntegratedActionModelEuler::calc", data);
+  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
   differential_->calc(d.differential, x);
   d.dx.setZero();
   d.xnext = x;
@@ -73,7 +72,7 @@ void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef&
 // With J1, J2 of x (+) dx:    Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calcDiff", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelEuler::calcDiff", data);
+  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);
   const DifferentialActionDataAbstract& a = *d.differential;
   const Eigen::Index nv = state_->get_nv();
   const double h = time_step_;
@@ -102,22 +101,22 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
 
 void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelEuler::calcDiff", x);
-  Data& d = own_data<Data>("IntegratedActionModelEuler::calcDiff", data);
+  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);
   differential_->calcDiff(d.differential, x);
   internal::copy_terminal_derivatives(*d.differential, d);
 }
 
-DataPtr IntegratedActionModelEuler::createData() { return std::make_shared<Data>(this); }
+DataPtr IntegratedActionModelEuler::createData() { return std::make_shared<IntegratedActionDataEuler>(this); }
 
 bool IntegratedActionModelEuler::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<Data*>(data.get());
+  const auto* d = dynamic_cast<IntegratedActionDataEuler*>(data.get());
   return d && differential_->checkData(d->differential);
 }
 
 void IntegratedActionModelEuler::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                              std::size_t maxiter, double tol) {
   check("IntegratedActionModelEuler::quasiStatic", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelEuler::quasiStatic", data);
+  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::quasiStatic", data);
   differential_->quasiStatic(d.differential, d.control->w, x, maxiter, tol);
   control_->params(d.control, 0, d.control->w);
   u = d.control->u;

@@ -7,29 +7,20 @@ namespace manycontact {
 
 namespace {
 
-constexpr const char* kWho = "IntegratedActionModel";
-
-const DifferentialActionModelAbstract& given(const std::shared_ptr<DifferentialActionModelAbstract>& model) {
-  require(model != nullptr, kWho, "a differential action model is expected, not a null pointer");
-  return *model;
-}
-
-const ControlParametrizationModelAbstract& given(const std::shared_ptr<ControlParametrizationModelAbstract>& control) {
-  require(control != nullptr, kWho, "a control parametrization is expected, not a null pointer");
-  return *control;
-}
+constexpr const char* kIntegratedActionModel = "IntegratedActionModel";
 
 }  // namespace
 
 IntegratedActionModelAbstract::IntegratedActionModelAbstract(
     std::shared_ptr<DifferentialActionModelAbstract> model,
     std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step, bool with_cost_residual)
-    : ActionModelAbstract(given(model).get_state(), given(control).get_nu(), model->get_nr(), model->get_ng(),
-                          model->get_nh(), model->get_ng_T(), model->get_nh_T()),
+    : ActionModelAbstract(internal::given(kIntegratedActionModel, model, "a differential action model")->get_state(),
+                          internal::given(kIntegratedActionModel, control, "a control parametrization")->get_nu(),
+                          model->get_nr(), model->get_ng(), model->get_nh(), model->get_ng_T(), model->get_nh_T()),
       differential_(std::move(model)),
       control_(std::move(control)),
       with_cost_residual_(with_cost_residual) {
-  require(control_->get_nw() == differential_->get_nu(), kWho,
+  require(control_->get_nw() == differential_->get_nu(), kIntegratedActionModel,
           "the control parametrization has nw = " + std::to_string(control_->get_nw()) +
               ", the model's nu = " + std::to_string(differential_->get_nu()) + " is expected");
   set_dt(time_step);
@@ -39,11 +30,14 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(
 
 IntegratedActionModelAbstract::IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                              double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(model, std::make_shared<ControlParametrizationModelPolyZero>(given(model).get_nu()),
-                                    time_step, with_cost_residual) {}
+    : IntegratedActionModelAbstract(
+          model,
+          std::make_shared<ControlParametrizationModelPolyZero>(
+              internal::given(kIntegratedActionModel, model, "a differential action model")->get_nu()),
+          time_step, with_cost_residual) {}
 
 void IntegratedActionModelAbstract::set_dt(double dt) {
-  require(dt >= 0 && std::isfinite(dt), kWho,
+  require(dt >= 0 && std::isfinite(dt), kIntegratedActionModel,
           "a time step of " + std::to_string(dt) + " s was given, a finite one that is not negative is expected");
   time_step_ = dt;
   time_step2_ = dt * dt;

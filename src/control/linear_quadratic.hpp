@@ -6,6 +6,7 @@
 #include <random>
 
 #include "manycontact/action/fwd.hpp"
+#include "manycontact/control/state_vector.hpp"
 
 namespace manycontact::internal {
 
@@ -68,6 +69,10 @@ inline void check_convex(const char* who, const Eigen::MatrixXd& Q, const Eigen:
   require(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() >= -1e-12,
           who, "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
 }
+
+inline std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }
+inline Eigen::MatrixXd no_rows(Eigen::Index cols) { return Eigen::MatrixXd::Zero(0, cols); }
+inline Eigen::VectorXd zeros(Eigen::Index n) { return Eigen::VectorXd::Zero(n); }
 
 /// Entries within +-1.
 inline Eigen::MatrixXd random_matrix(std::size_t rows, std::size_t cols) {

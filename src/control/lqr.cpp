@@ -6,30 +6,28 @@
 
 namespace manycontact {
 
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using M = Eigen::MatrixXd;
 using V = Eigen::VectorXd;
 
+using DataPtr = std::shared_ptr<ActionDataAbstract>;
+
 namespace {
 
-constexpr const char* kWho = "ActionModelLQR";
-
-std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }
-M none(const M& A, const M& B) { return M::Zero(0, A.cols() + B.cols()); }
-V zeros(Eigen::Index n) { return V::Zero(n); }
+constexpr const char* kActionModelLQR = "ActionModelLQR";
 
 }  // namespace
 
 ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, const M& N)
-    : ActionModelLQR(A, B, Q, R, N, zeros(A.cols()), zeros(A.cols()), zeros(B.cols())) {}
+    : ActionModelLQR(A, B, Q, R, N, internal::zeros(A.cols()), internal::zeros(A.cols()), internal::zeros(B.cols())) {}
 
 ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, const M& N, const V& f, const V& q,
                                const V& r)
-    : ActionModelLQR(A, B, Q, R, N, none(A, B), none(A, B), f, q, r, zeros(0), zeros(0)) {}
+    : ActionModelLQR(A, B, Q, R, N, internal::no_rows(A.cols() + B.cols()), internal::no_rows(A.cols() + B.cols()), f,
+                     q, r, internal::zeros(0), internal::zeros(0)) {}
 
 ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, const M& N, const M& G, const M& H,
                                const V& f, const V& q, const V& r, const V& g, const V& h)
-    : ActionModelAbstract(vectors(A.cols()), B.cols(), 0, G.rows(), H.rows(), G.rows(), H.rows()) {
+    : ActionModelAbstract(internal::vectors(A.cols()), B.cols(), 0, G.rows(), H.rows(), G.rows(), H.rows()) {
   set_LQR(A, B, Q, R, N, G, H, f, q, r, g, h);
 }
 
@@ -50,14 +48,14 @@ void ActionModelLQR::set_LQR(const M& A, const M& B, const M& Q, const M& R, con
                              const V& f, const V& q, const V& r, const V& g, const V& h) {
   const Eigen::Index nx = state_->get_nx(), nu = nu_, ng = ng_, nh = nh_;
   const auto check_shape = [](const char* what, const auto& matrix, Eigen::Index rows, Eigen::Index cols) {
-    internal::check_shape(kWho, what, matrix, rows, cols);
+    internal::check_shape(kActionModelLQR, what, matrix, rows, cols);
   };
   check_shape("A", A, nx, nx), check_shape("B", B, nx, nu);
   check_shape("Q", Q, nx, nx), check_shape("R", R, nu, nu), check_shape("N", N, nx, nu);
   check_shape("G", G, ng, nx + nu), check_shape("H", H, nh, nx + nu);
   check_shape("f", f, nx, 1), check_shape("q", q, nx, 1), check_shape("r", r, nu, 1);
   check_shape("g", g, ng, 1), check_shape("h", h, nh, 1);
-  internal::check_convex(kWho, Q, R, N);
+  internal::check_convex(kActionModelLQR, Q, R, N);
   A_ = A, B_ = B, Q_ = Q, R_ = R, N_ = N, G_ = G, H_ = H;
   f_ = f, q_ = q, r_ = r, g_ = g, h_ = h;
 }

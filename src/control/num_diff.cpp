@@ -31,7 +31,7 @@ void copy_values(const ActionDataAbstract& from, ActionDataAbstract& to) {
 }  // namespace
 
 ActionModelNumDiff::ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx)
-    : ActionModelAbstract(given(kNumDiff, model).get_state(), given(kNumDiff, model).get_nu()),
+    : ActionModelAbstract(internal::given(kNumDiff, model)->get_state(), internal::given(kNumDiff, model)->get_nu()),
       model_(std::move(model)),
       gauss_(with_gauss_approx),
       step_(std::cbrt(std::numeric_limits<double>::epsilon())) {

@@ -11,7 +11,7 @@ using DataPtr = std::shared_ptr<ActionDataAbstract>;
 
 namespace {
 
-constexpr const char* kWho = "ActionModelParts";
+constexpr const char* kActionModelParts = "ActionModelParts";
 
 template <class Whole>
 void take(const Whole& whole, const std::vector<int>& index, VectorXd& part) {
@@ -37,12 +37,12 @@ void check_cover(const char* what, std::size_t size, const std::vector<ActionPar
   std::size_t count = 0;
   for (const ActionPart& part : parts)
     for (const int i : part.*list) {
-      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[static_cast<std::size_t>(i)], kWho,
+      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[static_cast<std::size_t>(i)], kActionModelParts,
               std::string("a coordinate of ") + what + " that does not exist or is another's, one part's is expected");
       taken[static_cast<std::size_t>(i)] = true;
       ++count;
     }
-  require(count == size, kWho, std::string("a coordinate of ") + what + " is no part's");
+  require(count == size, kActionModelParts, std::string("a coordinate of ") + what + " is no part's");
 }
 
 // The sum of a size over the parts.
@@ -50,7 +50,7 @@ template <class Size>
 std::size_t total(const std::vector<ActionPart>& parts, Size size) {
   std::size_t sum = 0;
   for (const ActionPart& part : parts) {
-    require(part.model != nullptr, kWho, "a part's model is a null pointer");
+    require(part.model != nullptr, kActionModelParts, "a part's model is a null pointer");
     sum += ((*part.model).*size)();
   }
   return sum;
@@ -96,15 +96,15 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
                           total(parts, &ActionModelAbstract::get_nh), total(parts, &ActionModelAbstract::get_ng_T),
                           total(parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)) {
-  require(!parts_.empty(), kWho, "there is no part, one at least is expected");
+  require(!parts_.empty(), kActionModelParts, "there is no part, one at least is expected");
   check_cover("x", state_->get_nx(), parts_, &ActionPart::x);
   check_cover("dx", state_->get_ndx(), parts_, &ActionPart::dx);
   check_cover("u", nu, parts_, &ActionPart::u);
   for (const ActionPart& part : parts_) {
     const ActionModelAbstract& model = *part.model;
-    check_size(kWho, "a part's x", part.x.size(), model.get_state()->get_nx());
-    check_size(kWho, "a part's dx", part.dx.size(), model.get_state()->get_ndx());
-    check_size(kWho, "a part's u", part.u.size(), model.get_nu());
+    check_size(kActionModelParts, "a part's x", part.x.size(), model.get_state()->get_nx());
+    check_size(kActionModelParts, "a part's dx", part.dx.size(), model.get_state()->get_ndx());
+    check_size(kActionModelParts, "a part's u", part.u.size(), model.get_nu());
     put(model.get_u_lb(), part.u, u_lb_);
     put(model.get_u_ub(), part.u, u_ub_);
   }

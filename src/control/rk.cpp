@@ -5,7 +5,6 @@
 namespace manycontact {
 
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using Data = IntegratedActionDataRK;
 using internal::own_data;
 
 IntegratedActionDataRK::IntegratedActionDataRK(IntegratedActionModelRK* model) : ActionDataAbstract(model) {
@@ -65,7 +64,7 @@ IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialAct
 
 void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelRK::calc", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelRK::calc", data);
+  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calc", data);
   const Eigen::Index nv = state_->get_nv();
   d.dx.setZero();
   d.cost = 0;
@@ -92,7 +91,7 @@ void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x,
 
 void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelRK::calc", x);
-  Data& d = own_data<Data>("IntegratedActionModelRK::calc", data);
+  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calc", data);
   differential_->calc(d.differential[0], x);
   d.dx.setZero();
   d.xnext = x;
@@ -104,7 +103,7 @@ namespace {
 
 // k_i and y_i by x and u.
 void differentiate_stage(const StateAbstract& state, const ControlParametrizationModelAbstract& control,
-                         const ConstVectorRef& x, double step, std::size_t i, Data& d) {
+                         const ConstVectorRef& x, double step, std::size_t i, IntegratedActionDataRK& d) {
   const Eigen::Index nv = state.get_nv();
   const DifferentialActionDataAbstract& k = *d.differential[i];
   if (i == 0) {  // y = x, dv/dx = [0 I]
@@ -129,7 +128,8 @@ void differentiate_stage(const StateAbstract& state, const ControlParametrizatio
 //     Lx  += w y_x^T l_x                   Lu  += w (y_u^T l_x + w_u^T l_w)
 //     Lxx += w y_x^T l_xx y_x              Lxu += w y_x^T (l_xx y_u + l_xw w_u)
 //     Luu += w (y_u^T (l_xx y_u + l_xw w_u) + (l_xw w_u)^T y_u + w_u^T l_ww w_u)
-void add_stage_cost(const ControlParametrizationModelAbstract& control, double w, std::size_t i, Data& d) {
+void add_stage_cost(const ControlParametrizationModelAbstract& control, double w, std::size_t i,
+                    IntegratedActionDataRK& d) {
   const DifferentialActionDataAbstract& l = *d.differential[i];
   const Eigen::MatrixXd &y_x = d.dyi_dx[i], &y_u = d.dyi_du[i];
   control.multiplyJacobianTransposeBy(d.control[i], l.Lu, d.Lu_i);
@@ -158,7 +158,7 @@ void add_stage_cost(const ControlParametrizationModelAbstract& control, double w
 
 void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelRK::calcDiff", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelRK::calcDiff", data);
+  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calcDiff", data);
   d.Fx.setZero(), d.Fu.setZero();
   d.Lx.setZero(), d.Lu.setZero();
   d.Lxx.setZero(), d.Lxu.setZero(), d.Luu.setZero();
@@ -179,15 +179,15 @@ void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef
 
 void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelRK::calcDiff", x);
-  Data& d = own_data<Data>("IntegratedActionModelRK::calcDiff", data);
+  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calcDiff", data);
   differential_->calcDiff(d.differential[0], x);
   internal::copy_terminal_derivatives(*d.differential[0], d);
 }
 
-DataPtr IntegratedActionModelRK::createData() { return std::make_shared<Data>(this); }
+DataPtr IntegratedActionModelRK::createData() { return std::make_shared<IntegratedActionDataRK>(this); }
 
 bool IntegratedActionModelRK::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<Data*>(data.get());
+  const auto* d = dynamic_cast<IntegratedActionDataRK*>(data.get());
   if (!d || d->differential.size() != c_.size()) return false;
   for (const auto& stage : d->differential)
     if (!differential_->checkData(stage)) return false;
@@ -197,7 +197,7 @@ bool IntegratedActionModelRK::checkData(const DataPtr& data) {
 void IntegratedActionModelRK::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                           std::size_t maxiter, double tol) {
   check("IntegratedActionModelRK::quasiStatic", x, u);
-  Data& d = own_data<Data>("IntegratedActionModelRK::quasiStatic", data);
+  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::quasiStatic", data);
   ControlParametrizationDataAbstract& control = *d.control[0];
   differential_->quasiStatic(d.differential[0], control.w, x, maxiter, tol);
   control_->params(d.control[0], 0, control.w);

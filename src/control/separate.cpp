@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr const char* kWho = "separate";
+constexpr const char* kSeparate = "separate";
 
 std::vector<int> all(std::size_t count) {
   std::vector<int> out(count);
@@ -22,12 +22,12 @@ const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& mod
 
 const ActionModelParts& parts_of(const ShootingProblem& problem, std::size_t t) {
   const auto* model = as_parts(problem.model(t));
-  require(model != nullptr, kWho, "some nodes are ActionModelParts and others are not, all are expected");
+  require(model != nullptr, kSeparate, "some nodes are ActionModelParts and others are not, all are expected");
   return *model;
 }
 
 std::shared_ptr<ActionDataAbstract> data_of(const std::shared_ptr<ActionDataAbstract>& data, std::size_t part) {
-  return internal::own_data<ActionDataParts>(kWho, data).parts[part];
+  return internal::own_data<ActionDataParts>(kSeparate, data).parts[part];
 }
 
 ShootingPart whole(const ShootingProblem& problem) {
@@ -50,7 +50,7 @@ ShootingPart part_of(const ShootingProblem& problem, std::size_t i) {
   for (std::size_t t = 0; t < T; ++t) {
     const std::vector<ActionPart>& parts = parts_of(problem, t).get_parts();
     require(parts.size() == parts_of(problem, T).get_parts().size() && parts[i].x == out.x && parts[i].dx == out.dx,
-            kWho, "the nodes' parts differ, the same coordinates of x and dx at every node are expected");
+            kSeparate, "the nodes' parts differ, the same coordinates of x and dx at every node are expected");
     models.push_back(parts[i].model);
     datas.push_back(data_of(problem.get_runningDatas()[t], i));
     out.u.push_back(parts[i].u);

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace {
 
-constexpr const char* kWho = "ShootingProblem";
+constexpr const char* kShootingProblem = "ShootingProblem";
 
 std::shared_ptr<ActionDataAbstract> data_of(const std::shared_ptr<ActionModelAbstract>& model) {
-  require(model != nullptr, kWho, "an action model is a null pointer");
+  require(model != nullptr, kShootingProblem, "an action model is a null pointer");
   return model->createData();
 }
 
@@ -24,7 +24,8 @@ ShootingProblem::Datas datas_of(const ShootingProblem::Models& models) {
 }
 
 const ActionModelAbstract& first_of(const ShootingProblem::Models& models) {
-  require(!models.empty() && models[0] != nullptr, kWho, "there is no running model, one at least is expected");
+  require(!models.empty() && models[0] != nullptr, kShootingProblem,
+          "there is no running model, one at least is expected");
   return *models[0];
 }
 
@@ -44,12 +45,12 @@ ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& runnin
       running_datas_(running_datas),
       nx_(first_of(running_models).get_state()->get_nx()),
       ndx_(first_of(running_models).get_state()->get_ndx()) {
-  check_size(kWho, "x0", x0.size(), nx_);
-  require(running_datas_.size() == running_models_.size(), kWho,
+  check_size(kShootingProblem, "x0", x0.size(), nx_);
+  require(running_datas_.size() == running_models_.size(), kShootingProblem,
           std::to_string(running_datas_.size()) + " running data were given, as many as running models are expected: " +
               std::to_string(running_models_.size()));
-  for (std::size_t t = 0; t < get_T(); ++t) check_data(kWho, running_models_[t], running_datas_[t]);
-  check_data(kWho, terminal_model_, terminal_data_);
+  for (std::size_t t = 0; t < get_T(); ++t) check_data(kShootingProblem, running_models_[t], running_datas_[t]);
+  check_data(kShootingProblem, terminal_model_, terminal_data_);
   set_nthreads(0);
 }
 

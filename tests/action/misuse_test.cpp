@@ -155,11 +155,14 @@ TEST_F(Misuse, NullData) {
 }
 
 TEST_F(Misuse, NullParts) {
-  EXPECT_INVALID(ActionModel(nullptr, w.actuation, w.contacts, w.costs), "the state is a null pointer");
-  EXPECT_INVALID(ActionModel(w.state, nullptr, w.contacts, w.costs), "the actuation is a null pointer");
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, nullptr, w.costs), "the stack of contacts is a null pointer");
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, nullptr), "the stack of costs is a null pointer");
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, nullptr, w.costs, w.constraints), "contacts is a null pointer");
+  EXPECT_INVALID(ActionModel(nullptr, w.actuation, w.contacts, w.costs), "the state is expected, not a null pointer");
+  EXPECT_INVALID(ActionModel(w.state, nullptr, w.contacts, w.costs), "the actuation is expected, not a null pointer");
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, nullptr, w.costs),
+                 "the stack of contacts is expected, not a null pointer");
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, nullptr),
+                 "the stack of costs is expected, not a null pointer");
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, nullptr, w.costs, w.constraints),
+                 "contacts is expected, not a null pointer");
   EXPECT_NO_THROW(ActionModel(w.state, w.actuation, w.contacts, w.costs, nullptr, 0.1));  // no constraints
   EXPECT_INVALID(w.contacts->addContact("c", nullptr), "\"c\" is a null pointer, a model is expected");
   EXPECT_INVALID(w.costs->addCost("c", nullptr, 1), "\"c\" is a null pointer, a model is expected");

@@ -75,12 +75,12 @@ Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   return *own;
 }
 
-/// *part; throws std::invalid_argument where there is none. what: "a model".
+/// part; throws std::invalid_argument where there is none. what: "a model".
 template <class Part>
-const Part& given(const char* where, const std::shared_ptr<Part>& part, const char* what = "a model") {
+const std::shared_ptr<Part>& given(const char* where, const std::shared_ptr<Part>& part, const char* what = "a model") {
   if (part == nullptr)
     throw std::invalid_argument(std::string(where) + ": " + what + " is expected, not a null pointer");
-  return *part;
+  return part;
 }
 
 }  // namespace internal

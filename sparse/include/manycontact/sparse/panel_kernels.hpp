@@ -2,11 +2,15 @@
 // Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen
 // when the program runs. Levels agree to rounding.
 
+#include <cstddef>
 #include <span>
 
 #include "manycontact/sparse/ldl_schedule.hpp"
 
 namespace manycontact::sparse {
+
+/// n, or the next multiple of eight: rows of a panel.
+constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 struct PanelKernels {
   const char* name;
