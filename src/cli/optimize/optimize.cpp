@@ -1,5 +1,6 @@
 #include "optimize.hpp"
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,8 @@
 namespace manycontact::cli {
 
 namespace {
+
+constexpr double kLeastStep = 1e-7;  // of a simulation
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -67,10 +70,19 @@ void prepare_charts(const std::string& folder) {
   if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --charts");
 }
 
+std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task, const TaskProblem& problem,
+                                         const TaskSolution& solution) {
+  if (!arguments.has("--simulate")) return std::nullopt;
+  const int substeps = static_cast<int>(std::ceil(task.step / arguments.positive("--simulate") - 1e-9));
+  return manycontact::simulate(task, problem, solution, Integrator::kRk4, std::max(1, substeps));
+}
+
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, 1000000, 0);
+  if (arguments.has("--simulate") && !(arguments.positive("--simulate") >= kLeastStep))
+    throw UsageError("--simulate is " + *arguments.value("--simulate") + ", expected 1e-7 s at least");
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
   if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
@@ -88,7 +100,7 @@ int run_optimize(const Arguments& arguments) {
                                                            show(k++, iteration);
                                                            return !stop.is_set();
                                                          }});
-  const OptimizedTask motion{task, problem, solution};
+  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, problem, solution)};
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
@@ -105,6 +117,7 @@ const Command& optimize_command() {
       "A motion of a scene: the task's costs at their least, its contacts held.",
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
        {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
