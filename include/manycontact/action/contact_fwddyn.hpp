@@ -20,7 +20,7 @@ namespace internal {
 enum class Stage { kFresh, kRunning, kTerminal };  // what the last calc on the data was
 }
 
-class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {
+class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {  // dynamics and costs
  public:
   using ActuationModelAbstract = manycontact::ActuationModelAbstract;
   using Base = DifferentialActionModelAbstract;

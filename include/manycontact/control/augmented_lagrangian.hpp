@@ -20,7 +20,7 @@
 
 namespace manycontact {
 
-class SolverAugmentedLagrangian : public SolverAbstract {
+class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by any of these solvers
  public:
   /// The unconstrained solver, of a problem it is given.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;

@@ -9,13 +9,13 @@
 
 namespace manycontact {
 
-struct BoxQPSolution {
+struct BoxQPSolution {      // x, and which bounds are active
   Eigen::MatrixXd Hff_inv;  // inverse of H's rows and columns of the free components
   Eigen::VectorXd x;
   std::vector<std::size_t> free_idx, clamped_idx;
 };
 
-class BoxQP {
+class BoxQP {  // min 1/2 x^T H x + q^T x, lb <= x <= ub
  public:
   /// nx: number of unknowns; reg is added to the diagonal of H. Throws std::invalid_argument for numbers out of range.
   explicit BoxQP(std::size_t nx, std::size_t maxiter = 100, double th_acceptstep = 0.1, double th_grad = 1e-9,

@@ -26,7 +26,7 @@ class SolverWithBox : public Base {
   Eigen::VectorXd du_lb_, du_ub_;  // of the node at hand
 };
 
-class SolverBoxDDP : public SolverWithBox<SolverDDP> {
+class SolverBoxDDP : public SolverWithBox<SolverDDP> {  // DDP with controls in a box
  public:
   using SolverWithBox::SolverWithBox;
   void forwardPass(double steplength) override;

@@ -18,7 +18,7 @@ namespace manycontact {
 
 struct IntegratedActionDataEuler;
 
-class SolverDDP : public SolverAbstract {
+class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

@@ -23,7 +23,7 @@ namespace internal {
 class ImpactActuation;
 }
 
-class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
+class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact: the velocity jumps
  public:
   using Base = ActionModelAbstract;
   using Data = ActionDataImpulseFwdDynamics;
@@ -102,7 +102,7 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
   double r_coeff_ = 0;
 };
 
-struct ActionDataImpulseFwdDynamics : ActionDataAbstract {
+struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // of an impact
   explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;

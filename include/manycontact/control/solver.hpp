@@ -28,7 +28,7 @@ enum class StopReason {
 };
 const char* to_string(StopReason reason);
 
-class SolverAbstract {
+class SolverAbstract {  // what all solvers share
  public:
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
@@ -119,7 +119,7 @@ class SolverAbstract {
   StopReason reason_ = StopReason::kNone;
 };
 
-class CallbackAbstract {
+class CallbackAbstract {  // called after each iteration
  public:
   virtual ~CallbackAbstract() = default;
   virtual void operator()(SolverAbstract& solver) = 0;

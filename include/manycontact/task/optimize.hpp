@@ -32,7 +32,7 @@ struct TaskGains {
   std::vector<Eigen::MatrixXd> K;  // by node
 };
 
-struct TaskSolution {
+struct TaskSolution {  // What optimize found, and how.
   bool converged = false;
   double cost = 0;
   std::string reason;                     // why it stopped; of constraints that are missed, which and by how much
@@ -49,7 +49,7 @@ struct TaskSolution {
   TaskTimes times;
 };
 
-struct TaskOptions {
+struct TaskOptions {  // How to solve, where the file does not say it.
   TaskSolver solver = TaskSolver::kAuto;
   int threads = 0;  // 0: OpenMP's
   /// After each iteration; false ends the solve there.

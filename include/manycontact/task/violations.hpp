@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-struct TaskViolation {
+struct TaskViolation {  // How far a constraint is from being met.
   std::string constraint;
   double by = 0;         // largest distance of a row to its bounds, over all nodes
   std::size_t node = 0;  // where

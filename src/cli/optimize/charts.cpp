@@ -131,7 +131,7 @@ void draw_forces(const OptimizedTask& motion, const std::string& base) {
       ratio[c].y.push_back(bears && f[2] > 0 ? f.head<2>().norm() / f[2] : NAN);
       if (!bears) continue;
       normal[c].weight = std::max(normal[c].weight, std::abs(f[2]));
-      mu = std::min(mu, cone_of(motion.task.phases[static_cast<std::size_t>(phases[t])], static_cast<int>(c)));
+      mu = std::min(mu, friction_of(motion.task.phases[static_cast<std::size_t>(phases[t])], static_cast<int>(c)));
     }
   }
   std::vector<std::pair<Curve, Curve>> both;

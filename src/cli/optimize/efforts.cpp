@@ -37,7 +37,7 @@ void add_force(const Eigen::VectorXd& f, double mu, Bore& bore) {
 
 }  // namespace
 
-double cone_of(const TaskPhase& phase, int contact) {
+double friction_of(const TaskPhase& phase, int contact) {
   double mu = INFINITY;
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms)
@@ -84,8 +84,8 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
       const ContactGroup& group = task.scene.contact_groups[g];
       for (int c = group.first; c < group.first + group.count; ++c)
         if (forces[static_cast<std::size_t>(c)].size() >= 3)
-          add_force(forces[static_cast<std::size_t>(c)], cone_of(task.phases[static_cast<std::size_t>(phases[t])], c),
-                    bores[g]);
+          add_force(forces[static_cast<std::size_t>(c)],
+                    friction_of(task.phases[static_cast<std::size_t>(phases[t])], c), bores[g]);
     }
   }
   Table table({{"contact forces", Table::kLeft, 40},

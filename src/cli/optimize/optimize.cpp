@@ -1,5 +1,6 @@
 #include "optimize.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -10,12 +11,11 @@
 #include "../common/command.hpp"
 #include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 
 namespace manycontact::cli {
 
 namespace {
-
-constexpr double kLeastStep = 1e-7;  // of a simulation
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -73,16 +73,15 @@ void prepare_charts(const std::string& folder) {
 std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task, const TaskProblem& problem,
                                          const TaskSolution& solution) {
   if (!arguments.has("--simulate")) return std::nullopt;
-  const int substeps = static_cast<int>(std::ceil(task.step / arguments.positive("--simulate") - 1e-9));
-  return manycontact::simulate(task, problem, solution, Integrator::kRk4, std::max(1, substeps));
+  const double substeps = std::clamp(std::ceil(task.step / arguments.positive("--simulate") - 1e-9), 1.0, 1e9);
+  return manycontact::simulate(task, problem, solution, Integrator::kRk4, static_cast<int>(substeps));
 }
 
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, 1000000, 0);
-  if (arguments.has("--simulate") && !(arguments.positive("--simulate") >= kLeastStep))
-    throw UsageError("--simulate is " + *arguments.value("--simulate") + ", expected 1e-7 s at least");
+  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
   if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
@@ -93,6 +92,7 @@ int run_optimize(const Arguments& arguments) {
   check_writable(*out, "--out");
   if (json) check_writable(*json, "--json");
   if (charts) prepare_charts(*charts);
+  std::optional<Recording> view = recording_of(arguments, task.scene.scene);
 
   const InterruptFlag stop;
   std::size_t k = 0;
@@ -104,7 +104,10 @@ int run_optimize(const Arguments& arguments) {
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
-  if (*out != "-" && json.value_or("") != "-") print_summary(std::cout, motion);
+  const bool summary = *out != "-" && json.value_or("") != "-";
+  if (summary) print_summary(std::cout, motion);
+  if (view) record_motion(motion, *view);
+  finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);
   return solution.converged ? kExitOk : kExitUnsound;
 }
 
@@ -119,6 +122,7 @@ const Command& optimize_command() {
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
        {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
        {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
+       view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
       "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"

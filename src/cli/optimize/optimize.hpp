@@ -9,6 +9,8 @@
 
 namespace manycontact::cli {
 
+struct Recording;
+
 struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
@@ -25,8 +27,11 @@ void write_trajectory(const OptimizedTask& motion, const std::string& path);
 /// convergence, torques and forces, .svg and .png, into the folder, by gnuplot. Throws as draw does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
+/// The states as frames of a view, with the torques and cones of the task.
+void record_motion(const OptimizedTask& motion, Recording& recording);
+
 /// The friction coefficient of the contact's cones in this phase, the smallest; infinite without.
-double cone_of(const TaskPhase& phase, int contact);
+double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
 /// Its parts: where robots and frames went, largest torques, contact forces.
