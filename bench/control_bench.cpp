@@ -1,7 +1,10 @@
-// One iteration of FDDP over separate robots: derivatives of all nodes, direction, one step; the backward pass alone.
+// One iteration of FDDP over separate robots: derivatives of all nodes, direction, one step; the backward pass alone; a
+// control step of a receding horizon.
 // By parts (control/separate), and on nodes of the whole scene (control/dense).
 
 #include <benchmark/benchmark.h>
+
+#include <algorithm>
 
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/task/problem.hpp"
@@ -81,6 +84,26 @@ void backward(benchmark::State& state, int robots, int nodes, TaskSolver type) {
   state.counters["sound"] = s.solver->direction_is_sound();
 }
 
+// A control step of a receding horizon: shifted by a node, an iteration from the last answer.
+void control_step(benchmark::State& state, int robots, int nodes) {
+  Started<SolverSparse> s(robots, nodes, TaskSolver::kSparse);
+  ShootingProblem& horizon = *s.problem.problem;
+  s.solver->solve(s.problem.xs, s.problem.us, 20);
+  std::vector<Eigen::VectorXd> xs = s.solver->get_xs(), us = s.solver->get_us();
+  for (auto _ : state) {
+    horizon.circularAppend(horizon.get_runningModels()[0], horizon.get_runningDatas()[0]);
+    for (auto* guess : {&xs, &us}) {
+      std::rotate(guess->begin(), guess->begin() + 1, guess->end());
+      guess->back() = (*guess)[guess->size() - 2];
+    }
+    horizon.set_x0(xs[0]);
+    s.solver->solve(xs, us, 1);
+    xs = s.solver->get_xs();
+    us = s.solver->get_us();
+  }
+  state.counters["sound"] = s.solver->direction_is_sound();
+}
+
 template <class Run>
 void add(const std::string& name, Run run) {
   benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
@@ -92,6 +115,7 @@ const Registration registered([] {
     const std::string name = "control/separate/" + std::to_string(robots);
     add(name + "/iteration", [=](benchmark::State& s) { iteration<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
     add(name + "/backward", [=](benchmark::State& s) { backward<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
+    add(name + "/control_step", [=](benchmark::State& s) { control_step(s, robots, 50); });
   }
   // Five nodes of the whole scene: ten times as long for the horizon of the others.
   if (settings().quick) return;

@@ -26,13 +26,20 @@ struct TaskTimes {
   double total = 0;
 };
 
+/// Feedback of robots that are solved together, u = us_t - K_t (x (-) xs_t), of their coordinates of u and dx.
+struct TaskGains {
+  std::vector<int> dx, u;
+  std::vector<Eigen::MatrixXd> K;  // by node
+};
+
 struct TaskSolution {  // What optimize found, and how.
   bool converged = false;
   double cost = 0;
-  std::string reason;                     // why it stopped; of infeasible constraints, which and by how much
+  std::string reason;                     // why it stopped; of constraints that are missed, which and by how much
   std::vector<TaskIteration> iterations;  // until the task's tolerance
   std::size_t polishing_iterations = 0;   // after these, to the KKT residual
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1, nodes
+  std::vector<TaskGains> gains;           // by part; none where the solver has none, or made no step
   std::string solver;
   std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part
   double kkt_residual = 0;

@@ -19,6 +19,12 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
   table.print(out);
 }
 
+void print_simulation(std::ostream& out, const SimulatedMotion& s) {
+  out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
+      << scientific(s.position_drift) << " m or rad at most, and the state is " << number(s.distance)
+      << " from the plan's\n";
+}
+
 void print_times(std::ostream& out, const TaskSolution& s) {
   const TaskTimes& t = s.times;
   out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
@@ -47,6 +53,7 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
   print_motion(out, motion);
   print_torques(out, motion);
   print_forces(out, motion);
+  if (motion.simulation) print_simulation(out, *motion.simulation);
   print_times(out, s);
 }
 
