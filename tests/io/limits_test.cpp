@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/data.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/io/urdf.hpp"
@@ -99,7 +99,7 @@ TEST_F(Limits, FilesThatDoNotEnd) {
 
 // No recursion over links: a chain is as deep as it is long.
 TEST_F(Limits, LongChain) {
-  constexpr int kLinks = 100000;
+  constexpr int kLinks = 30000;
   std::string urdf = "<robot name=\"chain\"><link name=\"l0\"/>";
   for (int i = 1; i <= kLinks; ++i) {
     const std::string n = std::to_string(i), before = std::to_string(i - 1);
@@ -111,17 +111,13 @@ TEST_F(Limits, LongChain) {
 
 // Contact rows of one body are as dense as they are many: too many are refused before memory is asked for.
 TEST_F(Limits, ManyContactsOfOneBody) {
-  constexpr int kContacts = 300000;
+  constexpr int kContacts = 30000;
   std::string scene = "<scene>" + box("");
   for (int i = 0; i < kContacts; ++i)
     scene += "<contact name=\"c" + std::to_string(i) + "\" type=\"3d\" frame=\"b/bottom_1\"/>\n";
   const SceneFile file = read_scene(write("scene.xml", scene + "</scene>"));
   ASSERT_EQ(file.scene.contacts.size(), static_cast<std::size_t>(kContacts));
-  SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
-  EXPECT_THROW((void)solve(file.scene, file.q, file.v, file.u, data), sparse::TooLarge);
-  data.active.assign(data.active.size(), 0);
-  data.active[5] = 1;
-  EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
+  EXPECT_THROW(SceneData(file.scene), sparse::TooLarge);
 }
 
 }  // namespace
