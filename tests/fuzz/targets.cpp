@@ -79,10 +79,11 @@ void check_scene(const SceneFile& file) {
     check(c.A.placement.p.allFinite() && c.B.placement.p.allFinite() && c.B.placement.R.allFinite(), "a placement");
 }
 
-constexpr int kMostSolved = 120;  // unknowns: more take too long for a fuzzer
+constexpr int kMostSolved = 120;  // more take too long for a fuzzer
 
-int unknowns(const Scene& scene) {
-  int n = scene.nv;
+// Unknowns and robots.
+int effort(const Scene& scene) {
+  int n = scene.nv + scene.nrobots();
   for (const Contact& c : scene.contacts) n += c.rows();
   return n;
 }
@@ -94,7 +95,7 @@ void fuzz_urdf(const std::uint8_t* data, std::size_t size) {
   for (const bool floating : {false, true}) try {
       Scene scene;
       (void)add_robot(scene, "r", std::make_shared<const Model>(load_urdf(path, {.floating_base = floating})));
-      if (unknowns(scene) > kMostSolved) continue;
+      if (effort(scene) > kMostSolved) continue;
       const Eigen::VectorXd q = neutral(*scene.robots[0].model);
       check_answers(scene, q, Eigen::VectorXd::Constant(scene.nv, 0.1), Eigen::VectorXd::Zero(scene.nu));
     } catch (const InputError& error) {
@@ -107,7 +108,7 @@ void fuzz_scene(const std::uint8_t* data, std::size_t size) {
   try {
     const SceneFile file = read_scene(path);
     check_scene(file);
-    if (unknowns(file.scene) > kMostSolved) return;
+    if (effort(file.scene) > kMostSolved) return;
     const SceneFile loaded = load_scene(path);
     check_answers(loaded.scene, loaded.q, loaded.v, loaded.u);
   } catch (const InputError& error) {
