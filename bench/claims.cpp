@@ -65,6 +65,8 @@ constexpr Claim kClaims[] = {
      "control/separate/16/backward", 0.1, ">= 100"},
     {"FDDP's iteration by parts per robot, 64 / 1 separate", "control/separate/64/iteration",
      "control/separate/1/iteration", 64, "<= 1.3"},
+    {"chain of 16, 50 nodes: FDDP's iteration, dense / by bonds", "control/dense_chain_5_nodes/16/iteration",
+     "control/chain/16/iteration", 0.1, ">= 10"},
     {"64 states, solve: two threads / one", "batch/solve/separate/1/threads:2/real_time",
      "batch/solve/separate/1/threads:1/real_time", 1, "<= 0.55"},
     {"64 states, derivatives: two threads / one", "batch/differentiate/separate/1/threads:2/real_time",

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/control/joined_solver.hpp"
 
 namespace manycontact {
 
@@ -74,6 +74,33 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
+// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
+double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& l,
+                              Eigen::VectorXd& gap) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  Eigen::VectorXd gx, gu;
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    joined_gradient(static_cast<const ActionModelJoined&>(*problem.model(t)),
+                    static_cast<const ActionDataJoined&>(*problem.data(t)), l[std::min(t + 1, T)], t == T, gx, gu);
+    worst.add(gx - l[t]);
+    if (t == T) break;
+    worst.add(gu);
+    problem.model(t)->get_state()->diff(xs[t + 1], problem.data(t)->xnext, gap);
+    worst.add(gap);
+  }
+  return worst.value;
+}
+
+double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  require(ys.empty() && !limits, "kkt_residual", "constraints and limits of joined robots are not supported");
+  return kkt_residual_of_joined(problem, xs, l, gap);
+}
+
 }  // namespace internal
 
 double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,
@@ -85,7 +112,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
   problem.calcDiff(xs, us);
   Eigen::VectorXd gap(problem.get_ndx());
   const std::vector<ShootingPart> parts = separate(problem);
-  if (parts.size() <= 1) return internal::kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  if (parts.size() <= 1) return internal::kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
   require(ys.empty(), "kkt_residual", "constraints of separate parts are not supported");
   double worst = 0;
   for (const ShootingPart& part : parts) {
@@ -96,7 +123,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
       if (t < T) gather(us[t], part.u[t], own_us[t]);
     }
     gap.resize(static_cast<Eigen::Index>(part.dx.size()));
-    worst = std::max(worst, internal::kkt_residual_of_data(*part.problem, own_xs, own_us, own_l, limits, {}, gap));
+    worst = std::max(worst, internal::kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, {}, gap));
   }
   return worst;
 }

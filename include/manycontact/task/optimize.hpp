@@ -33,7 +33,8 @@ struct TaskSolution {
   std::vector<TaskIteration> iterations;
   std::vector<Eigen::VectorXd> xs, us;  // nodes + 1, nodes
   std::string solver;
-  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part
+  std::string direction;    // how directions were found: "Riccati", or a name of lq::DirectionSolver
+  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part or cluster
   double kkt_residual = 0;
   double constraint_violation = 0;   // largest over all nodes and rows
   std::size_t outer_iterations = 0;  // of the augmented Lagrangian, each a minimisation; 0 without constraints
@@ -48,7 +49,7 @@ struct TaskOptions {
 };
 
 /// The problem is make_problem's for this solver: FDDP and Box-FDDP need nodes of the whole scene. kAuto: sparse where
-/// the problem has more than one part, else FDDP. From the problem's guess, with the task's iterations and tolerance.
+/// the problem has more than one block, else FDDP. From the problem's guess, with the task's iterations and tolerance.
 /// Constraints are met to 1e-9 by SolverAugmentedLagrangian around FDDP or Box-FDDP, with a KKT residual below 1e-6
 /// then. Throws InputError, with the line of the task's <solver>, where sparse is asked for and there are constraints.
 /// Numerical failure is no exception: `reason` says it.

@@ -21,6 +21,7 @@ Json report(const TaskSolution& s) {
   const TaskTimes& t = s.times;
   return {
       {"solver", s.solver},
+      {"direction", s.direction},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
       {"constraint_violation", s.constraint_violation},
