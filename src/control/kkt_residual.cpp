@@ -95,9 +95,9 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
 }
 
 double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
-  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
-  require(ys.empty() && !limits, "kkt_residual", "constraints and limits of joined robots are not supported");
+                            bool limits, Eigen::VectorXd& gap) {
+  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, {}, gap);
+  require(!limits, "kkt_residual", "control limits of robots that hold each other are not supported");
   return kkt_residual_of_joined(problem, xs, l, gap);
 }
 
@@ -112,7 +112,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
   problem.calcDiff(xs, us);
   Eigen::VectorXd gap(problem.get_ndx());
   const std::vector<ShootingPart> parts = separate(problem);
-  if (parts.size() <= 1) return internal::kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
+  if (parts.size() <= 1 && !ys.empty()) return internal::kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
   require(ys.empty(), "kkt_residual", "constraints of separate parts are not supported");
   double worst = 0;
   for (const ShootingPart& part : parts) {
@@ -123,7 +123,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
       if (t < T) gather(us[t], part.u[t], own_us[t]);
     }
     gap.resize(static_cast<Eigen::Index>(part.dx.size()));
-    worst = std::max(worst, internal::kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, {}, gap));
+    worst = std::max(worst, internal::kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, gap));
   }
   return worst;
 }
