@@ -16,7 +16,7 @@ using DataPtr = std::shared_ptr<ActionDataAbstract>;
 namespace {
 
 constexpr const char* kActionModelJoined = "ActionModelJoined";
-constexpr int kRows = 6;  // of a bond, and numbers of its wrench
+constexpr int kRows = 6;  // of a bond, and numbers of its wrench, whatever the contact's type
 
 std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
   std::vector<int> out(scene.robots.size(), -1);
@@ -70,9 +70,8 @@ std::vector<JoinedBond> bonds_between(const Scene& scene, const std::vector<std:
     if (!contact.active || contact.A.robot < 0 || contact.B.robot < 0) continue;
     const int a = part[static_cast<std::size_t>(contact.A.robot)], b = part[static_cast<std::size_t>(contact.B.robot)];
     if (a == b) continue;
-    require(contact.type == ContactType::k6D && joins_robots(contact), kActionModelJoined,
-            "contact " + contact.name + " is " + to_string(contact.type) +
-                ", a 6d contact of two bodies that move is expected between parts");
+    require(joins_robots(contact), kActionModelJoined,
+            "contact " + contact.name + " is between parts, and one of its bodies does not move");
     out.push_back({static_cast<int>(c), a, b});
   }
   return out;
@@ -93,6 +92,15 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedB
   }
   return out;
 }
+
+namespace {
+
+// part = whole(index), and back. (Eigen's indexed views copy the index.)
+void take_numbers(const ConstVectorRef& whole, const std::vector<int>& index, VectorRef part) {
+  for (std::size_t i = 0; i < index.size(); ++i) part[static_cast<Index>(i)] = whole[index[i]];
+}
+
+}  // namespace
 
 // ---- data -------------------------------------------------------------------------------------------------------
 
@@ -126,6 +134,7 @@ void ActionDataJoined::make_work(const ActionModelJoined& model) {
             std::make_unique<OfRobot>(*scene.robots[static_cast<std::size_t>(r)].model);
     names_.push_back(contact.name);
     contacts_.push_back(bond.contact);
+    rows_.push_back(contact.rows());
     const ContactSupport support = contact_support(scene, contact);
     bonds.push_back({support, {contact, support}, {scene, contact, support}});
   }
@@ -213,7 +222,7 @@ void ActionModelJoined::solve_bonds(ActionDataJoined& d, const ConstVectorRef& x
     const Mat3<double>& R = bond.rows.aMA.R;
     const Vec6<double> F =
         bond.rows.W.transpose() *
-        d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(bonds_[b].contact)], kRows);
+        d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(bonds_[b].contact)], contact.rows());
     for (const int i : {bonds_[b].part_a, bonds_[b].part_b}) {
       const std::vector<int>& of_part = bonds_of_[static_cast<std::size_t>(i)];
       const auto k = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
@@ -232,11 +241,11 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x, const
   d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& part = parts_[i];
-    d.x[i] = x(part.x);
-    d.u[i].head(static_cast<Index>(part.u.size())) = u(part.u);
+    take_numbers(x, part.x, d.x[i]);
+    take_numbers(u, part.u, d.u[i].head(static_cast<Index>(part.u.size())));
     part.model->calc(d.parts[i], d.x[i], d.u[i]);
     d.cost += d.parts[i]->cost;
-    d.xnext(part.x) = d.parts[i]->xnext;
+    scatter(d.parts[i]->xnext, part.x, d.xnext);
   }
 }
 
@@ -245,7 +254,7 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calc", data);
   d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    d.x[i] = x(parts_[i].x);
+    take_numbers(x, parts_[i].x, d.x[i]);
     parts_[i].model->calc(d.parts[i], d.x[i]);
     d.cost += d.parts[i]->cost;
   }

@@ -45,6 +45,29 @@ BondSystem system_of(const ActionModelJoined& model, const ActionDataJoined& d) 
 
 }  // namespace
 
+namespace {
+
+// An orthonormal basis of what W's rows leave out: directions in which a point is not held, and its torques.
+Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
+    const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
+  const Index m = W.rows();
+  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
+      Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
+  if (m == 6) return N;
+  N.bottomRightCorner<3, 3>().setIdentity();
+  const Vec3<double> a = W.row(0).head<3>();
+  if (m == 1) {
+    const Vec3<double> b = a.unitOrthogonal();
+    N.row(0).head<3>() = b;
+    N.row(1).head<3>() = a.cross(b);
+  } else if (m == 2) {
+    N.row(0).head<3>() = a.cross(Vec3<double>(W.row(1).head<3>()));
+  }
+  return N;
+}
+
+}  // namespace
+
 // The share in bond b's rows of A's part or of B's.
 void ActionModelJoined::share_of_end(ActionDataJoined& d, std::size_t b, bool of_a) const {
   const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
@@ -54,7 +77,7 @@ void ActionModelJoined::share_of_end(ActionDataJoined& d, std::size_t b, bool of
   const std::vector<int>& of_part = bonds_of_[part];
   const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
   const auto& state = static_cast<const StateMultibody&>(*parts_[part].model->get_state());
-  const Index nv = static_cast<Index>(state.get_nv());
+  const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
   const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
   const std::vector<int>& chain = of_a ? bond.support.a : bond.support.b;
   const Index column = of_a ? 0 : static_cast<Index>(bond.support.a.size());
@@ -65,30 +88,40 @@ void ActionModelJoined::share_of_end(ActionDataJoined& d, std::size_t b, bool of
   auto C = d.C[part].middleRows<6>(6 * at), D = d.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
-    C.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
-    D.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
-    C.col(to) += W * dr.dx_dq.col(from);
-    C.col(nv + to) += W * dr.dx_dv.col(from);
+    C_held.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
+    D_held.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
+    C_held.col(to).noalias() += W * dr.dx_dq.col(from);
+    C_held.col(nv + to).noalias() += W * dr.dx_dv.col(from);
   }
-  if (!of_a) return;
-  // A world-aligned frame turns with W; and of delta f, f = W [R^T w; R^T n] seen from where A has moved to.
-  for (std::size_t k = 0; k < chain.size(); ++k) {
-    Vec6<double> y = Vec6<double>::Zero();
-    if (dr.turns) y += turned<double>(dr.turn.col(static_cast<Index>(k)), dr.x);
-    if (scene_.damping > 0) {
-      Vec6<double> dF = -cross_force(Vec6<double>(bond.rows.Jl.col(static_cast<Index>(k))), dr.F);
-      if (dr.turns) dF += turned<double>(dr.turn.col(static_cast<Index>(k)), dr.F);
-      y += scene_.damping * dF;
+  if (of_a) add_force_rows(bond, first, static_cast<Index>(parts_[part].u.size()) + 6 * at, C, D);
+}
+
+// The turning of r2's frame, its delta f, and the rows of what is not transmitted. With F the force in A's moving axes,
+// and a world-aligned frame's turning, d(W F) = W (X^T w - s x* F + th x F), s = J_A dq_A.
+void ActionModelJoined::add_force_rows(const ActionDataJoined::OfBond& bond, Index first, Index w, MatrixRef C,
+                                       MatrixRef D) const {
+  const ContactDerivatives& dr = bond.derivatives;
+  const auto& W = bond.rows.W;
+  const Index m = W.rows();
+  const auto N = complement_of(W);
+  const double delta = scene_.damping;
+  for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
+    const Index column = static_cast<Index>(k), to = first + bond.support.a[k];
+    Vec6<double> dF = -cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
+    if (dr.turns) {
+      dF += turned<double>(dr.turn.col(column), dr.F);
+      C.col(to).head(m).noalias() += W * turned<double>(dr.turn.col(column), dr.x);
     }
-    C.col(first + chain[k]) += W * y;
+    C.col(to).head(m).noalias() += delta * (W * dF);
+    C.col(to).tail(6 - m).noalias() += N * dF;
   }
-  if (scene_.damping > 0) {
-    const Index w = static_cast<Index>(parts_[part].u.size()) + 6 * at;
-    const Mat3<double> Rt = bond.rows.aMA.R.transpose();
-    D.middleCols<3>(w) += scene_.damping * W.leftCols<3>() * Rt;
-    D.middleCols<3>(w + 3) += scene_.damping * W.rightCols<3>() * Rt;
+  const Mat3<double> Rt = bond.rows.aMA.R.transpose();
+  for (const Index half : {Index(0), Index(3)}) {
+    D.block(0, w + half, m, 3).noalias() += delta * (W.middleCols<3>(half) * Rt);
+    D.block(m, w + half, 6 - m, 3).noalias() += N.middleCols<3>(half) * Rt;
   }
 }
 
@@ -103,8 +136,8 @@ void ActionModelJoined::differentiate_bonds(ActionDataJoined& d) const {
     const ActionDataJoined::OfRobot& B = *d.robots[static_cast<std::size_t>(contact.B.robot)];
     ActionDataJoined::OfBond& bond = d.bonds[b];
     contact_derivatives<double>(contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
-                                d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], 6), bond.rows,
-                                bond.derivatives);
+                                d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()),
+                                bond.rows, bond.derivatives);
     share_of_end(d, b, true);
     share_of_end(d, b, false);
   }

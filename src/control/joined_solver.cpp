@@ -181,6 +181,37 @@ void SolverJoinedPart::stepControl(std::size_t t, double steplength) {
   }
 }
 
+const std::vector<VectorXd>& SolverJoinedPart::multipliers() {
+  const std::size_t T = problem_->get_T();
+  multipliers_.resize(T + 1);
+  VectorXd gx, gu;
+  for (std::size_t t = T + 1; t-- > 0;) {
+    const ActionModelJoined& model = *as_joined(*problem_, t);
+    joined_gradient(model, static_cast<const ActionDataJoined&>(*problem_->data(t)), multipliers_[std::min(t + 1, T)],
+                    t == T, gx, gu);
+    if (t < T) {
+      const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
+      for (std::size_t c = 0; c < clusters.size(); ++c) {  // gx += K^T gu
+        const lq::Cluster& cluster = clusters[c];
+        const std::vector<JoinedPart>& parts = model.get_parts();
+        VectorXd u(cluster.nu);
+        for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+          const std::vector<int>& from = parts[static_cast<std::size_t>(cluster.blocks[b])].u;
+          u.segment(cluster.u_start[b], static_cast<Index>(from.size())) = gu(from);
+        }
+        const VectorXd x =
+            policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(cluster.nu).transpose() * u;
+        for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+          const std::vector<int>& to = parts[static_cast<std::size_t>(cluster.blocks[b])].dx;
+          gx(to) += x.segment(cluster.x_start[b], static_cast<Index>(to.size()));
+        }
+      }
+    }
+    multipliers_[t] = gx;
+  }
+  return multipliers_;
+}
+
 std::vector<int> SolverJoinedPart::blocks() const {
   std::vector<int> out;
   for (const lq::Cluster& cluster : policies_->plan()[0]) out.push_back(cluster.nv);

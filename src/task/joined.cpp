@@ -39,7 +39,7 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (phase.active[c] && !(contact.type == ContactType::k6D && joins_robots(contact))) join_ends(contact);
+    if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
   }
   for (const TaskTerm& term : phase.costs) {
     if (joins_its_robots(term))

@@ -94,6 +94,7 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<
 std::vector<Eigen::VectorXd> multipliers_of(SolverDDP& solver) {
   solver.get_problem()->calc(solver.get_xs(), solver.get_us());
   solver.computeDirection(true);
+  if (auto* sparse = dynamic_cast<SolverSparse*>(&solver)) return sparse->multipliers();
   return solver.get_Vx();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A node of parts (robots) that hold each other: 6D contacts between bodies of different parts are its bonds.
+// A node of parts (robots) that hold each other: contacts between bodies of different parts are its bonds.
 //
 // Values are the whole scene's: accelerations a and forces of all contacts. Derivatives keep each bond's wrench w as a
 // variable of its own, in world axes about a point that stands still (A's origin at the state at hand), so that a part
@@ -13,6 +13,11 @@
 //     C_i = J_i da_i/dx_i + (rows' drift by x_i),    D_i = J_i da_i/d[u_i; w].
 //
 // A force that were fixed to A's frame instead would make B's torques depend on A's state (contact/derivatives.hpp).
+// All bonds have six numbers w. A contact of m < 6 rows transmits F = W^T f only, so that the wrench that moves with A
+// has no part in the complement N of W's rows; these are the other 6 - m rows of the bond,
+//
+//     N (X^T w - (J_A dq_A) x* F + (turning of a world-aligned frame)) = 0.
+//
 // Eliminating dw gives the whole scene's derivatives exactly, Gauss-Newton Hessians of the costs included: a cost of
 // part i is a function of (x_i, u_i, w). This is the structure that the bonds of lq/problem.hpp are for.
 
@@ -34,8 +39,8 @@ struct JoinedPart : ActionPart {
 struct JoinedBond {
   int contact = 0, part_a = 0, part_b = 0;
 };
-/// The active contacts between robots of different parts. Throws std::invalid_argument for one that is not 6D, or whose
-/// A or B cannot move. robots: of each part.
+/// The active contacts between robots of different parts. Throws std::invalid_argument for one whose A or B cannot
+/// move. robots: of each part.
 std::vector<JoinedBond> bonds_between(const Scene& scene, const std::vector<std::vector<int>>& robots);
 /// What acts on a part, bond by bond, for its ActuationModelWrenches.
 std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedBond>& bonds,
@@ -68,13 +73,13 @@ struct ActionDataJoined : ActionDataAbstract {
   const std::string& name_of_bond(std::size_t b) const { return names_[b]; }
   /// On A, in the contact's reference frame, as of the last calc(data, x, u).
   Eigen::VectorXd force_of_bond(std::size_t b) const {
-    return solution.f.segment<6>(solution.f_offset[static_cast<std::size_t>(contacts_[b])]);
+    return solution.f.segment(solution.f_offset[static_cast<std::size_t>(contacts_[b])], rows_[b]);
   }
 
  private:
   void make_work(const ActionModelJoined& model);
   std::vector<std::string> names_;
-  std::vector<int> contacts_;
+  std::vector<int> contacts_, rows_;
 };
 
 class ActionModelJoined : public ActionModelAbstract {
@@ -109,6 +114,8 @@ class ActionModelJoined : public ActionModelAbstract {
   void solve_bonds(ActionDataJoined& data, const ConstVectorRef& x, const ConstVectorRef& u) const;
   void differentiate_bonds(ActionDataJoined& data) const;
   void share_of_end(ActionDataJoined& data, std::size_t bond, bool of_a) const;
+  void add_force_rows(const ActionDataJoined::OfBond& bond, Eigen::Index first, Eigen::Index w, MatrixRef C,
+                      MatrixRef D) const;
   void condense(ActionDataJoined& data, bool terminal) const;
   Scene scene_;
   std::vector<JoinedPart> parts_;

@@ -1,5 +1,5 @@
 #pragma once
-// Robots of one part that hold each other, taken apart where 6D contacts between their bodies are all that joins them:
+// Robots of one part that hold each other, taken apart where contacts between their bodies are all that joins them:
 // blocks of ActionModelJoined, whose bonds these contacts are.
 
 #include "manycontact/io/task_file.hpp"
@@ -7,7 +7,7 @@
 namespace manycontact {
 
 /// The task's robots by blocks, each ascending, in the order of their first ones. One block are robots that are joined
-/// by a contact which no bond can be (not 6D, or of a fixed base), by a cost on a contact between them, by a centre of
+/// by a contact which no bond can be (of a fixed base), by a cost on a contact between them, by a centre of
 /// mass or momentum of the whole scene, or by a residual of torques with the bonds' forces in it (joint_effort,
 /// control_grav, contact_control_grav). All robots are one block where there are constraints or the integrator is not
 /// euler.
