@@ -3,6 +3,11 @@
 #include "claims.hpp"
 
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit.hpp"
 
 namespace manycontact::bench {
 
@@ -75,6 +80,28 @@ constexpr Claim kClaims[] = {
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
 
+// Times over the number of robots.
+struct Growth {
+  const char *what, *before, *after, *wanted;
+};
+constexpr Growth kGrowths[] = {
+    {"FDDP's iteration by parts, separate robots", "control/separate/", "/iteration", "1"},
+    {"FDDP's iteration by bonds, chain", "control/chain/", "/iteration", "1"},
+    {"FDDP's iteration on the whole scene, chain", "control/dense_chain_5_nodes/", "/iteration", "3, once large"},
+    {"bonds' Schur, chain: factorize", "lq/chain/", "/factorize", "1"},
+};
+
+void print_exponent(const Run& run, const Growth& growth) {
+  const std::string before = growth.before, after = growth.after;
+  std::vector<std::pair<double, double>> points;
+  for (const Result& r : run.results)
+    if (r.name.starts_with(before) && r.name.ends_with(after))
+      points.emplace_back(std::stod(r.name.substr(before.size())), r.us);
+  if (points.size() > 1)
+    std::printf("%-64s %10.2f   %s\n", (std::string(growth.what) + ": exponent").c_str(), exponent(points),
+                growth.wanted);
+}
+
 }  // namespace
 
 void print_claims(const Run& run) {
@@ -84,6 +111,7 @@ void print_claims(const Run& run) {
     const Result *a = find(run, c.numerator), *b = find(run, c.denominator);
     if (a && b) std::printf("%-64s %10.2f   %s\n", c.what, a->us / b->us / c.divide_by, c.wanted);
   }
+  for (const Growth& growth : kGrowths) print_exponent(run, growth);
 }
 
 }  // namespace manycontact::bench
