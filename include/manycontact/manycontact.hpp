@@ -17,3 +17,4 @@
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/version.hpp"

@@ -1,8 +1,10 @@
 #include "manycontact/control/joined_solver.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
+#include "kkt_residual.hpp"
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
 #include "manycontact/lq/kkt.hpp"
@@ -39,7 +41,73 @@ std::vector<std::pair<int, int>> pairs_of(const ActionModelJoined& model) {
   return out;
 }
 
+// Zeros of the right sizes: a block and a group for each part.
+lq::Problem structure_of(const ShootingProblem& problem) {
+  lq::Problem out;
+  for (const ActionPart& part : as_joined(problem, 0)->get_parts()) {
+    out.nx.push_back(static_cast<int>(part.dx.size()));
+    out.nu.push_back(static_cast<int>(part.u.size()));
+  }
+  for (std::size_t t = 0; t < problem.get_T(); ++t)
+    out.knots.push_back(knot_of(out.nx.size(), pairs_of(*as_joined(problem, t))));
+  out.knots.push_back(knot_of(out.nx.size(), {}));
+  lq::set_zero(out);
+  return out;
+}
+
+// From the nodes' derivatives: all but f and x0.
+void fill_nodes(const ShootingProblem& problem, lq::Problem& out) {
+  const std::size_t T = problem.get_T();
+  for (std::size_t t = 0; t <= T; ++t) {
+    const auto& data = static_cast<const ActionDataJoined&>(*problem.data(t));
+    for (std::size_t i = 0; i < data.parts.size(); ++i) {
+      lq::Group& group = out.knots[t].groups[i];
+      const ActionDataAbstract& from = *data.parts[i];
+      group.Q = from.Lxx;
+      group.q = from.Lx;
+      if (t == T) continue;
+      group.S = from.Lxu;
+      group.R = from.Luu;
+      group.r = from.Lu;
+      group.A = from.Fx;
+      group.B = from.Fu;
+      group.C = data.C[i];
+      group.D = data.D[i];
+    }
+  }
+}
+
 }  // namespace
+
+namespace internal {
+
+// The problem of kkt_residual.hpp with the wrenches as variables that cost nothing but Lw.
+std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem) {
+  lq::Problem lq = structure_of(problem);
+  fill_nodes(problem, lq);
+  for (lq::Knot& knot : lq.knots)
+    for (std::size_t i = 0; i < knot.groups.size(); ++i) {
+      lq::Group& group = knot.groups[i];
+      group.Q.setIdentity();
+      group.S.setZero();
+      group.R.setZero();
+      if (&knot != &lq.knots.back()) group.R.diagonal().head(lq.nu[i]).setOnes();
+    }
+  const std::unique_ptr<lq::DirectionSolver> solver = lq::choose(lq);
+  lq::Point z;
+  const bool answered =
+      solver->factorize(lq).status == lq::Status::kOk && solver->solve(lq, z).status == lq::Status::kOk;
+  const lq::Layout layout(lq);
+  std::vector<VectorXd> out(problem.get_T() + 1, VectorXd::Constant(static_cast<Index>(problem.get_ndx()),
+                                                                    std::numeric_limits<double>::quiet_NaN()));
+  const std::vector<JoinedPart>& parts = as_joined(problem, 0)->get_parts();
+  for (std::size_t t = 0; answered && t < out.size(); ++t)
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      scatter(z.lambda[t].segment(layout.x[i], lq.nx[i]), parts[i].dx, out[t]);
+  return out;
+}
+
+}  // namespace internal
 
 JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<int>& nu,
                                 const std::vector<std::vector<std::pair<int, int>>>& bonds) {
@@ -81,19 +149,7 @@ void SolverJoinedPart::allocateData() {
   step_ = fTVxx_p_ = from_model_ = of_cluster_ = VectorXd::Zero(ndx);
   u_of_cluster_ = VectorXd::Zero(nu);
   xnext_ = VectorXd::Zero(nx);
-  lay_out();
-}
-
-void SolverJoinedPart::lay_out() {
-  lq_ = {};
-  for (const ActionPart& part : as_joined(*problem_, 0)->get_parts()) {
-    lq_.nx.push_back(static_cast<int>(part.dx.size()));
-    lq_.nu.push_back(static_cast<int>(part.u.size()));
-  }
-  for (std::size_t t = 0; t < problem_->get_T(); ++t)
-    lq_.knots.push_back(knot_of(lq_.nx.size(), pairs_of(*as_joined(*problem_, t))));
-  lq_.knots.push_back(knot_of(lq_.nx.size(), {}));
-  lq::set_zero(lq_);
+  lq_ = structure_of(*problem_);
   layout_ = lq::Layout(lq_);
   z_ = lq::Point(lq_, layout_);
   direction_ = lq::choose(lq_);
@@ -101,35 +157,22 @@ void SolverJoinedPart::lay_out() {
   policies_ = schur ? &schur->clusters() : dynamic_cast<const lq::Riccati*>(direction_.get());
 }
 
-// Of the nodes' data, at the candidate.
+// What the nodes do not give: gaps.
 void SolverJoinedPart::fill() {
-  const std::size_t T = problem_->get_T();
-  for (std::size_t t = 0; t <= T; ++t) {
-    const auto& data = static_cast<const ActionDataJoined&>(*problem_->data(t));
-    const std::vector<JoinedPart>& parts = as_joined(*problem_, t)->get_parts();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      lq::Group& group = lq_.knots[t].groups[i];
-      const ActionDataAbstract& from = *data.parts[i];
-      group.Q = from.Lxx;
-      group.q = from.Lx;
-      if (t == T) continue;
-      group.S = from.Lxu;
-      group.R = from.Luu;
-      group.r = from.Lu;
-      group.A = from.Fx;
-      group.B = from.Fu;
-      group.C = data.C[i];
-      group.D = data.D[i];
-      if (is_feasible_)
-        group.f.setZero();
-      else
-        gather(fs_[t + 1], parts[i].dx, group.f);
-    }
+  fill_nodes(*problem_, lq_);
+  if (is_feasible_) {
+    for (lq::Knot& knot : lq_.knots)
+      for (lq::Group& group : knot.groups) group.f.setZero();
+    lq_.x0.setZero();
+    return;
   }
+  const std::size_t T = problem_->get_T();
   const std::vector<JoinedPart>& parts = as_joined(*problem_, T)->get_parts();
-  for (std::size_t i = 0; i < parts.size(); ++i)
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t t = 0; t < T; ++t) gather(fs_[t + 1], parts[i].dx, lq_.knots[t].groups[i].f);
     for (std::size_t j = 0; j < parts[i].dx.size(); ++j)
-      lq_.x0[layout_.x[i] + static_cast<Index>(j)] = is_feasible_ ? 0 : fs_[0][parts[i].dx[j]];
+      lq_.x0[layout_.x[i] + static_cast<Index>(j)] = fs_[0][parts[i].dx[j]];
+  }
 }
 
 void SolverJoinedPart::backwardPass() {
@@ -179,37 +222,6 @@ void SolverJoinedPart::stepControl(std::size_t t, double steplength) {
       for (std::size_t j = 0; j < to.size(); ++j) us_try_[t][to[j]] += u[cluster.u_start[b] + static_cast<Index>(j)];
     }
   }
-}
-
-const std::vector<VectorXd>& SolverJoinedPart::multipliers() {
-  const std::size_t T = problem_->get_T();
-  multipliers_.resize(T + 1);
-  VectorXd gx, gu;
-  for (std::size_t t = T + 1; t-- > 0;) {
-    const ActionModelJoined& model = *as_joined(*problem_, t);
-    joined_gradient(model, static_cast<const ActionDataJoined&>(*problem_->data(t)), multipliers_[std::min(t + 1, T)],
-                    t == T, gx, gu);
-    if (t < T) {
-      const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
-      for (std::size_t c = 0; c < clusters.size(); ++c) {  // gx += K^T gu
-        const lq::Cluster& cluster = clusters[c];
-        const std::vector<JoinedPart>& parts = model.get_parts();
-        VectorXd u(cluster.nu);
-        for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-          const std::vector<int>& from = parts[static_cast<std::size_t>(cluster.blocks[b])].u;
-          u.segment(cluster.u_start[b], static_cast<Index>(from.size())) = gu(from);
-        }
-        const VectorXd x =
-            policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(cluster.nu).transpose() * u;
-        for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-          const std::vector<int>& to = parts[static_cast<std::size_t>(cluster.blocks[b])].dx;
-          gx(to) += x.segment(cluster.x_start[b], static_cast<Index>(to.size()));
-        }
-      }
-    }
-    multipliers_[t] = gx;
-  }
-  return multipliers_;
 }
 
 std::vector<int> SolverJoinedPart::blocks() const {

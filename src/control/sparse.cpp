@@ -138,15 +138,6 @@ std::vector<int> SolverSparse::blocks() const {
   return out;
 }
 
-std::vector<VectorXd> SolverSparse::multipliers() {
-  std::vector<VectorXd> out = Vx_;
-  for (const auto& own : parts_) {
-    const std::vector<VectorXd>& of_part = own->multipliers();
-    for (std::size_t t = 0; t < out.size(); ++t) scatter(of_part[t], own->part_.dx, out[t]);
-  }
-  return out;
-}
-
 std::string SolverSparse::direction() const {
   std::string out;
   for (const auto& own : parts_)

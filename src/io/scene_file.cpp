@@ -10,6 +10,10 @@ SceneFile read_scene(const std::string& path) {
   std::string problem;
   const std::string text = io::read_file(path, problem);
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a scene file");
+  return read_scene_text(text, path);
+}
+
+SceneFile read_scene_text(const std::string& text, const std::string& path) {
   const io::XmlFile file(path, text, "scene");
   const io::Element root = file.root();
   root.allow_attributes({"name", "gravity", "damping"});

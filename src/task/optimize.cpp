@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
@@ -12,7 +15,7 @@ namespace manycontact {
 
 namespace {
 
-// Of tasks with constraints that converged.
+// Of tasks that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 using Clock = std::chrono::steady_clock;
@@ -89,13 +92,16 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-// Gradients of the value function at the candidate. (Those of a plain adjoint recursion, without the feedback, would
-// grow with the unstable motions of the robots.)
-std::vector<Eigen::VectorXd> multipliers_of(SolverDDP& solver) {
-  solver.get_problem()->calc(solver.get_xs(), solver.get_us());
-  solver.computeDirection(true);
-  if (auto* sparse = dynamic_cast<SolverSparse*>(&solver)) return sparse->multipliers();
-  return solver.get_Vx();
+// "infeasible constraints: there, by 4.03 at node 40", those missed most first.
+std::string infeasible(std::vector<TaskViolation> violations) {
+  std::sort(violations.begin(), violations.end(), [](const auto& a, const auto& b) { return a.by > b.by; });
+  std::ostringstream text;
+  text << to_string(StopReason::kInfeasible) << std::setprecision(3);
+  constexpr std::size_t kMost = 3;
+  for (std::size_t k = 0; k < std::min(kMost, violations.size()) && violations[k].by > kMostViolation; ++k)
+    text << (k ? "; " : ": ") << violations[k].constraint << ", by " << violations[k].by << " at node "
+         << violations[k].node;
+  return text.str();
 }
 
 TaskTimes times_of(const Passes& passes, std::size_t nodes) {
@@ -139,16 +145,24 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
     solve(solver);
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
+    out.violations = violations(task, problem);
+    if (solver.reason() == StopReason::kInfeasible) out.reason = infeasible(out.violations);
     out.kkt_residual = solver.get_kkt_residual();
   } else {
     const std::shared_ptr<SolverDDP> solver = make(problem.problem);
+    solver->set_th_kkt(kMostResidual);
     solve(*solver);
+    out.polishing_iterations = solver->get_polishing_iter();
     if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) {
       out.blocks = sparse->blocks();
       out.direction = sparse->direction();
     }
-    out.kkt_residual =
-        kkt_residual(*problem.problem, out.xs, out.us, multipliers_of(*solver), type == TaskSolver::kBoxFddp);
+    out.kkt_residual = solver->get_kkt_residual();
+    if (std::isnan(out.kkt_residual)) {
+      const bool limits = solver->keeps_limits();
+      const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
+      out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits);
+    }
   }
   return out;
 }

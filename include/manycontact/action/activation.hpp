@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-struct ActivationDataAbstract {
+struct ActivationDataAbstract {  // a(r), its gradient and Hessian
   explicit ActivationDataAbstract(std::size_t nr) : Ar(Eigen::VectorXd::Zero(nr)), Arr(nr) { Arr.setZero(); }
   virtual ~ActivationDataAbstract() = default;
   double a_value = 0;                                 // by calc
@@ -15,7 +15,7 @@ struct ActivationDataAbstract {
   Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: by calcDiff
 };
 
-class ActivationModelAbstract {
+class ActivationModelAbstract {  // a(r): a cost's function of its residual
  public:
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}
   virtual ~ActivationModelAbstract() = default;

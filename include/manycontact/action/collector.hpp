@@ -24,7 +24,7 @@ struct Impact {
   Eigen::MatrixXd dvnext_dx;               // nv x ndx: by calcDiff
 };
 
-struct DataCollector {
+struct DataCollector {  // what residuals see
   DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
 
   Scene scene;         // the state's robots, the contacts in the order of their names, damping, armature

@@ -32,7 +32,7 @@ struct ContactDataAbstract {
   bool active = true;
 };
 
-class ContactModelAbstract {
+class ContactModelAbstract {  // what a contact is; the action model evaluates it
  public:
   virtual ~ContactModelAbstract() = default;
 
@@ -152,13 +152,13 @@ class ContactModelOfScene : public ContactModelAbstract {
   ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
 };
 
-struct ContactItem {
+struct ContactItem {  // a contact by its name, and whether it is active
   std::string name;
   std::shared_ptr<ContactModelAbstract> contact;
   bool active = true;
 };
 
-struct ContactDataMultiple {
+struct ContactDataMultiple {  // what the stack's contacts hold, by name
   std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
 };
 

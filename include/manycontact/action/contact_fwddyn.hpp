@@ -20,7 +20,7 @@ namespace internal {
 enum class Stage { kFresh, kRunning, kTerminal };  // what the last calc on the data was
 }
 
-class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {
+class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {  // dynamics and costs
  public:
   using ActuationModelAbstract = manycontact::ActuationModelAbstract;
   using Base = DifferentialActionModelAbstract;
@@ -100,10 +100,6 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                 const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  bool residuals_fit(const Data& data) const;
-  std::size_t number_of_parts() const;
-  template <class Use>
-  void each_status(Use&& use) const;
   // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use
   // them.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();

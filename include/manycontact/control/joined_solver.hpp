@@ -46,10 +46,6 @@ class SolverJoinedPart : public SolverSparsePart {
 
   const char* direction() const override { return direction_->name(); }
   std::vector<int> blocks() const override;
-  /// l_t = gx + K^T gu, of the gradients of l(x, u) + l_(t+1)^T x'(x, u) and of the robots' own gains: multipliers
-  /// whose KKT residual is that of gu, as Vx of a Riccati recursion without gaps. Costs more than get_Vx: a dense
-  /// system of the bonds at each node.
-  const std::vector<Eigen::VectorXd>& multipliers() override;
   const lq::Problem& problem_of_direction() const { return lq_; }
   const lq::Point& solution_of_direction() const { return z_; }
   const lq::Outcome& outcome() const { return outcome_; }
@@ -59,7 +55,6 @@ class SolverJoinedPart : public SolverSparsePart {
   void stepControl(std::size_t t, double steplength) override;
 
  private:
-  void lay_out();
   void fill();
 
   lq::Problem lq_;  // blocks: the nodes' parts
@@ -68,7 +63,6 @@ class SolverJoinedPart : public SolverSparsePart {
   const lq::Riccati* policies_ = nullptr;  // of direction_
   lq::Point z_;
   lq::Outcome outcome_;
-  std::vector<Eigen::VectorXd> multipliers_;
   Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
 };
 

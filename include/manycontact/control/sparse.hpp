@@ -23,8 +23,6 @@ class SolverSparsePart : public SolverFDDP {
   virtual const char* direction() const { return "Riccati"; }
   /// Controls of the matrices Quu that are factorized at a node: the largest number over the nodes, of each matrix.
   virtual std::vector<int> blocks() const;
-  /// Gradients of the value function at the candidate, as of the last backward pass: multipliers for kkt_residual.
-  virtual const std::vector<Eigen::VectorXd>& multipliers() { return Vx_; }
 
  protected:
   SolverSparsePart(ShootingPart part, WithoutMatrices none) : SolverFDDP(part.problem, none), part_(std::move(part)) {}
@@ -60,8 +58,6 @@ class SolverSparse : public SolverFDDP {
   std::vector<int> blocks() const;
   /// How directions are found: "Riccati", or of parts that are joined by bonds lq::DirectionSolver's name.
   std::string direction() const;
-  /// Of all parts: get_Vx, but where parts are joined by bonds.
-  std::vector<Eigen::VectorXd> multipliers();
 
  protected:
   void prepareImprovement() override;

@@ -15,7 +15,7 @@
 
 namespace manycontact {
 
-struct UrdfOptions {
+struct UrdfOptions {           // What is said of a robot beside its file.
   bool floating_base = false;  // joint 0 is then "root", of type kFloating, carrying the root link
   double armature = 0;         // of every coordinate but the floating base's, kg m^2 (kg for prismatic)
   std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
@@ -28,7 +28,7 @@ struct UrdfOptions {
 /// The options do not fit the robot: `joint` is unknown, fixed, has several coordinates, ...
 struct UrdfOptionError : std::invalid_argument {
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
-      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}
+      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}  // message: what is wrong
   std::string joint;
   bool lock;  // from UrdfOptions::locked, else from an armature
 };

@@ -28,7 +28,7 @@ struct ModelNotes {
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
-struct Model {
+struct Model {  // A robot's tree: joints, frames, inertias.
   std::string name;
   bool floating_base = false;  // joint 0 is the floating base
   std::vector<Joint> joints;
@@ -45,9 +45,9 @@ struct Model {
   std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
                                  // so deep that this has 2^31 entries or more
 
-  int njoints() const { return static_cast<int>(joints.size()); }
-  int nu() const { return floating_base ? nv - 6 : nv; }        // actuated coordinates: all but a floating base
-  int first_actuated() const { return floating_base ? 6 : 0; }  // they are v[first_actuated() ... nv)
+  int njoints() const { return static_cast<int>(joints.size()); }  // movable ones, the floating base included
+  int nu() const { return floating_base ? nv - 6 : nv; }           // actuated coordinates: all but a floating base
+  int first_actuated() const { return floating_base ? 6 : 0; }     // they are v[first_actuated() ... nv)
   /// Index of the frame called `name`, -1 if there is none.
   int find_frame(const std::string& frame_name) const;
   /// Index of the joint called `name`, -1 if there is none.

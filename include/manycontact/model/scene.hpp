@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-struct Robot {
+struct Robot {  // One robot of a scene.
   std::string name;
   std::shared_ptr<const Model> model;
   SE3<double> base;  // in the world: where a fixed base stands, where a floating one starts (neutral)
@@ -27,7 +27,7 @@ enum class ReferenceFrame {
   LOCAL_WORLD_ALIGNED = kLocalWorldAligned
 };
 
-constexpr int contact_rows(ContactType t) {
+constexpr int contact_rows(ContactType t) {  // of J: 1, 2, 3, 6
   return t == ContactType::k1D ? 1 : t == ContactType::k2D ? 2 : t == ContactType::k3D ? 3 : 6;
 }
 
@@ -52,10 +52,10 @@ struct Contact {
   double alpha = 0, beta = 0;                 // stabilisation gains [1/s^2], [1/s]
   bool active = true;                         // at the start; data may switch it later
 
-  int rows() const { return contact_rows(type); }
+  int rows() const { return contact_rows(type); }  // 1, 2, 3, 6
 };
 
-struct Scene {
+struct Scene {  // Constant while it is solved; data.hpp says what may change between solves.
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
   double damping = 0;  // delta, Crocoddyl's JMinvJt_damping
@@ -66,7 +66,7 @@ struct Scene {
   int nq = 0, nv = 0, nu = 0;
   std::unordered_map<std::string, int> robot_index, contact_index;  // by name
 
-  int nrobots() const { return static_cast<int>(robots.size()); }
+  int nrobots() const { return static_cast<int>(robots.size()); }  // copies counted
 };
 
 /// Appends a robot and sets its indices; returns its number. base: where its base stands (fixed), or where

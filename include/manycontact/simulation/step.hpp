@@ -29,7 +29,7 @@ enum class StepStatus {
   kTooFast,       // a velocity after the step is beyond SimulationData::velocity_limit
 };
 
-struct SimulationData {
+struct SimulationData {  // A motion: its state, step size and integrator, and the memory of its solves.
   /// Starts at q (nq), v (nv). Throws std::invalid_argument unless sizes fit and h is finite and positive.
   SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
                  const Options& options = {});
@@ -47,7 +47,7 @@ struct SimulationData {
   // scratch
   Eigen::VectorXd stage_q, stage_v, w, w_rate, v_rate, w_sum, v_sum;
 
-  double time() const { return static_cast<double>(steps) * h; }
+  double time() const { return static_cast<double>(steps) * h; }  // s, since the start
 };
 
 /// One step with torques u (nu). Where it is not kOk, q, v and steps stay what they were. Allocates what solve does:

@@ -12,7 +12,7 @@
 
 namespace manycontact {
 
-struct TaskProblem {
+struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<ActuationModelAbstract> actuation;
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node

@@ -6,12 +6,11 @@
 
 #include "beside.hpp"
 #include "manycontact/io/input_error.hpp"
+#include "manycontact/version.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
 namespace {
-
-constexpr char kVersion[] = "0.1.0";  // as CMakeLists.txt has it; a test holds them together
 
 std::string overview(const std::vector<Command>& commands) {
   std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
@@ -54,7 +53,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   if (words.empty()) return complain("a command is missing", hint, kExitUsage);
   if (words[0] == "--help" || words[0] == "-h" || words[0] == "--version") {
     if (words.size() > 1) return complain("nothing is expected after " + words[0], hint, kExitUsage);
-    std::cout << (words[0] == "--version" ? std::string("manycontact ") + kVersion + "\n" : overview(commands));
+    std::cout << (words[0] == "--version" ? std::string("manycontact " MANYCONTACT_VERSION "\n") : overview(commands));
     return kExitOk;
   }
   for (const Command& command : commands)

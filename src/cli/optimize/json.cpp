@@ -17,6 +17,13 @@ Json iterations(const TaskSolution& s) {
   return list;
 }
 
+Json constraints(const TaskSolution& s) {
+  Json list = Json::array();
+  for (const TaskViolation& v : s.violations)
+    list.push_back({{"name", v.constraint}, {"violation", v.by}, {"node", v.node}});
+  return list;
+}
+
 Json report(const TaskSolution& s) {
   const TaskTimes& t = s.times;
   return {
@@ -24,7 +31,9 @@ Json report(const TaskSolution& s) {
       {"direction", s.direction},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
+      {"polishing_iterations", s.polishing_iterations},
       {"constraint_violation", s.constraint_violation},
+      {"constraints", constraints(s)},
       {"outer_iterations", s.outer_iterations},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };

@@ -9,6 +9,7 @@
 #include "../common/command.hpp"
 #include "../common/progress.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::cli {
@@ -27,6 +28,7 @@ struct Run {
   StepStatus stopped = StepStatus::kOk;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
+  std::optional<Recording> view;
 };
 
 Integrator integrator_of(const Arguments& arguments) {
@@ -78,6 +80,7 @@ void simulate(const Scene& scene, const Eigen::VectorXd& u, bool progress_always
     run.largest.position_drift = std::max(run.largest.position_drift, run.end.position_drift);
     run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
+    if (run.view) add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
   };
   write_trajectory_header(scene, csv);
   record();
@@ -142,9 +145,11 @@ int run_simulate(const Arguments& arguments) {
   if (damping > 0) file.scene.damping = damping;
   if (arguments.has("--passive")) file.u.setZero();
   CsvFile csv(*out);
+  run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   simulate(file.scene, file.u, arguments.has("--progress"), sim, csv, run);
   if (*out != "-") print_summary(std::cout, file, sim, run);
+  finish_view(arguments, file, run.view, *out != "-" ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
@@ -170,6 +175,7 @@ const Command& simulate_command() {
        {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 carries over singular configurations"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
+       view_option(),
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
        order_option()},

@@ -13,7 +13,7 @@ struct FactorScratch {
   std::vector<double> scale;  // of pivots
 };
 
-class Factor {
+class Factor {  // one island's factor, whatever the method
  public:
   virtual ~Factor() = default;
 
