@@ -48,7 +48,7 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedB
 
 class ActionModelJoined;
 
-struct ActionDataJoined : ActionDataAbstract {
+struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part and bond by bond
   explicit ActionDataJoined(const ActionModelJoined* model);
   ActionDataJoined(const ActionModelJoined* model, WithoutMatrices);
 
@@ -82,7 +82,7 @@ struct ActionDataJoined : ActionDataAbstract {
   std::vector<int> contacts_, rows_;
 };
 
-class ActionModelJoined : public ActionModelAbstract {
+class ActionModelJoined : public ActionModelAbstract {  // robots that hold each other as one node
  public:
   /// scene: the state's robots, with the contacts that its flags say active, and damping. Controls are the scene's
   /// torques. Throws std::invalid_argument where parts and scene do not fit, and for parts with constraints.

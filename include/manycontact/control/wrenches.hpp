@@ -19,14 +19,14 @@ struct WrenchEnd {
   double sign = 1;
 };
 
-struct ActuationDataWrenches : ActuationDataAbstract {
+struct ActuationDataWrenches : ActuationDataAbstract {  // with the wrenches' bodies
   explicit ActuationDataWrenches(const ActuationModelAbstract* model) : ActuationDataAbstract(model) {}
   std::vector<Vec3<double>> points;      // per wrench: p in the world [m], zero at first. The caller's
   std::vector<Kinematics<double>> kins;  // per wrench: its robot at q; by calc
   std::vector<std::vector<int>> chains;  // per wrench: the coordinates above its body, numbered within the robot
 };
 
-class ActuationModelWrenches : public ActuationModelAbstract {
+class ActuationModelWrenches : public ActuationModelAbstract {  // torques of coordinates, and wrenches on bodies
  public:
   /// own: a selection of coordinates. Throws std::invalid_argument where it is not, or a body does not exist.
   ActuationModelWrenches(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> own,
