@@ -79,10 +79,10 @@ class Record : public CallbackAbstract {
   std::vector<TaskIteration>& iterations_;
 };
 
-// What `auto` is: sum n_i^3 operations where the whole scene takes (sum n_i)^3, n_i states of a part.
-TaskSolver chosen(TaskSolver solver, std::size_t parts) {
+// What `auto` is: make_problem has chosen the nodes by operations.
+TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   if (solver != TaskSolver::kAuto) return solver;
-  return parts > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
+  return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
 }
 
 std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<ShootingProblem>& problem,
@@ -129,7 +129,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 }  // namespace
 
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
-  const TaskSolver type = chosen(options.solver, problem.parts.size());
+  const TaskSolver type = chosen(options.solver, problem.blocks.size());
   if (type == TaskSolver::kSparse && has_constraints(task))
     throw InputError(task.path, task.solver_line,
                      "sparse imposes no constraints; expected fddp, box-fddp or auto where there are some");
@@ -137,6 +137,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   Passes passes;
   TaskSolution out;
   out.solver = to_string(type);
+  out.direction = "Riccati";
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
   const auto make = [&](const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, shooting, passes);
@@ -171,7 +172,10 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
     solve(*solver);
     out.polishing_iterations = solver->get_polishing_iter();
     out.gains = gains_of(*solver);
-    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) out.blocks = sparse->blocks();
+    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) {
+      out.blocks = sparse->blocks();
+      out.direction = sparse->direction();
+    }
     out.kkt_residual = solver->get_kkt_residual();
     if (std::isnan(out.kkt_residual)) {
       const bool limits = solver->keeps_limits();

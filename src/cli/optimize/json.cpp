@@ -29,6 +29,7 @@ Json report(const OptimizedTask& motion) {
   const TaskTimes& t = s.times;
   Json out = {
       {"solver", s.solver},
+      {"direction", s.direction},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
       {"polishing_iterations", s.polishing_iterations},

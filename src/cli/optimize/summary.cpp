@@ -47,6 +47,9 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
       << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
       << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
       << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+  if (s.solver == to_string(TaskSolver::kSparse))
+    out << "directions: " << s.direction << ", " << count(static_cast<long>(motion.problem.parts.size()), "part")
+        << ", " << count(static_cast<long>(motion.problem.blocks.size()), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
     out << "the states have gaps: they are not what the torques lead to\n";
   print_constraints(out, s);
