@@ -37,7 +37,7 @@ class ContactModelAbstract {  // what a contact is; the action model evaluates i
   virtual ~ContactModelAbstract() = default;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
-  std::size_t get_nc() const { return contact_.rows(); }
+  std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }
   std::size_t get_nu() const { return nu_; }
   FrameIndex get_id() const { return id_; }
   ReferenceFrame get_type() const { return contact_.reference_frame; }

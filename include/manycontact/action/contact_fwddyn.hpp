@@ -113,7 +113,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   double damping_;
   bool enable_force_;
   Options options_;
-  static constexpr std::size_t kNeverSet = -1;
+  static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;  // of the constraints, at set_g_lb, set_g_ub
 };
 
