@@ -24,9 +24,10 @@ constexpr double kHoped = 0.3;     // of m by the next one, and what may be miss
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // iterations where reductions drown in the cost's rounding
 constexpr int kPatience = 4;            // minimisations in a row that bring nothing
-constexpr int kFlat = 3;                // minimisations in a row that bring constraints no closer
-constexpr double kCloser = 0.9;         // what comes closer, of the violation before
+constexpr int kFlat = 2;                // minimisations in a row that bring constraints no closer
+constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
 constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
+constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -40,6 +41,13 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
+}
+
+// Of a Newton step from a candidate without gaps, at its direction.
+double expected_reduction(const SolverDDP& solver) {
+  double out = 0;
+  for (std::size_t t = 0; t < solver.get_k().size(); ++t) out += 0.5 * solver.get_Qu()[t].dot(solver.get_k()[t]);
+  return out;
 }
 
 }  // namespace
@@ -297,11 +305,14 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
 
-// At minima of an augmented Lagrangian that is nearly the constraints' alone the violation stays: it is stationary.
+// Where the augmented Lagrangian is nearly the constraints' alone, at its minima, or where a step is to gain next to
+// nothing of what they add: the violation is stationary.
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
-  if (inner == StopReason::kIterations) return false;
-  const bool outweighs = merit_ - cost_ > kOutweighs * std::abs(cost_);
-  flat_ = violation_ > th_constraint_ && outweighs && violation_ > kCloser * last_violation_ ? flat_ + 1 : 0;
+  const double added = merit_ - cost_;
+  const bool settled =
+      inner != StopReason::kIterations || (is_feasible_ && expected_reduction(*inner_) < kStationary * added);
+  const bool closer = violation_ <= th_constraint_ || violation_ <= kCloser * last_violation_;
+  flat_ = settled && !closer && added > kOutweighs * std::abs(cost_) ? flat_ + 1 : 0;
   return flat_ >= kFlat;
 }
 

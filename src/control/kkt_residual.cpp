@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/control/joined_solver.hpp"
 
 namespace manycontact {
 
@@ -80,10 +80,38 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
+// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
+double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& l,
+                              Eigen::VectorXd& gap) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  Eigen::VectorXd gx, gu;
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    joined_gradient(static_cast<const ActionModelJoined&>(*problem.model(t)),
+                    static_cast<const ActionDataJoined&>(*problem.data(t)), l[std::min(t + 1, T)], t == T, gx, gu);
+    worst.add(gx - l[t]);
+    if (t == T) break;
+    worst.add(gu);
+    problem.model(t)->get_state()->diff(xs[t + 1], problem.data(t)->xnext, gap);
+    worst.add(gap);
+  }
+  return worst.value;
+}
+
+double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+  gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
+  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  require(ys.empty() && !limits, "kkt_residual",
+          "constraints and limits of robots that hold each other are not supported");
+  return kkt_residual_of_joined(problem, xs, l, gap);
+}
+
 double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                              bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
-  gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
-  if (!is_of_parts(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
   const std::vector<ShootingPart> parts = separate(problem);
   require(ys.empty() || parts.size() == 1, "kkt_residual", "constraints of separate parts are not supported");
   double worst = 0;
@@ -94,8 +122,7 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
       gather(l[t], part.dx, own_l[t]);
       if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
     }
-    gap.resize(static_cast<Eigen::Index>(part.dx.size()));
-    worst = std::max(worst, kkt_residual_of_data(*part.problem, own_xs, own_us, own_l, limits, ys, gap));
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, ys, gap));
   }
   return worst;
 }

@@ -18,4 +18,7 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<E
 std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,
                                                                 const std::vector<Eigen::VectorXd>& us, bool limits);
 
+/// Of nodes that are ActionModelJoined, by the structure of their bonds; NaN where that has no answer.
+std::vector<Eigen::VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem);
+
 }  // namespace manycontact::internal

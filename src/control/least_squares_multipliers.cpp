@@ -1,8 +1,8 @@
 #include <Eigen/Cholesky>
 
 #include "kkt_residual.hpp"
+#include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/kkt_residual.hpp"
-#include "manycontact/control/parts.hpp"
 
 namespace manycontact {
 
@@ -66,7 +66,8 @@ Vectors least_squares_multipliers_of_nodes(const ShootingProblem& problem, const
   for (const ShootingPart& part : separate(problem)) {
     Vectors own_us(us.size());
     for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own_us[t]);
-    const Vectors own = of_one_part(*part.problem, own_us, limits);
+    const Vectors own = SolverJoinedPart::serves(*part.problem) ? least_squares_multipliers_of_joined(*part.problem)
+                                                                : of_one_part(*part.problem, own_us, limits);
     for (std::size_t t = 0; t < out.size(); ++t) scatter(own[t], part.dx, out[t]);
   }
   return out;

@@ -83,6 +83,17 @@ TEST_F(Optimize, TasksOfModelsWithConstraintsAndInARingConverge) {
   }
 }
 
+TEST_F(Optimize, FollowsTheMotionInSimulation) {
+  const Outcome outcome = run(words(task("humanoid_reaches"), {"--simulate", "1e-3"}));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "in simulation contacts drift by");
+  const nlohmann::json simulation = json()["report"]["simulation"];
+  EXPECT_EQ(simulation["completed"], true);
+  EXPECT_LT(simulation["position_drift"], 1e-6);
+  EXPECT_LT(simulation["distance"], 0.5);
+  EXPECT_EQ(run(words(task("humanoid_reaches"), {"--simulate", "0"})).status, 2);
+}
+
 TEST_F(Optimize, DrawsCharts) {
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot here";
   EXPECT_EQ(run(words(task("humanoid_points"), {"--charts", path("charts")})).status, 0);

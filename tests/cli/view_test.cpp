@@ -170,24 +170,23 @@ TEST_F(View, SimulateShowsWhatItWrites) {
 
 TEST_F(View, TrajectoryWithForces) {
   const std::string scene = model("humanoid_standing.xml");
-  ASSERT_EQ(run({"simulate", scene, "--time", "0.001", "--step", "0.001", "--out", path("t.csv")}).status, 0);
+  ASSERT_EQ(run({"simulate", scene, "--time", "0.003", "--step", "0.001", "--out", path("t.csv")}).status, 0);
   const std::vector<std::string> lines = lines_of(read_text(path("t.csv")));
-  std::string head = lines[0], row = lines[1], none = lines[2];
-  for (const std::string contact : {"left", "right"})
-    for (int k = 0; k < 6; ++k) {
-      head += ",f:" + contact + "[" + std::to_string(k) + "]";
-      row += ',' + std::to_string(k + (contact == "left" ? 10 : 20));
-      none += contact == "left" ? ",1" : ",";  // right is let go
-    }
-  std::ofstream(path("f.csv")) << head << "\n" << row << "\n" << none << "\n";
-  const ViewPage page = view(scene, {"--trajectory", path("f.csv"), "--rate", "1000"});
+  std::ofstream csv(path("f.csv"));
+  csv << "f:right[5],t";
+  for (const std::string name : {"left", "right"})
+    for (int k = 0; k < 6 - (name == "right"); ++k) csv << ",f:" << name << "[" << k << "]";
+  csv << "\n26,0,10,11,12,13,14,15,20,21,22,23,24\n";
+  for (const std::size_t row : {2u, 4u})
+    csv << "0," << lines[row].substr(0, lines[row].find(',')) << ",1,1,1,1,1,1,0,0,0,0,0\n";
+  csv.close();
+  const ViewPage page = view(scene, {"--trajectory", path("t.csv"), "--forces", path("f.csv"), "--rate", "1000"});
   const auto forces = page.list<float>("forces");
-  const auto flags = page.list<std::uint8_t>("flags");
-  ASSERT_EQ(forces.size(), 12u);
+  ASSERT_EQ(forces.size(), 24u);
   const std::vector<float> expected{10, 11, 12, 20, 21, 22, 1, 1, 1};
   for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(forces[k], expected[k], 1e-2);  // the soles lie flat, to 1e-4 or so
-  EXPECT_TRUE(std::isnan(forces[9]));
-  EXPECT_EQ(flags, (std::vector<std::uint8_t>{1, 1, 1, 0}));
+  for (std::size_t k = 9; k < 18; ++k) EXPECT_TRUE(std::isnan(forces[k])) << k;   // not active; no row at 0.002
+  EXPECT_EQ(page.list<std::uint8_t>("flags"), (std::vector<std::uint8_t>{1, 1, 1, 0, 1, 1, 1, 0}));
 }
 
 TEST_F(View, OptimizeShowsItsMotion) {
@@ -283,6 +282,7 @@ TEST_F(View, BadInput) {
   };
   one_line({"view", scene}, "option --out is missing");
   one_line({"view", scene, "--out", v, "--rate", "2000"}, "--rate is more than 1000");
+  one_line({"view", scene, "--out", v, "--forces", path("f.csv")}, "--forces is given without --trajectory");
   one_line({"view", scene, "--out", "/nowhere/v.html"}, "/nowhere/v.html:1: cannot be written");
   one_line({"simulate", scene, "--time", "1", "--step", "1", "--out", path("t.csv"), "--view", "-"},
            "--view is standard output");

@@ -103,7 +103,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
   /// us_try[t] at xs_try[t].
-  void stepControl(std::size_t t, double steplength);
+  virtual void stepControl(std::size_t t, double steplength);
   /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// us_try[t] onto the control limits, for box solvers.

@@ -24,10 +24,12 @@ Json constraints(const TaskSolution& s) {
   return list;
 }
 
-Json report(const TaskSolution& s) {
+Json report(const OptimizedTask& motion) {
+  const TaskSolution& s = motion.solution;
   const TaskTimes& t = s.times;
-  return {
+  Json out = {
       {"solver", s.solver},
+      {"direction", s.direction},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
       {"polishing_iterations", s.polishing_iterations},
@@ -36,6 +38,12 @@ Json report(const TaskSolution& s) {
       {"outer_iterations", s.outer_iterations},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };
+  if (const auto& simulation = motion.simulation)
+    out["simulation"] = {{"completed", simulation->stopped == StepStatus::kOk},
+                         {"position_drift", simulation->position_drift},
+                         {"velocity_drift", simulation->velocity_drift},
+                         {"distance", simulation->distance}};
+  return out;
 }
 
 }  // namespace
@@ -49,7 +57,7 @@ void write_json(const OptimizedTask& motion, const std::string& path) {
                    {"iterations", iterations(s)},
                    {"xs", json_of(s.xs)},
                    {"us", json_of(s.us)},
-                   {"report", report(s)}},
+                   {"report", report(motion)}},
                   path);
 }
 

@@ -1,5 +1,7 @@
 #include "optimize.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -68,10 +70,18 @@ void prepare_charts(const std::string& folder) {
   if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --charts");
 }
 
+std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task, const TaskProblem& problem,
+                                         const TaskSolution& solution) {
+  if (!arguments.has("--simulate")) return std::nullopt;
+  const double substeps = std::clamp(std::ceil(task.step / arguments.positive("--simulate") - 1e-9), 1.0, 1e9);
+  return manycontact::simulate(task, problem, solution, Integrator::kRk4, static_cast<int>(substeps));
+}
+
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, 1000000, 0);
+  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
   if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
@@ -90,7 +100,7 @@ int run_optimize(const Arguments& arguments) {
                                                            show(k++, iteration);
                                                            return !stop.is_set();
                                                          }});
-  const OptimizedTask motion{task, problem, solution};
+  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, problem, solution)};
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
@@ -110,6 +120,7 @@ const Command& optimize_command() {
       "A motion of a scene: the task's costs at their least, its contacts held.",
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
        {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
        view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},

@@ -2,9 +2,10 @@
 // `manycontact optimize`: what it computes, and what it writes.
 
 #include <iosfwd>
+#include <optional>
 
 #include "manycontact/task/forces.hpp"
-#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/simulate.hpp"
 
 namespace manycontact::cli {
 
@@ -14,6 +15,7 @@ struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
+  std::optional<SimulatedMotion> simulation;
 };
 
 /// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.

@@ -19,6 +19,12 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
   table.print(out);
 }
 
+void print_simulation(std::ostream& out, const SimulatedMotion& s) {
+  out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
+      << scientific(s.position_drift) << " m or rad at most, and the state is " << number(s.distance)
+      << " from the plan's\n";
+}
+
 void print_times(std::ostream& out, const TaskSolution& s) {
   const TaskTimes& t = s.times;
   out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
@@ -41,12 +47,16 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
       << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
       << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
       << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+  if (s.solver == to_string(TaskSolver::kSparse))
+    out << "directions: " << s.direction << ", " << count(static_cast<long>(motion.problem.parts.size()), "part")
+        << ", " << count(static_cast<long>(motion.problem.blocks.size()), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
     out << "the states have gaps: they are not what the torques lead to\n";
   print_constraints(out, s);
   print_motion(out, motion);
   print_torques(out, motion);
   print_forces(out, motion);
+  if (motion.simulation) print_simulation(out, *motion.simulation);
   print_times(out, s);
 }
 

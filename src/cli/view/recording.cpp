@@ -62,7 +62,7 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k)
       if (dependent[static_cast<std::size_t>(first + k)]) flags |= Recording::kRedundant;
     std::optional<Vec3<double>> force;
-    if (state.forces && (*state.forces)[c].size() == contact.rows()) force = force_of(contact, (*state.forces)[c]);
+    if (state.forces && state.active[c]) force = force_of(contact, (*state.forces)[c]);
     if (state.u && first >= 0) force = force_of(contact, r.dynamics.f.segment(first, contact.rows()));
     record_contact(contact, force, r);
     r.flags.push_back(flags);

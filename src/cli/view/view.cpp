@@ -25,7 +25,8 @@ void print_written(std::ostream& out, const std::string& path, const Recording& 
 
 int run_view(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
-  const auto trajectory = arguments.value("--trajectory");
+  const auto trajectory = arguments.value("--trajectory"), forces = arguments.value("--forces");
+  if (forces && !trajectory) throw UsageError("--forces is given without --trajectory");
   const double rate = arguments.positive("--rate", 50), friction = arguments.positive("--friction", 1e-300);
   if (rate > kMostRate) throw UsageError("--rate is more than 1000 frames per second");
   const auto out = arguments.value("--out");
@@ -37,7 +38,7 @@ int run_view(const Arguments& arguments) {
     for (std::size_t c = 0; c < recording.friction.size(); ++c)
       if (file.scene.contacts[c].B.robot < 0) recording.friction[c] = friction;
   if (trajectory) {
-    read_trajectory(*trajectory, file.scene, recording);
+    read_trajectory(*trajectory, forces, file.scene, recording);
   } else {
     add_state({0, file.q, file.v, recording.dynamics.active, file.u}, recording);
   }
@@ -75,10 +76,10 @@ const Command& view_command() {
       "The scene as a page for a browser: robots, contacts, their forces, islands; with a trajectory, through time.",
       {{"--out", "FILE", "HTML, one file that needs no network; - is standard output", true},
        {"--trajectory", "FILE", "CSV in the columns of `simulate`; default: the scene's state, with the forces there"},
+       {"--forces", "FILE", "CSV: the forces at states of the trajectory, t and f:left[0] ...; 0: not active"},
        {"--rate", "HZ", "frames per second at most (50)"},
        {"--friction", "MU", "draws cones at contacts with the world, about the z axis of their reference frames"}},
-      "Forces are arrows, at 1:1000 [m/N] or what suits the scene; those of a trajectory are its columns f:*, or "
-      "none.\n"
+      "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring.\n"
       "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "
       "ROS_PACKAGE_PATH.\n"
       "Exit status: 0 written; 1 three.js was not there when this program was built; 2 bad usage or bad input.\n",

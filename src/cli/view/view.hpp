@@ -17,7 +17,7 @@ struct ViewState {
   Eigen::VectorXd q, v;
   std::vector<char> active;                                 // per contact
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
-  std::optional<std::vector<Eigen::VectorXd>> forces = {};  // per contact, in its reference frame; empty: unknown
+  std::optional<std::vector<Eigen::VectorXd>> forces = {};  // per contact, in its reference frame
   std::optional<Eigen::Vector2d> drift = {};                // position, velocity; default: those of `active`
 };
 

@@ -29,6 +29,13 @@ class Factor {  // one island's factor, whatever the method
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
+  /// Whether there is solve_panel_refined for panels of that row stride: X + K^-1 (B - K X) where solve_panel gives
+  /// X = K^-1 B, for the K factorized.
+  virtual bool refines_panels(int ld) const { return (void)ld, false; }
+  virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) {
+    (void)K, solve_panel(X, ld, first, cols, nonzero);
+  }
+
   /// Gives back what memory only solve_panel needs, until that is called again.
   virtual void release_panels() {}
 
