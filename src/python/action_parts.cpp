@@ -175,15 +175,21 @@ void add_activations(py::module_& m) {
 // What a residual written in Python sees of the action model, while its calc or calcDiff runs.
 class Shared {
  public:
-  explicit Shared(DataCollector* collector) : collector_(collector) {}
+  Shared(DataCollector* collector, const StateMultibody& state) : collector_(collector), state_(state) {}
   void end() { collector_ = nullptr; }
   const DataCollector& get() const {
     if (!collector_) throw py::value_error("data.shared is there while calc and calcDiff run, not later");
     return *collector_;
   }
+  const Multibody::BodyFrame& frame(std::size_t id) const {
+    (void)get();
+    if (id >= state_.get_model()->frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
+    return state_.get_model()->frames[id];
+  }
 
  private:
   DataCollector* collector_;
+  const StateMultibody& state_;
 };
 
 // Calls of Python residuals that run in this thread, innermost last.
@@ -194,8 +200,8 @@ struct Running {
 thread_local std::vector<Running> running;
 
 struct Scope {
-  explicit Scope(const ResidualDataAbstract& data) {
-    running.push_back({&data, std::make_shared<Shared>(data.shared)});
+  Scope(const ResidualModelAbstract& model, const ResidualDataAbstract& data) {
+    running.push_back({&data, std::make_shared<Shared>(data.shared, *model.get_state())});
   }
   ~Scope() {
     running.back().shared->end();
@@ -214,21 +220,14 @@ struct PyResidual : ResidualModelAbstract {
   using Base = ResidualModelAbstract;
   using Data = std::shared_ptr<ResidualDataAbstract>;
   void calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
-    const Scope scope(*data);
+    const Scope scope(*this, *data);
     PYBIND11_OVERRIDE_PURE(void, Base, calc, data, x, u);
   }
   void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
-    const Scope scope(*data);
+    const Scope scope(*this, *data);
     PYBIND11_OVERRIDE_PURE(void, Base, calcDiff, data, x, u);
   }
 };
-
-const Multibody::BodyFrame& frame_of(const StateMultibody& state, const DataCollector& d, std::size_t id) {
-  const Multibody& bodies = *state.get_model();
-  if (bodies.nv != d.scene.nv) throw py::value_error("the state is not the residual's");
-  if (id >= bodies.frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
-  return bodies.frames[id];
-}
 
 FrameAxes axes_of(ReferenceFrame type) {
   return type == ReferenceFrame::kLocal   ? FrameAxes::kLocal
@@ -273,25 +272,25 @@ void add_shared(py::module_& m) {
           "(da/dx (nv, ndx), da/du (nv, nu)); in calcDiff of running nodes.")
       .def(
           "frame_placement",
-          [](const Shared& s, const StateMultibody& state, std::size_t id) {
-            const auto& f = frame_of(state, s.get(), id);
+          [](const Shared& s, std::size_t id) {
+            const auto& f = s.frame(id);
             return frame_placement<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
                                            f.placement);
           },
-          py::arg("state"), py::arg("id"), "oMf at x.")
+          py::arg("id"), "oMf at x.")
       .def(
           "frame_velocity",
-          [](const Shared& s, const StateMultibody& state, std::size_t id, ReferenceFrame type) -> Vec6<double> {
-            const auto& f = frame_of(state, s.get(), id);
+          [](const Shared& s, std::size_t id, ReferenceFrame type) -> Vec6<double> {
+            const auto& f = s.frame(id);
             return frame_velocity<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
                                           f.placement, axes_of(type));
           },
-          py::arg("state"), py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal"),
+          py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal"),
           "Spatial velocity (6), linear first.")
       .def(
           "frame_jacobian",
-          [](const Shared& s, const StateMultibody& state, std::size_t id, ReferenceFrame type) {
-            const auto& f = frame_of(state, s.get(), id);
+          [](const Shared& s, std::size_t id, ReferenceFrame type) {
+            const auto& f = s.frame(id);
             const Robot& robot = s.get().scene.robots[f.robot];
             Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, robot.model->nv);
             frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement,
@@ -300,7 +299,7 @@ void add_shared(py::module_& m) {
             out.middleCols(robot.idx_v, robot.model->nv) = J;
             return out;
           },
-          py::arg("state"), py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal"),
+          py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal"),
           "(6, nv): frame_velocity = J v.");
 }
 

@@ -491,7 +491,7 @@ void add_views(py::module_& m) {
         const Robot& owner = scene.robots[r];
         const int number = owner.model->find_frame(frame);
         if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));
-        if (data.at_rest().serial != 0) data.use([&](SceneData& d) { complete(scene, d); });
+        data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or refuse the scene
         const Frame& f = owner.model->frames[number];
         return frame_placement<double>(kinematics_of(data.at_rest(), r), owner.base, f.joint, f.placement);
       },

@@ -143,6 +143,7 @@ void add_steps(py::module_& m) {
   m.def(
       "failure",
       [](const Scene& scene, const Simulation& simulation, StepStatus status) {
+        if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data are of another scene");
         return failure(scene, simulation.at_rest(), status);
       },
       py::arg("scene"), py::arg("data"), py::arg("status"), "Why a step was not kOk, in words.");
@@ -156,17 +157,15 @@ void add_invariants(py::module_& m) {
       .def_readonly("potential", &Invariants::potential, "[J], zero at the world's origin.")
       .def_property_readonly("energy", &Invariants::energy, "[J]")
       .def_readonly("momentum", &Invariants::momentum, "About the world's origin (6): linear [N s], angular [N m s].");
-  py::class_<InvariantsData>(m, "InvariantsData", "Room for invariants.")
-      .def(py::init<const Scene&>(), py::arg("scene"));
   m.def(
       "invariants",
-      [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v, InvariantsData& data) {
-        if (active.size() != scene.contacts.size() || data.contacts.size() != active.size() ||
-            data.kin.size() != scene.robots.size() || q.size() != scene.nq || v.size() != scene.nv)
-          throw py::value_error("invariants: active, q, v or the data do not fit the scene");
+      [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
+        if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
+          throw py::value_error("invariants: active, q or v do not fit the scene");
+        InvariantsData data(scene);
         return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);
       },
-      py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"), py::arg("data"),
+      py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"),
       "Drift, energy and momentum at q (nq), v (nv), with the contacts flagged active (one bool each).");
 
   py::class_<Gains>(m, "Gains")

@@ -41,13 +41,14 @@ def objects():
     task.iterations = 2
     quad = mc.ActivationModelQuad(76)
     pool = [file, scene, data, state, actuation, costs, contacts, constraints, residual, model, node, problem, task]
-    pool += [solver(problem) for solver in (mc.SolverFDDP, mc.SolverBoxFDDP, mc.SolverAugmentedLagrangian, mc.SolverSparse)]
+    pool += [mc.SolverFDDP(problem), mc.SolverBoxFDDP(problem), mc.SolverSparse(problem)]
+    pool += [mc.SolverAugmentedLagrangian(problem)]
     pool += [mc.make_problem(task), mc.ImpulseModelMultiple(state), mc.CostModelSum(state, 0), quad, quad.createData()]
     pool += [mc.ContactModel3D(state, 1, [0, 0, 0], mc.LOCAL, nu), mc.ImpulseModel3D(state, 1), wheel]
     pool += [m.createData() for m in (model, node, actuation, wheel)]
     pool += [mc.FrictionCone(), mc.WrenchCone(np.eye(3), 0.7, [0.1, 0.1]), mc.CoPSupport(np.eye(3), [0.1, 0.1])]
     pool += [mc.SE3(), scene.contacts[0], mc.Attachment(), scene.robots[0].model, mc.Options(), mc.BatchData(scene, 1)]
-    pool += [mc.SimulationData(scene, file.q, file.v, "rk4", 1e-3), mc.InvariantsData(scene), mc.Gains(1, 1)]
+    pool += [mc.SimulationData(scene, file.q, file.v, "rk4", 1e-3), mc.Gains(1, 1)]
     pool += [mc.Dependence(q=True), mc.DerivativeRequest(), mc.ActivationBounds([0.0], [1.0]), mc.StateVector(3)]
     pool += [mc.CostModelResidual(state, residual), mc.ConstraintModelResidual(state, residual), mc.CallbackLogger()]
     pool += [mc.DifferentialActionModelNumDiff(model), mc.ActionModelNumDiff(node), mc.ActionModelLQR(3, 2)]

@@ -80,11 +80,11 @@ class Translation(mc.ResidualModelAbstract):
         self.kept = None
 
     def calc(self, data, x, u):
-        data.r = data.shared.frame_placement(self.state, self.frame).p - self.reference
+        data.r = data.shared.frame_placement(self.frame).p - self.reference
         self.kept = data.shared
 
     def calcDiff(self, data, x, u):
-        J = data.shared.frame_jacobian(self.state, self.frame, mc.ReferenceFrame.kLocalWorldAligned)[:3]
+        J = data.shared.frame_jacobian(self.frame, mc.ReferenceFrame.kLocalWorldAligned)[:3]
         data.Rx = np.hstack([J, np.zeros_like(J)])
 
 
@@ -113,7 +113,7 @@ def test_residual_and_activation_of_ones_own(humanoid):
     residual = ours[3].costs.costs["hand"].cost.residual
     assert isinstance(residual, Translation)
     with pytest.raises(ValueError, match="not later"):
-        residual.kept.frame_placement(ours[3].state, 0)
+        residual.kept.frame_placement(0)
 
 
 class Pendulum(mc.DifferentialActionModelAbstract):

@@ -189,15 +189,14 @@ def test_simulation(humanoid):
     file, _ = humanoid
     scene = file.scene
     sim = mc.SimulationData(scene, file.q, file.v, mc.Integrator.kSemiImplicitEuler, 1e-3)
-    room = mc.InvariantsData(scene)
-    start = mc.invariants(scene, sim.dynamics.active, sim.q, sim.v, room)
+    start = mc.invariants(scene, sim.dynamics.active, sim.q, sim.v)
     for _ in range(3):
         assert mc.step(scene, file.u, sim) == mc.StepStatus.kOk
     assert sim.steps == 3 and sim.time == pytest.approx(3e-3)
     twin = mc.SimulationData(scene, file.q, file.v, "semi-implicit-euler", 1e-3)
     trajectory = mc.simulate(scene, np.tile(file.u, (3, 1)), twin, 3)
     assert (trajectory.q[-1] == sim.q).all() and trajectory.q.shape == (4, scene.nq)
-    assert mc.invariants(scene, sim.dynamics.active, sim.q, sim.v, room).energy == pytest.approx(start.energy)
+    assert mc.invariants(scene, sim.dynamics.active, sim.q, sim.v).energy == pytest.approx(start.energy)
     alpha, beta = mc.recommended_gains("semi-implicit-euler", 1e-3)
     assert (alpha, beta) == (1 / (4 * 1e-3**2), 3 / (4 * 1e-3))
     with pytest.raises(ValueError, match="shape"):
