@@ -3,6 +3,11 @@
 #include "claims.hpp"
 
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit.hpp"
 
 namespace manycontact::bench {
 
@@ -65,6 +70,8 @@ constexpr Claim kClaims[] = {
      "control/separate/16/backward", 0.1, ">= 100"},
     {"FDDP's iteration by parts per robot, 64 / 1 separate", "control/separate/64/iteration",
      "control/separate/1/iteration", 64, "<= 1.3"},
+    {"chain of 16, 50 nodes: FDDP's iteration, dense / by bonds", "control/dense_chain_5_nodes/16/iteration",
+     "control/chain/16/iteration", 0.1, ">= 10"},
     {"64 states, solve: two threads / one", "batch/solve/separate/1/threads:2/real_time",
      "batch/solve/separate/1/threads:1/real_time", 1, "<= 0.55"},
     {"64 states, derivatives: two threads / one", "batch/differentiate/separate/1/threads:2/real_time",
@@ -72,6 +79,28 @@ constexpr Claim kClaims[] = {
     {"64 states, vjp: two threads / one", "batch/vjp/separate/1/threads:2/real_time",
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
+
+// Times over the number of robots.
+struct Growth {
+  const char *what, *before, *after, *wanted;
+};
+constexpr Growth kGrowths[] = {
+    {"FDDP's iteration by parts, separate robots", "control/separate/", "/iteration", "1"},
+    {"FDDP's iteration by bonds, chain", "control/chain/", "/iteration", "1"},
+    {"FDDP's iteration on the whole scene, chain", "control/dense_chain_5_nodes/", "/iteration", "3, once large"},
+    {"bonds' Schur, chain: factorize", "lq/chain/", "/factorize", "1"},
+};
+
+void print_exponent(const Run& run, const Growth& growth) {
+  const std::string before = growth.before, after = growth.after;
+  std::vector<std::pair<double, double>> points;
+  for (const Result& r : run.results)
+    if (r.name.starts_with(before) && r.name.ends_with(after))
+      points.emplace_back(std::stod(r.name.substr(before.size())), r.us);
+  if (points.size() > 1)
+    std::printf("%-64s %10.2f   %s\n", (std::string(growth.what) + ": exponent").c_str(), exponent(points),
+                growth.wanted);
+}
 
 }  // namespace
 
@@ -82,6 +111,7 @@ void print_claims(const Run& run) {
     const Result *a = find(run, c.numerator), *b = find(run, c.denominator);
     if (a && b) std::printf("%-64s %10.2f   %s\n", c.what, a->us / b->us / c.divide_by, c.wanted);
   }
+  for (const Growth& growth : kGrowths) print_exponent(run, growth);
 }
 
 }  // namespace manycontact::bench

@@ -1,7 +1,10 @@
-// One iteration of FDDP over separate robots: derivatives of all nodes, direction, one step; the backward pass alone.
-// By parts (control/separate), and on nodes of the whole scene (control/dense).
+// One iteration of FDDP: derivatives of all nodes, direction, one step; the backward pass alone; a control step of a
+// receding horizon. Separate robots (control/separate) and a chain of robots hand in hand (control/chain) by parts, and
+// both on nodes of the whole scene (control/dense, control/dense_chain).
 
 #include <benchmark/benchmark.h>
+
+#include <algorithm>
 
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/task/problem.hpp"
@@ -20,9 +23,9 @@ TaskTerm term(TaskResidual residual, double weight, int robots) {
   return out;
 }
 
-// Robots on both feet that move their centres of mass.
-TaskFile task_of(int robots, int nodes) {
-  const Posed posed = bench::robots(robots);
+// Robots on both feet that move their centres of mass; hand in hand, but for the last and the first.
+TaskFile task_of(int robots, int nodes, bool hand_in_hand) {
+  const Posed posed = bench::robots(robots, hand_in_hand && robots > 1);
   TaskFile task;
   task.scene.scene = posed.scene;
   task.scene.q = posed.q;
@@ -32,6 +35,7 @@ TaskFile task_of(int robots, int nodes) {
   TaskPhase phase;
   phase.nodes = nodes;
   phase.active.assign(posed.scene.contacts.size(), true);
+  if (hand_in_hand && robots > 1) phase.active.back() = false;
   phase.costs = {term(TaskResidual::kState, 1, robots), term(TaskResidual::kControl, 1e-3, robots),
                  term(TaskResidual::kCom, 10, robots)};
   phase.costs[2].reference = Eigen::Vector3d(0.05, 0, 0.8);
@@ -48,7 +52,8 @@ struct Started {
   TaskProblem problem;
   std::unique_ptr<Solver> solver;
 
-  Started(int robots, int nodes, TaskSolver type) : problem(make_problem(task_of(robots, nodes), type)) {
+  Started(int robots, int nodes, bool chain, TaskSolver type)
+      : problem(make_problem(task_of(robots, nodes, chain), type)) {
     problem.problem->set_nthreads(1);
     solver = std::make_unique<Solver>(problem.problem);
     solver->solve(problem.xs, problem.us, 1);
@@ -61,8 +66,8 @@ struct Started {
 };
 
 template <class Solver>
-void iteration(benchmark::State& state, int robots, int nodes, TaskSolver type) {
-  Started<Solver> s(robots, nodes, type);
+void iteration(benchmark::State& state, int robots, int nodes, bool chain, TaskSolver type) {
+  Started<Solver> s(robots, nodes, chain, type);
   for (auto _ : state) {
     s.solver->computeDirection(true);
     benchmark::DoNotOptimize(s.solver->tryStep(1));
@@ -74,10 +79,30 @@ void iteration(benchmark::State& state, int robots, int nodes, TaskSolver type) 
 }
 
 template <class Solver>
-void backward(benchmark::State& state, int robots, int nodes, TaskSolver type) {
-  Started<Solver> s(robots, nodes, type);
+void backward(benchmark::State& state, int robots, int nodes, bool chain, TaskSolver type) {
+  Started<Solver> s(robots, nodes, chain, type);
   s.solver->calcDiff();
   for (auto _ : state) s.solver->backwardPass();
+  state.counters["sound"] = s.solver->direction_is_sound();
+}
+
+// A control step of a receding horizon: shifted by a node, an iteration from the last answer.
+void control_step(benchmark::State& state, int robots, int nodes) {
+  Started<SolverSparse> s(robots, nodes, false, TaskSolver::kSparse);
+  ShootingProblem& horizon = *s.problem.problem;
+  s.solver->solve(s.problem.xs, s.problem.us, 20);
+  std::vector<Eigen::VectorXd> xs = s.solver->get_xs(), us = s.solver->get_us();
+  for (auto _ : state) {
+    horizon.circularAppend(horizon.get_runningModels()[0], horizon.get_runningDatas()[0]);
+    for (auto* guess : {&xs, &us}) {
+      std::rotate(guess->begin(), guess->begin() + 1, guess->end());
+      guess->back() = (*guess)[guess->size() - 2];
+    }
+    horizon.set_x0(xs[0]);
+    s.solver->solve(xs, us, 1);
+    xs = s.solver->get_xs();
+    us = s.solver->get_us();
+  }
   state.counters["sound"] = s.solver->direction_is_sound();
 }
 
@@ -86,20 +111,29 @@ void add(const std::string& name, Run run) {
   benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
 }
 
+template <class Solver>
+void add_both(const std::string& name, int robots, int nodes, bool chain, TaskSolver type) {
+  add(name + "/iteration", [=](benchmark::State& s) { iteration<Solver>(s, robots, nodes, chain, type); });
+  add(name + "/backward", [=](benchmark::State& s) { backward<Solver>(s, robots, nodes, chain, type); });
+}
+
 const Registration registered([] {
   for (const int robots : {1, 4, 16, 64}) {
     if (settings().quick && robots != 1 && robots != 16) continue;
     const std::string name = "control/separate/" + std::to_string(robots);
-    add(name + "/iteration", [=](benchmark::State& s) { iteration<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
-    add(name + "/backward", [=](benchmark::State& s) { backward<SolverSparse>(s, robots, 50, TaskSolver::kSparse); });
+    add_both<SolverSparse>(name, robots, 50, false, TaskSolver::kSparse);
+    add(name + "/control_step", [=](benchmark::State& s) { control_step(s, robots, 50); });
+  }
+  for (const int robots : {2, 4, 8, 16, 32}) {
+    if (settings().quick && robots != 16) continue;
+    add_both<SolverSparse>("control/chain/" + std::to_string(robots), robots, 50, true, TaskSolver::kSparse);
   }
   // Five nodes of the whole scene: ten times as long for the horizon of the others.
   if (settings().quick) return;
-  for (const int robots : {1, 4, 16}) {
-    const std::string name = "control/dense_5_nodes/" + std::to_string(robots);
-    add(name + "/iteration", [=](benchmark::State& s) { iteration<SolverFDDP>(s, robots, 5, TaskSolver::kFddp); });
-    add(name + "/backward", [=](benchmark::State& s) { backward<SolverFDDP>(s, robots, 5, TaskSolver::kFddp); });
-  }
+  for (const int robots : {1, 4, 16})
+    add_both<SolverFDDP>("control/dense_5_nodes/" + std::to_string(robots), robots, 5, false, TaskSolver::kFddp);
+  for (const int robots : {2, 4, 8, 16})
+    add_both<SolverFDDP>("control/dense_chain_5_nodes/" + std::to_string(robots), robots, 5, true, TaskSolver::kFddp);
 });
 
 }  // namespace

@@ -14,7 +14,7 @@ set(lane_flags_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mav
 
 # Sanitizers keep tables of a file's symbols, which would no longer fit.
 if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND CMAKE_LINKER AND CMAKE_OBJCOPY
-   AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
+   AND NOT MANYCONTACT_FUZZ AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
   execute_process(COMMAND ${CMAKE_LINKER} --help OUTPUT_VARIABLE linker_help ERROR_QUIET)
   if(linker_help MATCHES "--force-group-allocation")
     list(APPEND lane_levels avx2 avx512)

@@ -16,6 +16,8 @@
 #include "manycontact/control/free_fwddyn.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
+#include "manycontact/control/joined.hpp"
+#include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"
@@ -28,3 +30,4 @@
 #include "manycontact/control/timer.hpp"
 #include "manycontact/control/tpl.hpp"
 #include "manycontact/control/unicycle.hpp"
+#include "manycontact/control/wrenches.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/sparse/memory.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
@@ -134,6 +135,7 @@ void make_clusters(int n, DependentRows& rows) {
       if (sets.root(e) == c) rows.members.push_back(e);
     const int count = static_cast<int>(rows.members.size()) - first;
     rows.clusters.push_back({first, count, rows.gram.size()});
+    require_memory(16.0 * count * count + 12.0 * static_cast<double>(rows.Ni.size()));
     rows.gram.resize(rows.gram.size() + static_cast<std::size_t>(count) * count);
   }
 }

@@ -6,7 +6,11 @@ extern "C" {  // LDL 2.2 has no C++ guard of its own
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <tuple>
+
+#include "manycontact/sparse/memory.hpp"
 
 namespace manycontact::sparse {
 
@@ -27,15 +31,40 @@ void LdlWorkspace::reserve(const LdlSymbolic& s) {
   grow(Y, n), grow(pattern, n), grow(flag, n), grow(Lnz, n), grow(Li, nnz);
 }
 
+namespace {
+
+// Parents in the elimination tree, and the numbers of entries of L's columns: row k of L is the union of the paths from
+// the entries of column k of A towards k. Stops by TooLarge where L, with what else is kept of it, would not fit.
+void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
+  constexpr double kBytes = 64;  // per entry: values, patterns in three orders, schedule
+  double nonzeros = 0;
+  for (int k = 0; k < A.n; ++k) {
+    parent[k] = -1;
+    flag[k] = k;
+    count[k] = 0;
+    for (int q = A.p[k]; q < A.p[k + 1]; ++q)
+      for (int i = A.i[q]; flag[i] != k; i = parent[i]) {
+        if (parent[i] == -1) parent[i] = k;
+        ++count[i];
+        ++nonzeros;
+        flag[i] = k;
+      }
+    if (k % 64 == 0 || k + 1 == A.n) require_memory(kBytes * nonzeros);
+    if (nonzeros > std::numeric_limits<int>::max()) throw TooLarge(kBytes * nonzeros);
+  }
+}
+
+}  // namespace
+
 LdlSymbolic ldl_analyze(const UpperCsc& A) {
   LdlSymbolic s;
   s.n = A.n;
   s.parent.resize(A.n);
-  s.Lp.resize(A.n + 1);
+  s.Lp.assign(A.n + 1, 0);
   std::vector<int> count(A.n), flag(A.n);
-  ldl_symbolic(A.n, c(A.p), c(A.i), s.Lp.data(), s.parent.data(), count.data(), flag.data(), nullptr, nullptr);
+  elimination_tree(A, s.parent, count, flag);
+  std::partial_sum(count.begin(), count.end(), s.Lp.begin() + 1);
   for (int k : count) s.flops += static_cast<double>(k) * (k + 2);
-  // Row k of L is the union of the paths from the entries of column k of A towards k in the elimination tree.
   s.Li.resize(s.Lp[A.n]);
   s.Rp.assign(1, 0);
   std::vector<int> next(s.Lp.begin(), s.Lp.end() - 1);

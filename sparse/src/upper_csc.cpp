@@ -42,25 +42,7 @@ UpperCsc permute(const UpperCsc& A, const std::vector<int>& iperm) {
 }
 
 void residual(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale) {
-  for (int k = 0; k < A.n; ++k) {
-    r[k] = b[k];
-    scale[k] = std::abs(b[k]);
-  }
-  for (int j = 0; j < A.n; ++j) {
-    const int last = A.p[j + 1] - 1;  // the diagonal
-    double rj = 0, sj = 0;
-    const double xj = x[j];
-    for (int k = A.p[j]; k < last; ++k) {
-      const int i = A.i[k];
-      const double down = Ax[k] * xj, across = Ax[k] * x[i];
-      r[i] -= down;
-      scale[i] += std::abs(down);
-      rj += across;
-      sj += std::abs(across);
-    }
-    r[j] -= rj + Ax[last] * xj;
-    scale[j] += sj + std::abs(Ax[last] * xj);
-  }
+  panel_kernels().residual_vector(A, Ax, x, b, r, scale);
 }
 
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "named.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
@@ -59,13 +60,9 @@ void ContactModelAbstract::set_id(FrameIndex id) {
 }
 
 void ContactModelAbstract::print(std::ostream& os) const {
-  os << class_name(contact_.type)
-     << " {frame=" << (id_ < state_->get_model()->frames.size() ? state_->get_model()->frames[id_].name : "none")
-     << ", type="
-     << (contact_.reference_frame == LOCAL   ? "LOCAL"
-         : contact_.reference_frame == WORLD ? "WORLD"
-                                             : "LOCAL_WORLD_ALIGNED")
-     << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
+  os << class_name(contact_.type) << " {";
+  internal::print_frame(os, *state_->get_model(), id_, contact_.reference_frame);
+  os << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
 std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model) {

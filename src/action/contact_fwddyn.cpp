@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "fwddyn_steps.hpp"
+#include "terms.hpp"
 
 namespace manycontact {
 
@@ -99,31 +100,6 @@ Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialA
   return *d;
 }
 
-std::size_t Model_::number_of_parts() const {
-  return costs_->get_costs().size() + (constraints_ ? constraints_->get_constraints().size() : 0);
-}
-
-// use(k, active) for each cost, then for each constraint.
-template <class Use>
-void Model_::each_status(Use&& use) const {
-  std::size_t k = 0;
-  for (const auto& [name, item] : costs_->get_costs()) use(k++, item->active);
-  if (!constraints_) return;
-  for (const auto& [name, item] : constraints_->get_constraints()) use(k++, item->active);
-}
-
-// False when a residual has been given another frame.
-bool Model_::residuals_fit(const Data& d) const {
-  auto cost = d.costs->costs.begin();
-  for (const auto& [name, item] : costs_->get_costs())
-    if (!item->cost->get_residual()->fits(*(cost++)->second->residual)) return false;
-  if (!constraints_) return true;
-  auto constraint = d.constraints->constraints.begin();
-  for (const auto& [name, item] : constraints_->get_constraints())
-    if (!item->constraint->get_residual()->fits(*(constraint++)->second)) return false;
-  return true;
-}
-
 // Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
 Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
                               const ConstVectorRef& x) const {
@@ -131,18 +107,11 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
   check_size(where, "x", x.size(), state_->get_nx());
   require(d.contacts_version == contacts_->get_version(), where,
           "contacts were added or removed since the data were created, new data are expected");
-  require(d.costs->version == costs_->get_version(), where,
-          "costs were added or removed since the data were created, new data are expected");
-  require(!constraints_ || d.constraints->version == constraints_->get_version(), where,
-          "constraints were added or removed since the data were created, new data are expected");
-  if (constraints_)
-    for (const auto& [name, item] : constraints_->get_constraints())
-      require(item->active == constraints_->get_active_set().contains(name), where,
-              "the status of a constraint was written into its item, changeConstraintStatus is expected");
+  const internal::ActionTerms terms{*costs_, constraints_.get()};
+  internal::check_terms(where, terms, *d.costs, d.constraints.get());
   d.stage = Stage::kFresh;
   d.x = x;
-  d.status.resize(number_of_parts());
-  each_status([&](std::size_t k, bool active) { d.status[k] = active; });
+  internal::read_status(terms, d.status);
   DataCollector& m = *d.multibody;
   m.scene.damping = damping_;
   bool same = d.models == models_;
@@ -160,7 +129,9 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     prepare(m.scene, m.solution);
     d.laid_out = false;
   }
-  if (!internal::on_same_frames(*contacts_, *m.contacts) || !residuals_fit(d)) d.laid_out = false;
+  if (!internal::on_same_frames(*contacts_, *m.contacts) ||
+      !internal::residuals_fit(terms, *d.costs, d.constraints.get()))
+    d.laid_out = false;
   if (!d.laid_out) {
     internal::lay_out_islands(*actuation_, d);
     internal::lay_out_contacts(*contacts_, m);
@@ -200,14 +171,10 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
 
 // Throws unless a calc of this kind, with what is active now, came before.
 void Model_::check_stage(const Data& d, Stage stage) const {
-  bool fits =
-      d.stage == stage && d.contacts_version == contacts_->get_version() && d.status.size() == number_of_parts();
-  if (fits) each_status([&](std::size_t k, bool active) { fits &= d.status[k] == active; });
-  if (!fits)
-    throw std::logic_error(std::string(kDifferentialActionModelContactFwdDynamics) +
-                           "::calcDiff: it uses the values of the last calc; " +
-                           (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
-                           " is expected before it, on the same data, with the same costs and constraints");
+  internal::check_stage(kDifferentialActionModelContactFwdDynamics,
+                        d.stage == stage && d.contacts_version == contacts_->get_version() &&
+                            internal::has_status({*costs_, constraints_.get()}, d.status),
+                        stage);
 }
 
 void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
@@ -236,13 +203,11 @@ void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& dat
 }
 
 bool Model_::needs_forces() const {
-  if (enable_force_) return true;
-  for (const auto& [name, item] : costs_->get_costs())
-    if (item->cost->get_residual()->depends_on().forces) return true;
-  if (constraints_)
-    for (const auto& [name, item] : constraints_->get_constraints())
-      if (item->constraint->get_residual()->depends_on().forces) return true;
-  return false;
+  bool needed = enable_force_;
+  internal::each_residual({*costs_, constraints_.get()}, [&](const auto&, const ResidualModelAbstract& residual, bool) {
+    needed = needed || residual.depends_on().forces;
+  });
+  return needed;
 }
 
 void Model_::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,

@@ -89,21 +89,6 @@ void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
   }
 }
 
-void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r) {
-  Eigen::Index nr = 0;
-  for (const auto& [name, item] : model.get_costs())
-    if (item->active) nr += item->cost->get_residual()->get_nr();
-  r.resize(nr);
-  Eigen::Index at = 0;
-  auto part = data.costs.begin();
-  for (const auto& [name, item] : model.get_costs()) {
-    const Eigen::VectorXd& of_cost = (part++)->second->residual->r;
-    if (!item->active) continue;
-    r.segment(at, of_cost.size()) = of_cost;
-    at += of_cost.size();
-  }
-}
-
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m) {
   if (m.custom.empty()) return;
   const Eigen::Index nv = m.scene.nv, nu = actuation.get_nu();

@@ -25,8 +25,6 @@ void fill_contacts(DataCollector& m);
 void fill_contact_derivatives(bool forces, DataCollector& m);
 /// Fx, Fu and their twins from the islands' panels.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
-/// The residuals of the active costs, one after the other.
-void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
 
 /// How the controls reach the scene.
 enum class Actuation { kActuated, kAll, kCustom };  // u: all but floating bases, all coordinates, any function

@@ -14,12 +14,9 @@ ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<Con
 }
 
 void ImpulseModelAbstract::print(std::ostream& os) const {
-  const auto& frames = get_state()->get_model()->frames;
-  os << name_ << " {frame=" << frames[get_id()].name << ", type="
-     << (get_type() == LOCAL   ? "LOCAL"
-         : get_type() == WORLD ? "WORLD"
-                               : "LOCAL_WORLD_ALIGNED")
-     << "}";
+  os << name_ << " {";
+  internal::print_frame(os, *get_state()->get_model(), get_id(), get_type());
+  os << "}";
 }
 
 std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model) {

@@ -3,7 +3,7 @@
 
 #include <ostream>
 
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/action/multibody.hpp"
 
 namespace manycontact::internal {
 
@@ -50,6 +50,14 @@ void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
     const auto& part = (d++)->second;
     if (keep(*item)) f(*item, part);
   }
+}
+
+/// "frame=left_sole, type=LOCAL"; "none" for an id that is none's.
+inline void print_frame(std::ostream& os, const Multibody& model, FrameIndex id, ReferenceFrame type) {
+  os << "frame=" << (id < model.frames.size() ? model.frames[id].name : "none") << ", type="
+     << (type == LOCAL   ? "LOCAL"
+         : type == WORLD ? "WORLD"
+                         : "LOCAL_WORLD_ALIGNED");
 }
 
 /// "who:", then the active and the inactive parts: their names, and what text(os, item) writes.

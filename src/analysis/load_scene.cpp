@@ -4,8 +4,9 @@
 
 namespace manycontact {
 
-SceneFile load_scene(const std::string& path) {
-  SceneFile file = read_scene(path);
+namespace {
+
+SceneFile with_torques(SceneFile file) {
   if (file.gravity_robots.empty()) return file;
   const Eigen::VectorXd u = quasi_static(file.scene, file.q);
   for (const int r : file.gravity_robots) {
@@ -13,6 +14,14 @@ SceneFile load_scene(const std::string& path) {
     file.u.segment(robot.idx_u, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
   }
   return file;
+}
+
+}  // namespace
+
+SceneFile load_scene(const std::string& path) { return with_torques(read_scene(path)); }
+
+SceneFile load_scene_text(const std::string& text, const std::string& path) {
+  return with_torques(read_scene_text(text, path));
 }
 
 }  // namespace manycontact

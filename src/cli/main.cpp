@@ -4,8 +4,7 @@
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
-  return run_program(
-      {solve_command(), inspect_command(), chart_command(), simulate_command(), optimize_command(), batch_command(),
-       stability_command()},
-      {argv + (argc > 0), argv + argc});
+  return run_program({solve_command(), inspect_command(), chart_command(), simulate_command(), optimize_command(),
+                      batch_command(), view_command(), stability_command()},
+                     {argv + (argc > 0), argv + argc});
 }

@@ -13,6 +13,7 @@ namespace manycontact {
 using Vectors = std::vector<Eigen::VectorXd>;
 using Index = Eigen::Index;
 using internal::ConstraintRows;
+using internal::larger;
 using internal::rows_at;
 
 namespace {
@@ -23,6 +24,10 @@ constexpr double kHoped = 0.3;     // of m by the next one, and what may be miss
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // iterations where reductions drown in the cost's rounding
 constexpr int kPatience = 4;            // minimisations in a row that bring nothing
+constexpr int kFlat = 2;                // minimisations in a row that bring constraints no closer
+constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
+constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
+constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -38,8 +43,12 @@ double tolerance_after(double m, double rho, double smallest) {
   return 0.5 * rho * missed * missed;
 }
 
-// max that keeps NaN.
-double larger(double a, double b) { return a >= b ? a : b; }
+// Of a Newton step from a candidate without gaps, at its direction.
+double expected_reduction(const SolverDDP& solver) {
+  double out = 0;
+  for (std::size_t t = 0; t < solver.get_k().size(); ++t) out += 0.5 * solver.get_Qu()[t].dot(solver.get_k()[t]);
+  return out;
+}
 
 }  // namespace
 
@@ -63,7 +72,6 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
   require(inner_ != nullptr && inner_->get_problem() == augmented_, kSolverAugmentedLagrangian,
           "a solver of the problem that was passed is expected");
   inner_->setCallbacks({std::make_shared<Relay>(*this)});
-  limits_ = dynamic_cast<SolverBoxDDP*>(inner_.get()) || dynamic_cast<SolverBoxFDDP*>(inner_.get());
 }
 
 SolverAugmentedLagrangian::~SolverAugmentedLagrangian() = default;
@@ -86,6 +94,14 @@ bool SolverAugmentedLagrangian::is_decorated() const {
   return true;
 }
 
+SolverAugmentedLagrangian::Node SolverAugmentedLagrangian::decorated(std::size_t t,
+                                                                     const Eigen::VectorXd& multipliers) const {
+  auto node = std::make_shared<ActionModelAugmentedLagrangian>(problem_->model(t));
+  node->set_penalty(rho_);
+  node->set_multipliers(multipliers);
+  return node;
+}
+
 // Nodes without constraints are the problem's own. Multipliers stay where node t has as many constraints as before.
 void SolverAugmentedLagrangian::decorate() {
   const std::size_t T = problem_->get_T();
@@ -100,10 +116,8 @@ void SolverAugmentedLagrangian::decorate() {
     const Index rows = rows_at(*problem_, t).size();
     y_next_[t].setZero(rows);
     if (rows == 0) continue;
-    nodes_[t] = std::make_shared<ActionModelAugmentedLagrangian>(models[t]);
-    nodes_[t]->set_penalty(rho_);
     const bool kept = t < multipliers.size() && multipliers[t].size() == rows;
-    nodes_[t]->set_multipliers(kept ? multipliers[t] : y_next_[t]);
+    nodes_[t] = decorated(t, kept ? multipliers[t] : y_next_[t]);
     datas[t] = nodes_[t]->createData(datas[t]);
     models[t] = nodes_[t];
   }
@@ -126,13 +140,23 @@ void SolverAugmentedLagrangian::resizeData() {
 }
 
 void SolverAugmentedLagrangian::circularAppend(std::shared_ptr<ActionModelAbstract> model) {
-  problem_->circularAppend(std::move(model));
+  internal::given(kSolverAugmentedLagrangian, model);
+  circularAppend(model, model->createData());
+}
+
+void SolverAugmentedLagrangian::circularAppend(std::shared_ptr<ActionModelAbstract> model,
+                                               std::shared_ptr<ActionDataAbstract> data) {
+  resizeData();
+  problem_->circularAppend(std::move(model), std::move(data));
   const std::size_t last = problem_->get_T() - 1;
   std::rotate(nodes_.begin(), nodes_.begin() + 1, nodes_.end() - 1);
-  const Index rows = rows_at(*problem_, last).size();
-  nodes_[last] = rows == 0 ? nullptr : std::make_shared<ActionModelAugmentedLagrangian>(problem_->model(last));
-  if (nodes_[last]) nodes_[last]->set_multipliers(Eigen::VectorXd::Zero(rows));
-  decorate();
+  std::rotate(y_next_.begin(), y_next_.begin() + 1, y_next_.end() - 1);
+  y_next_[last].setZero(rows_at(*problem_, last).size());
+  nodes_[last] = y_next_[last].size() == 0 ? nullptr : decorated(last, y_next_[last]);
+  if (nodes_[last])
+    augmented_->circularAppend(nodes_[last], nodes_[last]->createData(problem_->data(last)));
+  else
+    augmented_->circularAppend(problem_->model(last), problem_->data(last));
 }
 
 Vectors SolverAugmentedLagrangian::get_multipliers() const {
@@ -182,11 +206,11 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   setCandidate(init_xs, init_us, is_feasible);
   interrupted_ = false;
   outer_ = total_ = iter_ = 0;
-  stuck_ = 0;
+  stuck_ = flat_ = 0;
   cost_ = problem_->calc(xs_, us_);
   merit_ = NAN;
   measureViolation();
-  last_measure_ = best_kkt_ = std::numeric_limits<double>::infinity();
+  last_measure_ = last_violation_ = best_kkt_ = std::numeric_limits<double>::infinity();
   tolerance_ = std::max(th_stop_, tolerance_after(violation_, rho_, th_constraint_));
 }
 
@@ -234,25 +258,19 @@ void SolverAugmentedLagrangian::reportIteration() {
 
 // gfeas, hfeas and violation of the nodes as evaluated.
 void SolverAugmentedLagrangian::measureViolation() {
-  gfeas_ = hfeas_ = violation_ = 0;
-  for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
-    const ConstraintRows rows = rows_at(*problem_, t);
-    for (Index i = 0; i < rows.size(); ++i) {
-      const double v = std::abs(rows.violation(*problem_->data(t), i));
-      double& feas = i < rows.inequalities() ? gfeas_ : hfeas_;
-      feas = feasnorm_ == LInf ? larger(v, feas) : feas + v;
-      violation_ = larger(v, violation_);
-    }
-  }
+  gfeas_ = computeInequalityFeasibility();
+  hfeas_ = computeEqualityFeasibility();
+  violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
 // Violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers. (Those of
 // a plain adjoint recursion would grow with the robots' unstable motions.)
 void SolverAugmentedLagrangian::assess() {
-  merit_ = augmented_->calc(xs_, us_);
-  cost_ = problem_->total_cost();
+  if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
   inner_->set_preg(inner_->get_reg_min());
   inner_->computeDirection(true);
+  merit_ = augmented_->total_cost();
+  cost_ = problem_->total_cost();
   while (!inner_->direction_is_sound() && inner_->get_preg() < inner_->get_reg_max()) {
     inner_->increaseRegularization();
     inner_->computeDirection(false);
@@ -265,7 +283,7 @@ void SolverAugmentedLagrangian::assess() {
     const Eigen::VectorXd& y = nodes_[t]->get_multipliers();
     for (Index i = 0; i < y.size(); ++i) measure_ = larger(std::abs(y_next_[t][i] - y[i]) / rho_, measure_);
   }
-  kkt_ = internal::kkt_residual_of_data(*problem_, xs_, us_, inner_->get_Vx(), limits_, y_next_, gap_);
+  kkt_ = internal::kkt_residual_of_data(*problem_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), y_next_, gap_);
   if (!inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
 
@@ -277,13 +295,25 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   if (inner == StopReason::kInterrupted || interrupted_) return StopReason::kInterrupted;
   if (inner == StopReason::kNoDirection) return inner;
   if (!std::isfinite(measure_)) return StopReason::kNoStep;
-  if (total_ >= maxiter) return StopReason::kIterations;
+  if (comesNoCloser(inner)) return StopReason::kInfeasible;
+  if (total_ >= maxiter) return flat_ > 0 ? StopReason::kInfeasible : StopReason::kIterations;
   const bool progress = (last_measure_ > th_constraint_ && measure_ <= 0.5 * last_measure_) || kkt_ <= 0.5 * best_kkt_;
   if (met && !moved_ && !progress && inner == StopReason::kNoStep) return inner;
   const bool grows = measure_ > th_constraint_ && rho_ < rho_max_;
   stuck_ = progress || grows || (met && inner == StopReason::kIterations) ? 0 : stuck_ + 1;
   if (stuck_ < kPatience) return StopReason::kNone;
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
+}
+
+// Where the augmented Lagrangian is nearly the constraints' alone, at its minima, or where a step is to gain next to
+// nothing of what they add: the violation is stationary.
+bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
+  const double added = merit_ - cost_;
+  const bool settled =
+      inner != StopReason::kIterations || (is_feasible_ && expected_reduction(*inner_) < kStationary * added);
+  const bool closer = violation_ <= th_constraint_ || violation_ <= kCloser * last_violation_;
+  flat_ = settled && !closer && added > kOutweighs * std::abs(cost_) ? flat_ + 1 : 0;
+  return flat_ >= kFlat;
 }
 
 void SolverAugmentedLagrangian::updateMultipliers() {
@@ -296,6 +326,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
                         tolerance_after(measure_, rho_, th_constraint_));
   tolerance_ = std::max(tolerance_, 1e-30);
   last_measure_ = measure_;
+  last_violation_ = violation_;
   best_kkt_ = std::min(best_kkt_, kkt_);
 }
 

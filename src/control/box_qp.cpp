@@ -1,26 +1,17 @@
 #include "manycontact/control/box_qp.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "manycontact/action/fwd.hpp"
+#include "step_lengths.hpp"
 
 namespace manycontact {
 
-void check_alphas(const char* where, const std::vector<double>& alphas) {
-  require(!alphas.empty(), where, "there is no step length, one at least is expected");
-  for (std::size_t i = 0; i < alphas.size(); ++i)
-    require(alphas[i] > 0 && (i == 0 || alphas[i] < alphas[i - 1]), where,
-            "step lengths are expected to be positive and to fall");
-}
-
 BoxQP::BoxQP(std::size_t nx, std::size_t maxiter, double th_acceptstep, double th_grad, double reg)
-    : maxiter_(maxiter) {
+    : maxiter_(maxiter), alphas_(internal::default_alphas()) {
   set_th_acceptstep(th_acceptstep);
   set_th_grad(th_grad);
   set_reg(reg);
   set_nx(nx);
-  for (int n = 0; n < 10; ++n) alphas_.push_back(std::ldexp(1, -n));
 }
 
 void BoxQP::set_nx(std::size_t nx) {
@@ -69,9 +60,10 @@ bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, doub
   return true;
 }
 
-// The longest step, clamped to the box, that is accepted. As in Crocoddyl, g is the negative gradient on the free
-// components, so that a step may even raise the objective by th_acceptstep of what it was expected to lower it.
-void BoxQP::search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
+// The longest step, clamped to the box, that is accepted; false when none is. As in Crocoddyl, g is the negative
+// gradient on the free components, so that a step may even raise the objective by th_acceptstep of what it was expected
+// to lower it.
+bool BoxQP::search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                    const Eigen::VectorXd& ub) {
   const double old = 0.5 * x_.dot(Hx_) + q.dot(x_);
   for (double alpha : alphas_) {
@@ -80,9 +72,10 @@ void BoxQP::search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eig
     const double fnew = 0.5 * xnew_.dot(Hx_) + q.dot(xnew_);
     if (old - fnew > th_acceptstep_ * (g_.dot(x_) - g_.dot(xnew_))) {
       x_ = xnew_;
-      return;
+      return true;
     }
   }
+  return false;
 }
 
 bool BoxQP::minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
@@ -96,14 +89,14 @@ bool BoxQP::minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const E
   x_ = xinit.cwiseMin(ub).cwiseMax(lb);
   sound_ = true;
   double gradient = 0;
-  for (std::size_t k = 0; k < maxiter_; ++k) {
+  for (iter_ = 0; iter_ < maxiter_;) {
     Hx_.noalias() = H * x_;
     g_ = q + Hx_;
     sort_components(lb, ub);
     sound_ = newton_step(H, q, gradient);
     if (!sound_) return false;
-    search(H, q, lb, ub);
-    if (gradient <= th_grad_) break;
+    ++iter_;
+    if (!search(H, q, lb, ub) || gradient <= th_grad_) break;
   }
   solution_.x = x_;
   return true;
@@ -145,7 +138,7 @@ void BoxQP::set_reg(double reg) {
   reg_ = reg;
 }
 void BoxQP::set_alphas(const std::vector<double>& alphas) {
-  check_alphas("BoxQP::set_alphas", alphas);
+  internal::check_alphas("BoxQP::set_alphas", alphas);
   alphas_ = alphas;
 }
 

@@ -15,14 +15,9 @@ void SolverWithBox<Base>::allocateData() {
   Base::allocateData();
   const std::size_t T = this->problem_->get_T();
   Quu_inv_.resize(T);
-  du_lb_.resize(T);
-  du_ub_.resize(T);
   for (std::size_t t = 0; t < T; ++t) {
     const Eigen::Index nu = this->problem_->get_runningModels()[t]->get_nu();
-    if (du_lb_[t].size() == nu) continue;
-    Quu_inv_[t].setZero(nu, nu);
-    du_lb_[t].setZero(nu);
-    du_ub_[t].setZero(nu);
+    if (Quu_inv_[t].rows() != nu) Quu_inv_[t].setZero(nu, nu);
   }
 }
 
@@ -37,10 +32,10 @@ void SolverWithBox<Base>::computeGains(std::size_t t) {
     Base::computeGains(t);
     return;
   }
-  du_lb_[t] = model.get_u_lb() - this->us_[t];
-  du_ub_[t] = model.get_u_ub() - this->us_[t];
+  du_lb_ = model.get_u_lb() - this->us_[t];
+  du_ub_ = model.get_u_ub() - this->us_[t];
   if (qp_.get_nx() != model.get_nu()) qp_.set_nx(model.get_nu());
-  if (!qp_.minimise(this->Quu_[t], this->Qu_[t], du_lb_[t], du_ub_[t], this->k_[t])) {
+  if (!qp_.minimise(this->Quu_[t], this->Qu_[t], du_lb_, du_ub_, this->k_[t])) {
     this->sound_ = false;
     return;
   }

@@ -2,8 +2,9 @@
 // The constraints of a node as rows c = [g; h] with bounds, lo <= c <= hi.
 
 #include <algorithm>
+#include <cmath>
 
-#include "manycontact/control/shooting.hpp"
+#include "manycontact/control/solver.hpp"
 
 namespace manycontact::internal {
 
@@ -37,8 +38,15 @@ class ConstraintRows {
   const Eigen::VectorXd &lo_, &hi_;
 };
 
+/// max that keeps NaN.
+inline double larger(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
+
 inline ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
   return {*problem.model(t), problem.by_state_alone(t)};
 }
+
+enum class Rows { kInequalities, kEqualities, kAll };
+/// The largest violation of the rows of all nodes as evaluated, or the sum of them. NaN where one is.
+double infeasibility(const ShootingProblem& problem, Rows which, FeasibilityNorm norm);
 
 }  // namespace manycontact::internal

@@ -1,8 +1,10 @@
 #include "manycontact/control/ddp.hpp"
 
 #include <algorithm>
+#include <limits>
 
-#include "manycontact/control/box_qp.hpp"
+#include "kkt_residual.hpp"
+#include "step_lengths.hpp"
 
 namespace manycontact {
 
@@ -10,9 +12,8 @@ SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::
   SolverDDP::allocateData();
 }
 
-SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices) : SolverAbstract(std::move(problem)) {
-  for (int n = 0; n < 10; ++n) alphas_.push_back(std::ldexp(1, -n));
-}
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices)
+    : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()) {}
 
 void SolverDDP::resizeData() {
   SolverAbstract::resizeData();
@@ -67,6 +68,8 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ : init_reg;
   was_feasible_ = false;
   interrupted_ = false;
+  kkt_ = NAN;
+  polishing_ = 0;
   reason_ = StopReason::kNone;
 }
 
@@ -81,13 +84,9 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       break;
     }
     recalc = searchLine();
-    if (steplength_ > th_stepdec_) decreaseRegularization();
-    if (steplength_ <= th_stepinc_) {
-      increaseRegularization();
-      if (preg_ == reg_max_) {
-        reason_ = StopReason::kNoStep;
-        break;
-      }
+    if (!adaptRegularization()) {
+      reason_ = StopReason::kNoStep;
+      break;
     }
     stoppingCriteria();
     for (const auto& callback : callbacks_) (*callback)(*this);
@@ -100,7 +99,31 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       break;
     }
   }
+  if (reason_ == StopReason::kConverged && std::isfinite(th_kkt_)) reason_ = polish(maxiter);
   return reason_ == StopReason::kConverged;
+}
+
+// From a candidate that meets the stopping rule. Steps are accepted unseen where what they are to gain is less than the
+// cost's rounding.
+StopReason SolverDDP::polish(std::size_t maxiter) {
+  struct Restore {
+    double &number, value;
+    ~Restore() { number = value; }
+  } restore{th_grad_, th_grad_};
+  th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  for (bool moved = true;; ++polishing_) {
+    if (moved) {
+      calcDiff();
+      const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, keeps_limits());
+      Eigen::VectorXd gap;
+      kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, gap);
+    }
+    if (kkt_ <= th_kkt_) return StopReason::kConverged;
+    if (polishing_ == maxiter) return StopReason::kIterations;
+    if (!findDirection(false)) return StopReason::kNoDirection;
+    moved = searchLine();
+    if (!adaptRegularization()) return StopReason::kNoStep;
+  }
 }
 
 // More and more regularised until there is one.
@@ -110,6 +133,14 @@ bool SolverDDP::findDirection(bool recalc) {
     if (preg_ == reg_max_) return false;
   }
   return true;
+}
+
+// Less after long steps, more after short ones; false at the largest.
+bool SolverDDP::adaptRegularization() {
+  if (steplength_ > th_stepdec_) decreaseRegularization();
+  if (steplength_ > th_stepinc_) return true;
+  increaseRegularization();
+  return preg_ != reg_max_;
 }
 
 // The first of the step lengths that is accepted becomes the candidate; false when none is.
@@ -234,7 +265,7 @@ void SolverDDP::set_reg_max(double regmax) {
   reg_max_ = regmax;
 }
 void SolverDDP::set_alphas(const std::vector<double>& alphas) {
-  check_alphas("SolverDDP::set_alphas", alphas);
+  internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
 void SolverDDP::set_th_stepdec(double th_stepdec) {
@@ -244,6 +275,10 @@ void SolverDDP::set_th_stepdec(double th_stepdec) {
 void SolverDDP::set_th_stepinc(double th_stepinc) {
   require(th_stepinc > 0 && th_stepinc <= 1, "SolverDDP::set_th_stepinc", "a number in (0, 1] is expected");
   th_stepinc_ = th_stepinc;
+}
+void SolverDDP::set_th_kkt(double th_kkt) {
+  require(th_kkt > 0, "SolverDDP::set_th_kkt", "a positive tolerance is expected");
+  th_kkt_ = th_kkt;
 }
 void SolverDDP::set_th_grad(double th_grad) {
   require(th_grad >= 0, "SolverDDP::set_th_grad", "a number that is not negative is expected");

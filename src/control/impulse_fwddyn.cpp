@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "../action/terms.hpp"
 #include "impact_actuation.hpp"
 #include "steps.hpp"
 
@@ -32,7 +33,7 @@ class Terms : public DifferentialActionModelAbstract {
                 const ConstVectorRef&) override {}
 };
 
-void check_residual(const std::string& name, const ResidualModelAbstract& residual) {
+void check_residual(const std::string& name, const ResidualModelAbstract& residual, bool) {
   require(!residual.depends_on().u && !residual.depends_on().acceleration, kActionModelImpulseFwdDynamics,
           "\"" + name + "\" depends on controls or accelerations, which an impact does not have");
 }
@@ -109,10 +110,7 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
 }
 
 DataPtr Model_::createData() {
-  for (const auto& [name, item] : costs_->get_costs()) check_residual(name, *item->cost->get_residual());
-  if (constraints_)
-    for (const auto& [name, item] : constraints_->get_constraints())
-      check_residual(name, *item->constraint->get_residual());
+  internal::each_residual({*costs_, constraints_.get()}, check_residual);
   return std::make_shared<Data>(this);
 }
 
@@ -129,14 +127,7 @@ void Model_::lay_out(Data& d) const {
     fits = fits && d.laid_out[k] == item->active && d.frames[k] == item->impulse->get_id();
     ++k;
   }
-  auto cost = d.costs->costs.begin();
-  for (const auto& [name, item] : costs_->get_costs())
-    fits = item->cost->get_residual()->fits(*(cost++)->second->residual) && fits;
-  if (constraints_) {
-    auto constraint = d.constraints->constraints.begin();
-    for (const auto& [name, item] : constraints_->get_constraints())
-      fits = item->constraint->get_residual()->fits(*(constraint++)->second) && fits;
-  }
+  fits = internal::residuals_fit({*costs_, constraints_.get()}, *d.costs, d.constraints.get()) && fits;
   for (auto& [name, contact] : d.multibody->contacts->contacts) contact->f_u_columns = &kNoColumns;
   if (fits) return;
   d.laid_out.clear();
@@ -149,24 +140,19 @@ void Model_::lay_out(Data& d) const {
   if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
 }
 
-void Model_::read_status(std::vector<bool>& status) const {
-  status.clear();
-  for (const auto& [name, item] : costs_->get_costs()) status.push_back(item->active);
-  if (!constraints_) return;
-  for (const auto& [name, item] : constraints_->get_constraints()) status.push_back(item->active);
-}
-
 // v+ = w - e v, with w = xout of the dynamics at rest.
 void Model_::calc_impact(const char* where, Data& d, const ConstVectorRef& x) const {
-  require(d.costs->version == costs_->get_version() &&
-              (!constraints_ || d.constraints->version == constraints_->get_version()),
-          where, "costs or constraints were added or removed since the data were created, new data are expected");
+  const internal::ActionTerms terms{*costs_, constraints_.get()};
+  internal::check_terms(where, terms, *d.costs, d.constraints.get());
+  for (const auto& [name, item] : impulses_->get_impulses())
+    require(item->active == impulses_->get_contacts()->getContactStatus(name), where,
+            "the status of an impulse was written into its item, changeImpulseStatus is expected");
   const Eigen::Index nq = state_->get_nq(), nv = state_->get_nv();
   d.stage = Stage::kFresh;
   d.x = x;
   d.v = x.tail(nv);
   d.x_rest.head(nq) = x.head(nq);
-  read_status(d.status);
+  internal::read_status(terms, d.status);
   dynamics_->calc(d.dynamics, d.x_rest, d.v);
   DataCollector& m = *d.multibody;
   m.impact->vnext = d.dynamics->xout - r_coeff_ * d.v;
@@ -184,15 +170,7 @@ void Model_::calc_impact(const char* where, Data& d, const ConstVectorRef& x) co
 
 void Model_::finish(Data& d, Stage stage) const {
   d.cost = d.costs->cost;
-  d.r.resize(get_nr());
-  Eigen::Index at = 0;
-  auto part = d.costs->costs.begin();
-  for (const auto& [name, item] : costs_->get_costs()) {
-    const Eigen::VectorXd& r = (part++)->second->residual->r;
-    if (!item->active) continue;
-    d.r.segment(at, r.size()) = r;
-    at += r.size();
-  }
+  internal::stack_residuals(*costs_, *d.costs, d.r);
   internal::copy_values(*d.terms, false, d);
   d.stage = stage;
 }
@@ -217,12 +195,8 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
 
 // dv+/dq = dw/dq, dv+/dv = dw/dv - e I; the dynamics have v as their controls.
 void Model_::differentiate_impact(Data& d, Stage stage) const {
-  read_status(d.status_now);
-  if (d.stage != stage || d.status_now != d.status)
-    throw std::logic_error(std::string(kActionModelImpulseFwdDynamics) +
-                           "::calcDiff: it uses the values of the last calc; " +
-                           (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
-                           " is expected before it, on the same data, with the same costs and constraints");
+  internal::check_stage(kActionModelImpulseFwdDynamics,
+                        d.stage == stage && internal::has_status({*costs_, constraints_.get()}, d.status), stage);
   const Eigen::Index nv = state_->get_nv();
   dynamics_->calcDiff(d.dynamics, d.x_rest, d.v);
   DataCollector& m = *d.multibody;

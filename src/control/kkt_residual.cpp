@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/control/joined_solver.hpp"
 
 namespace manycontact {
 
@@ -33,6 +33,12 @@ double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row
   for (Eigen::Index k = 0; y && k < rows.size(); ++k)
     if ((*y)[k] != 0) sum += (*y)[k] * row(k)[i];
   return sum;
+}
+
+bool is_of_parts(const ShootingProblem& problem) {
+  for (std::size_t t = 0; t <= problem.get_T(); ++t)
+    if (dynamic_cast<const ActionModelParts*>(problem.model(t).get())) return true;
+  return false;
 }
 
 }  // namespace
@@ -74,31 +80,64 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
+// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
+double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& l,
+                              Eigen::VectorXd& gap) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  Eigen::VectorXd gx, gu;
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    joined_gradient(static_cast<const ActionModelJoined&>(*problem.model(t)),
+                    static_cast<const ActionDataJoined&>(*problem.data(t)), l[std::min(t + 1, T)], t == T, gx, gu);
+    worst.add(gx - l[t]);
+    if (t == T) break;
+    worst.add(gu);
+    problem.model(t)->get_state()->diff(xs[t + 1], problem.data(t)->xnext, gap);
+    worst.add(gap);
+  }
+  return worst.value;
+}
+
+double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+  gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
+  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+  require(ys.empty() && !limits, "kkt_residual",
+          "constraints and limits of robots that hold each other are not supported");
+  return kkt_residual_of_joined(problem, xs, l, gap);
+}
+
+double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                             bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
+  const std::vector<ShootingPart> parts = separate(problem);
+  require(ys.empty() || parts.size() == 1, "kkt_residual", "constraints of separate parts are not supported");
+  double worst = 0;
+  for (const ShootingPart& part : parts) {
+    Vectors own_xs(xs.size()), own_us(us.size()), own_l(xs.size());
+    for (std::size_t t = 0; t < xs.size(); ++t) {
+      gather(xs[t], part.x, own_xs[t]);
+      gather(l[t], part.dx, own_l[t]);
+      if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
+    }
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, ys, gap));
+  }
+  return worst;
+}
+
 }  // namespace internal
 
 double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,
                     const Vectors& ys) {
-  const std::size_t T = problem.get_T();
-  require(l.size() == T + 1 && (ys.empty() || ys.size() == T + 1), "kkt_residual",
+  const std::size_t nodes = problem.get_T() + 1;
+  require(l.size() == nodes && (ys.empty() || ys.size() == nodes), "kkt_residual",
           "the number of multipliers is not T + 1");
   problem.calc(xs, us);
   problem.calcDiff(xs, us);
-  Eigen::VectorXd gap(problem.get_ndx());
-  const std::vector<ShootingPart> parts = separate(problem);
-  if (parts.size() <= 1) return internal::kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
-  require(ys.empty(), "kkt_residual", "constraints of separate parts are not supported");
-  double worst = 0;
-  for (const ShootingPart& part : parts) {
-    Vectors own_xs(xs.size()), own_us(us.size()), own_l(xs.size());
-    for (std::size_t t = 0; t <= T; ++t) {
-      gather(xs[t], part.x, own_xs[t]);
-      gather(l[t], part.dx, own_l[t]);
-      if (t < T) gather(us[t], part.u[t], own_us[t]);
-    }
-    gap.resize(static_cast<Eigen::Index>(part.dx.size()));
-    worst = std::max(worst, internal::kkt_residual_of_data(*part.problem, own_xs, own_us, own_l, limits, {}, gap));
-  }
-  return worst;
+  Eigen::VectorXd gap;
+  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, gap);
 }
 
 }  // namespace manycontact

@@ -9,4 +9,16 @@ double kkt_residual_of_data(const ShootingProblem& problem, const std::vector<Ei
                             const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& gap);
 
+/// The same of nodes that may be of several parts, which takes memory then.
+double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                             const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
+                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& gap);
+
+/// least_squares_multipliers of nodes that are evaluated.
+std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,
+                                                                const std::vector<Eigen::VectorXd>& us, bool limits);
+
+/// Of nodes that are ActionModelJoined, by the structure of their bonds; NaN where that has no answer.
+std::vector<Eigen::VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem);
+
 }  // namespace manycontact::internal

@@ -1,7 +1,6 @@
 #include "manycontact/control/solver.hpp"
 
-#include <algorithm>
-
+#include "constraint_rows.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -21,30 +20,28 @@ const char* to_string(StopReason reason) {
     case StopReason::kInterrupted:
       return "interrupted";
     case StopReason::kInfeasible:
-      return "constraints cannot be met";
+      return "infeasible constraints";
   }
   return "?";
 }
 
 namespace {
 
-double norm(const Eigen::VectorXd& x, FeasibilityNorm which) {
-  if (x.size() == 0) return 0;
-  return which == LInf ? x.lpNorm<Eigen::Infinity>() : x.lpNorm<1>();
-}
-
-// The larger of, or the sum.
-double joined(double a, double b, FeasibilityNorm which) { return which == LInf ? std::max(a, b) : a + b; }
-
-// |g - nearest point within its bounds|
-double violation(const Eigen::VectorXd& g, const Eigen::VectorXd& lb, const Eigen::VectorXd& ub,
-                 FeasibilityNorm which) {
-  double out = 0;
-  for (Eigen::Index i = 0; i < g.size(); ++i) out = joined(out, std::max({0.0, lb[i] - g[i], g[i] - ub[i]}), which);
-  return out;
-}
+// The larger of, or the sum. NaN where one is.
+double joined(double a, double b, FeasibilityNorm which) { return which == LInf ? internal::larger(a, b) : a + b; }
 
 }  // namespace
+
+double internal::infeasibility(const ShootingProblem& problem, Rows which, FeasibilityNorm norm) {
+  double out = 0;
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) {
+    const ConstraintRows rows = rows_at(problem, t);
+    const Eigen::Index first = which == Rows::kEqualities ? rows.inequalities() : 0;
+    const Eigen::Index last = which == Rows::kInequalities ? rows.inequalities() : rows.size();
+    for (Eigen::Index i = first; i < last; ++i) out = joined(out, std::abs(rows.violation(*problem.data(t), i)), norm);
+  }
+  return out;
+}
 
 bool raiseIfNaN(double value) { return !(value < 1e30 && value > -std::numeric_limits<double>::infinity()); }
 
@@ -74,31 +71,17 @@ double SolverAbstract::computeDynamicFeasibility() {
   internal::each_node(problem_->get_nthreads(), models.size(),
                       [&](std::size_t t) { models[t]->get_state()->diff(xs_[t + 1], datas[t]->xnext, fs_[t + 1]); });
   double feasibility = 0;
-  for (const Eigen::VectorXd& f : fs_) feasibility = joined(feasibility, norm(f, feasnorm_), feasnorm_);
+  for (const Eigen::VectorXd& f : fs_)
+    for (const double gap : f) feasibility = joined(feasibility, std::abs(gap), feasnorm_);
   return feasibility;
 }
 
 double SolverAbstract::computeInequalityFeasibility() {
-  double feasibility = 0;
-  for (std::size_t t = 0; t < problem_->get_T(); ++t) {
-    const ActionModelAbstract& model = *problem_->get_runningModels()[t];
-    if (model.get_ng() == 0) continue;
-    feasibility =
-        joined(feasibility,
-               violation(problem_->get_runningDatas()[t]->g, model.get_g_lb(), model.get_g_ub(), feasnorm_), feasnorm_);
-  }
-  const ActionModelAbstract& model = *problem_->get_terminalModel();
-  if (model.get_ng_T() == 0) return feasibility;
-  return joined(feasibility,
-                violation(problem_->get_terminalData()->g, model.get_g_lb_T(), model.get_g_ub_T(), feasnorm_),
-                feasnorm_);
+  return internal::infeasibility(*problem_, internal::Rows::kInequalities, feasnorm_);
 }
 
 double SolverAbstract::computeEqualityFeasibility() {
-  double feasibility = 0;
-  for (const auto& data : problem_->get_runningDatas())
-    feasibility = joined(feasibility, norm(data->h, feasnorm_), feasnorm_);
-  return joined(feasibility, norm(problem_->get_terminalData()->h, feasnorm_), feasnorm_);
+  return internal::infeasibility(*problem_, internal::Rows::kEqualities, feasnorm_);
 }
 
 void SolverAbstract::check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const {

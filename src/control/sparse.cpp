@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "manycontact/control/joined_solver.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -34,7 +35,10 @@ void SolverSparse::allocateData() {
   parts_.clear();
   for (ShootingPart& part : separate(*problem_)) {
     part.problem->set_nthreads(1);
-    parts_.emplace_back(new SolverSparsePart(std::move(part)));
+    if (SolverJoinedPart::serves(*part.problem))
+      parts_.push_back(std::make_unique<SolverJoinedPart>(std::move(part)));
+    else
+      parts_.emplace_back(new SolverSparsePart(std::move(part)));
   }
   nodes_ = problem_->get_runningDatas();
   terminal_ = problem_->get_terminalData();
@@ -88,7 +92,7 @@ void SolverSparse::forwardPass(double steplength) {
 }
 
 void SolverSparse::prepareImprovement() {
-  each_part([](SolverSparsePart& own) { own.updateExpectedImprovement(); });
+  each_part([](SolverSparsePart& own) { own.prepareImprovement(); });
   dg_ = dq_ = 0;
   for (const auto& own : parts_) {
     dg_ += own->dg_;
@@ -119,13 +123,26 @@ void SolverSparse::computeGains(std::size_t t) {
   each_part([=](SolverSparsePart& own) { own.computeGains(t); });
 }
 
+std::vector<int> SolverSparsePart::blocks() const {
+  std::size_t nu = 0;
+  for (const auto& model : problem_->get_runningModels()) nu = std::max(nu, model->get_nu());
+  return {static_cast<int>(nu)};
+}
+
 std::vector<int> SolverSparse::blocks() const {
   std::vector<int> out;
   for (const auto& own : parts_) {
-    std::size_t nu = 0;
-    for (const auto& model : own->problem_->get_runningModels()) nu = std::max(nu, model->get_nu());
-    out.push_back(static_cast<int>(nu));
+    const std::vector<int> of_part = own->blocks();
+    out.insert(out.end(), of_part.begin(), of_part.end());
   }
+  return out;
+}
+
+std::string SolverSparse::direction() const {
+  std::string out;
+  for (const auto& own : parts_)
+    if (out.find(own->direction()) == std::string::npos)
+      out += (out.empty() ? "" : ", ") + std::string(own->direction());
   return out;
 }
 

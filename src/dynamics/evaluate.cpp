@@ -4,23 +4,27 @@
 
 namespace manycontact::internal {
 
+void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, int i) {
+  const Robot& robot = scene.robots[i];
+  const Model& model = *robot.model;
+  RobotData& r = w.robots[i];
+  forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
+  forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
+  inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
+  crba<double>(model, r.kin, r.Yc, r.M.data());
+  drop_rounding<double>(model, r.kin, r.Yc, r.M.data());
+  r.known = true;
+}
+
+void evaluate_contact(const Scene& scene, Workspace& w, int c) {
+  const Contact& contact = scene.contacts[c];
+  contact_rows<double>(scene, contact, w.supports[c], w.robots[contact.A.robot].kin,
+                       contact.B.robot < 0 ? nullptr : &w.robots[contact.B.robot].kin, w.contacts[c]);
+}
+
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, const Island& island) {
-  for (int i : island.robots) {
-    const Robot& robot = scene.robots[i];
-    const Model& model = *robot.model;
-    RobotData& r = w.robots[i];
-    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
-    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
-    inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
-    crba<double>(model, r.kin, r.Yc, r.M.data());
-    drop_rounding<double>(model, r.kin, r.Yc, r.M.data());
-    r.known = true;
-  }
-  for (int c : island.contacts) {
-    const Contact& contact = scene.contacts[c];
-    contact_rows<double>(scene, contact, w.supports[c], w.robots[contact.A.robot].kin,
-                         contact.B.robot < 0 ? nullptr : &w.robots[contact.B.robot].kin, w.contacts[c]);
-  }
+  for (int r : island.robots) evaluate_robot(scene, q, v, w, r);
+  for (int c : island.contacts) evaluate_contact(scene, w, c);
 }
 
 void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& d) {

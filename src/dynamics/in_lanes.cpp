@@ -27,7 +27,8 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
 template <class Wanted, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
   lanes::Groups& g = w.lanes;
-  for (auto& [key, group] : g.groups) {
+  for (auto& entry : g.groups) {
+    const lanes::Group& group = entry.second;
     const auto use_those_at_hand = [&] {
       if (g.islands.empty()) return;
       use(*group.kernel);

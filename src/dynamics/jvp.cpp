@@ -133,7 +133,7 @@ void formed_jvp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
                 const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
   const IslandDerivatives& D = formed(scene, data, i);
   const Island& island = data.workspace->islands[i]->island;
-  auto& [in, out] = data.workspace->products->formed;
+  Eigen::VectorXd &in = data.workspace->products->formed.columns, &out = data.workspace->products->formed.rows;
   internal::remake(in, D.cols);
   internal::remake(out, island.size());
   each_velocity_block(scene, island, [&](int from, int to, int n) {
@@ -152,7 +152,7 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
                 Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
   const IslandDerivatives& D = formed(scene, data, i);
   const Island& island = data.workspace->islands[i]->island;
-  auto& [out, in] = data.workspace->products->formed;
+  Eigen::VectorXd &out = data.workspace->products->formed.columns, &in = data.workspace->products->formed.rows;
   internal::remake(in, island.size());
   internal::remake(out, D.cols);
   each_velocity_block(scene, island, [&](int from, int to, int n) { in.segment(to, n) = wa.segment(from, n); });

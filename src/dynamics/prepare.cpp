@@ -167,11 +167,13 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     w.islands.clear();
     w.shelves.clear();
     w.lanes.groups.clear();
+    w.term_groups = {};
     w.derivatives.islands.clear();
   }
   w.options = data.options;
   change_islands(scene, data, w, all);
   lanes::regroup(scene, w);
+  lanes::regroup_terms(scene, w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

@@ -58,7 +58,7 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
 void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
                           IslandWork& d, IslandReport& report) {
   if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
-  evaluate(scene, q, v, *data.workspace, d.island);
+  if (!d.terms_in_lanes) evaluate(scene, q, v, *data.workspace, d.island);
   report.reason = check_input(scene, q, v, data.tau, d.island);
   if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
   if (!climb_ladder(scene, data, data.workspace->scratch, d, report)) {
@@ -142,6 +142,7 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   w.q = q;
   w.kinematics_known = false;
   solve_in_lanes(scene, data);
+  evaluate_in_lanes(scene, data);
   bool known = true;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     if (w.islands[i]->in_lanes)

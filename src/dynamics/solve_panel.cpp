@@ -38,12 +38,18 @@ struct Reach {
 constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 
 // Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
-void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, std::vector<char>& nonzero) {
+// refined: once, by a factor that does.
+void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, bool refined, std::vector<char>& nonzero) {
   const int ld = static_cast<int>(out.X.cols());
+  const auto solve = [&](int first, int cols) {
+    if (refined)
+      d.factor->solve_panel_refined(d.K, out.X.data(), ld, first, cols, nonzero.data());
+    else
+      d.factor->solve_panel(out.X.data(), ld, first, cols, nonzero.data());
+  };
   if (d.island.robots.size() == 1 || by_bodies(d)) {
     std::fill_n(nonzero.begin(), d.island.size(), 1);
-    d.factor->solve_panel(out.X.data(), ld, 0, ld, nonzero.data());
-    return;
+    return solve(0, ld);
   }
   Reach reach{scene, d.island, d.K.pattern->iperm.data(), nonzero};
   for (int begin = 0; begin < out.cols; begin += kChunk) {
@@ -60,7 +66,7 @@ void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, std
       block(out.request.v, out.v_first + d.island.dof_offset[k], nv, true, false);
       block(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k], false, false);
     }
-    d.factor->solve_panel(out.X.data(), ld, begin, end - begin, nonzero.data());
+    solve(begin, end - begin);
   }
 }
 
@@ -80,9 +86,10 @@ void solve_panel(const Scene& scene, IslandWork& d, IslandDerivatives& out, Pane
   const bool judged = !d.factor->panel_is_like_solve() ||
                       d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
   const bool refine = d.factor->own_refinements() == 0 && (judged || d.first_error > tolerance::kRefinePanel);
-  if (refine) std::copy_n(out.X.data(), out.X.size(), work.B.data());
-  solve_blocks(scene, d, out, work.nonzero);
-  if (!refine) return;
+  const bool at_once = refine && !judged && d.factor->refines_panels(static_cast<int>(out.X.cols()));
+  if (refine && !at_once) std::copy_n(out.X.data(), out.X.size(), work.B.data());
+  solve_blocks(scene, d, out, at_once, work.nonzero);
+  if (!refine || at_once) return;
   const double left = refine_panel(*d.factor, d.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
   if (!(left <= tolerance::kConverged)) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }

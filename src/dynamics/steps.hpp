@@ -29,6 +29,10 @@ void complete(const Scene& scene, const SceneData& data);
 void complete_island(const Scene& scene, const SceneData& data, IslandWork& island);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
+void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, int robot);
+void evaluate_contact(const Scene& scene, Workspace& work, int contact);
+/// The same for all islands that have terms_in_lanes, at w.q, data.v. What a lane cannot do is done alone.
+void evaluate_in_lanes(const Scene& scene, SceneData& data);
 /// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.
 void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& island);
 /// After evaluate: factorizes and solves by the first way that gives a sound answer. island.v.x, island.factor and the

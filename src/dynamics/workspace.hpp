@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "lanes/groups.hpp"
+#include "lanes/term_groups.hpp"
 #include "linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -50,6 +51,7 @@ struct IslandWork {
 
   // by prepare
   Island island;
+  bool terms_in_lanes = false;                // its robots and contacts are evaluated in lanes
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
 
   // by solve; with sparse-bodies `bodies`, and the rest only where that refuses
@@ -117,7 +119,8 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
-  lanes::Groups lanes;  // `islands` in groups
+  lanes::Groups lanes;            // `islands` in groups
+  lanes::TermGroups term_groups;  // robots and contacts of larger ones
 
   // by evaluate, update_kinematics
   bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane

@@ -61,8 +61,8 @@ class IncludeReader {
       here.fail("scene files are included more than " + std::to_string(kDeepestInclude) + " deep, expected fewer");
     if (out_.files.size() >= kMostFiles)
       here.fail("more than " + std::to_string(kMostFiles) + " scene files are included, expected fewer");
-    std::string problem;
-    const std::string text = read_file(path, problem);
+    std::string problem = file_problem(path, true);
+    const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
     // what an included scene says of the whole must be what holds
@@ -83,6 +83,10 @@ SceneFile read_scene(const std::string& path) {
   std::string problem;
   const std::string text = io::read_file(path, problem);
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a scene file");
+  return read_scene_text(text, path);
+}
+
+SceneFile read_scene_text(const std::string& text, const std::string& path) {
   io::SceneElements elements;
   const io::Element root = io::IncludeReader(elements).read(path, text);
 

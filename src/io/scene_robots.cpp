@@ -116,7 +116,7 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
   if (model) return model;
 
   const Element& e = robot.element;
-  const std::string problem = file_problem(robot.group.urdf);
+  const std::string problem = file_problem(robot.group.urdf, true);
   if (!problem.empty())
     e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
   try {

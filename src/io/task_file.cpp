@@ -101,7 +101,7 @@ void read_head(const Element& root, TaskFile& out) {
   const std::string scene = root.required("scene");
   if (scene.empty()) root.where("scene").fail("scene of <task> is empty, expected a scene file");
   const std::string scene_path = (path.parent_path() / scene).string();
-  const std::string problem = file_problem(scene_path);
+  const std::string problem = file_problem(scene_path, true);
   if (!problem.empty())
     root.where("scene").fail("scene of <task>: " + quote(scene_path) + " " + problem + ", expected a scene file");
   out.scene = read_scene(scene_path);

@@ -15,9 +15,12 @@ constexpr std::size_t kLargestFile = std::size_t(1) << 28;
 constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 }  // namespace
 
-std::string file_problem(const std::string& path) {
+std::string file_problem(const std::string& path, bool only_regular) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return "is a directory";
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status)) return "is a directory";
+  if (only_regular && std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    return "is not a file but a device or a pipe";
   errno = 0;
   if (std::ifstream(path, std::ios::binary)) return {};
   return std::string("cannot be opened") + (errno ? std::string(": ") + std::strerror(errno) : "");

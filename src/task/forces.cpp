@@ -3,7 +3,7 @@
 #include <map>
 
 #include "manycontact/control/euler.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/control/joined.hpp"
 #include "manycontact/control/rk.hpp"
 
 namespace manycontact {
@@ -23,6 +23,11 @@ const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbst
 void collect(const ActionDataAbstract& data, Forces& out) {
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
     for (const auto& part : whole->parts) collect(*part, out);
+    return;
+  }
+  if (const auto* joined = dynamic_cast<const ActionDataJoined*>(&data)) {
+    for (const auto& part : joined->parts) collect(*part, out);
+    for (std::size_t b = 0; b < joined->bonds.size(); ++b) out[joined->name_of_bond(b)] = joined->force_of_bond(b);
     return;
   }
   for (const auto& [name, contact] : dynamics_of(data).multibody->contacts->contacts) out[name] = contact->f;

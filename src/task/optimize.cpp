@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
@@ -12,7 +15,7 @@ namespace manycontact {
 
 namespace {
 
-// Of tasks with constraints that converged.
+// Of tasks that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 using Clock = std::chrono::steady_clock;
@@ -76,10 +79,10 @@ class Record : public CallbackAbstract {
   std::vector<TaskIteration>& iterations_;
 };
 
-// What `auto` is: sum n_i^3 operations where the whole scene takes (sum n_i)^3, n_i states of a part.
-TaskSolver chosen(TaskSolver solver, std::size_t parts) {
+// What `auto` is: make_problem has chosen the nodes by operations.
+TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   if (solver != TaskSolver::kAuto) return solver;
-  return parts > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
+  return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
 }
 
 std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<ShootingProblem>& problem,
@@ -89,12 +92,33 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-// Gradients of the value function at the candidate. (Those of a plain adjoint recursion, without the feedback, would
-// grow with the unstable motions of the robots.)
-std::vector<Eigen::VectorXd> multipliers_of(SolverDDP& solver) {
-  solver.get_problem()->calc(solver.get_xs(), solver.get_us());
-  solver.computeDirection(true);
-  return solver.get_Vx();
+TaskGains gains_of_part(const SolverDDP& solver, const ShootingPart& part) {
+  const auto& K = solver.get_K();
+  return {part.dx, part.u.front(), {K.begin(), K.end()}};
+}
+
+std::vector<TaskGains> gains_of(const SolverDDP& solver) {
+  std::vector<TaskGains> out;
+  if (const auto* sparse = dynamic_cast<const SolverSparse*>(&solver))
+    for (const auto& own : sparse->parts()) out.push_back(gains_of_part(*own, own->part()));
+  else if (!solver.get_K().empty())
+    out.push_back(gains_of_part(solver, separate(*solver.get_problem()).front()));
+  return out;
+}
+
+// "infeasible constraints: there, by 4.03 at node 40" or "iterations; constraints are missed: ...", those missed most
+// first.
+std::string with_violations(StopReason reason, std::vector<TaskViolation> violations) {
+  std::sort(violations.begin(), violations.end(), [](const auto& a, const auto& b) { return a.by > b.by; });
+  std::ostringstream text;
+  text << to_string(reason) << std::setprecision(3);
+  constexpr std::size_t kMost = 3;
+  const char* before = reason == StopReason::kInfeasible ? ": " : "; constraints are missed: ";
+  for (std::size_t k = 0; k < std::min(kMost, violations.size()) && violations[k].by > kMostViolation; ++k) {
+    text << before << violations[k].constraint << ", by " << violations[k].by << " at node " << violations[k].node;
+    before = "; ";
+  }
+  return text.str();
 }
 
 TaskTimes times_of(const Passes& passes, std::size_t nodes) {
@@ -105,7 +129,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 }  // namespace
 
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
-  const TaskSolver type = chosen(options.solver, problem.parts.size());
+  const TaskSolver type = chosen(options.solver, problem.blocks.size());
   if (type == TaskSolver::kSparse && has_constraints(task))
     throw InputError(task.path, task.solver_line,
                      "sparse imposes no constraints; expected fddp, box-fddp or auto where there are some");
@@ -113,6 +137,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   Passes passes;
   TaskSolution out;
   out.solver = to_string(type);
+  out.direction = "Riccati";
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
   const auto make = [&](const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, shooting, passes);
@@ -137,13 +162,26 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
     solve(solver);
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
+    out.gains = gains_of(*solver.get_inner());
+    out.violations = violations(task, problem);
+    if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();
   } else {
     const std::shared_ptr<SolverDDP> solver = make(problem.problem);
+    solver->set_th_kkt(kMostResidual);
     solve(*solver);
-    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) out.blocks = sparse->blocks();
-    out.kkt_residual =
-        kkt_residual(*problem.problem, out.xs, out.us, multipliers_of(*solver), type == TaskSolver::kBoxFddp);
+    out.polishing_iterations = solver->get_polishing_iter();
+    out.gains = gains_of(*solver);
+    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) {
+      out.blocks = sparse->blocks();
+      out.direction = sparse->direction();
+    }
+    out.kkt_residual = solver->get_kkt_residual();
+    if (std::isnan(out.kkt_residual)) {
+      const bool limits = solver->keeps_limits();
+      const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
+      out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits);
+    }
   }
   return out;
 }

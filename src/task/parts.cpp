@@ -115,23 +115,27 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
 
 }  // namespace
 
+std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count) {
+  std::vector<std::vector<int>> out;
+  std::vector<std::size_t> at(static_cast<std::size_t>(count));  // by root, the first of its set
+  for (int i = 0; i < count; ++i) {
+    const auto root = static_cast<std::size_t>(sets.root(i));
+    if (root == static_cast<std::size_t>(i)) {
+      at[root] = out.size();
+      out.emplace_back();
+    }
+    out[at[root]].push_back(i);
+  }
+  return out;
+}
+
 std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
   const Scene& scene = task.scene.scene;
   std::vector<int> memory(scene.robots.size());
   sparse::UnionFind sets(memory);
   for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, sets);
   join_of_phase(scene, task.terminal, sets);
-  std::vector<std::vector<int>> parts;
-  std::vector<std::size_t> part_at(memory.size());  // by root, the first of its set
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    const auto root = static_cast<std::size_t>(sets.root(r));
-    if (root == static_cast<std::size_t>(r)) {
-      part_at[root] = parts.size();
-      parts.emplace_back();
-    }
-    parts[part_at[root]].push_back(r);
-  }
-  return parts;
+  return sets_of(sets, scene.nrobots());
 }
 
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots) {

@@ -4,14 +4,17 @@
 
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/rk.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/task/joined.hpp"
 #include "manycontact/task/parts.hpp"
+#include "nodes.hpp"
 #include "terms.hpp"
 
 namespace manycontact {
 
-namespace {
+using task::Nodes;
 
-using DiffModel = DifferentialActionModelContactFwdDynamics;
+namespace {
 
 // Misuse of the action floor is bad input here.
 template <class F>
@@ -23,53 +26,43 @@ void blame(const TaskFile& task, int line, const F& f) {
   }
 }
 
+std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const TaskPhase& phase,
+                                                  const std::shared_ptr<StateMultibody>& state, std::size_t nu) {
+  const auto& contacts = task.scene.scene.contacts;
+  auto out = std::make_shared<ContactModelMultiple>(state, nu);
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    if (phase.active[c])
+      out->addContact(contacts[c].name, std::make_shared<ContactModelOfScene>(state, contacts[c], nu));
+  return out;
+}
+
+}  // namespace
+
+namespace task {
+
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state) {
   for (const Robot& robot : state->get_model()->scene().robots)
     if (robot.model->nu() < robot.model->nv) return std::make_shared<ActuationModelFloatingBase>(state);
   return std::make_shared<ActuationModelFull>(state);
 }
 
-std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const TaskPhase& phase,
-                                                  const TaskProblem& problem) {
-  const auto& contacts = task.scene.scene.contacts;
-  const std::size_t nu = problem.actuation->get_nu();
-  auto out = std::make_shared<ContactModelMultiple>(problem.state, nu);
-  for (std::size_t c = 0; c < contacts.size(); ++c)
-    if (phase.active[c])
-      out->addContact(contacts[c].name, std::make_shared<ContactModelOfScene>(problem.state, contacts[c], nu));
-  return out;
-}
-
-std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase, const TaskProblem& problem,
-                                    MatrixStorage storage) {
-  const task::Parts parts{task, problem.state, problem.actuation, contacts_of(task, phase, problem)};
-  auto costs = std::make_shared<CostModelSum>(problem.state, parts.nu());
-  for (const TaskTerm& term : phase.costs) blame(task, term.line, [&] { task::add_cost(term, parts, *costs); });
+std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase,
+                                    const std::shared_ptr<StateMultibody>& state,
+                                    const std::shared_ptr<ActuationModelAbstract>& actuation, MatrixStorage storage) {
+  const Parts parts{task, state, actuation, contacts_of(task, phase, state, actuation->get_nu())};
+  auto costs = std::make_shared<CostModelSum>(state, parts.nu());
+  for (const TaskTerm& term : phase.costs) blame(task, term.line, [&] { add_cost(term, parts, *costs); });
   std::shared_ptr<ConstraintModelManager> constraints;
   if (!phase.constraints.empty()) {
-    constraints = std::make_shared<ConstraintModelManager>(problem.state, parts.nu());
+    constraints = std::make_shared<ConstraintModelManager>(state, parts.nu());
     for (const TaskTerm& term : phase.constraints)
-      blame(task, term.line, [&] { task::add_constraint(term, parts, *constraints); });
+      blame(task, term.line, [&] { add_constraint(term, parts, *constraints); });
   }
-  auto model = std::make_shared<DiffModel>(problem.state, problem.actuation, parts.contacts, costs, constraints,
-                                           task.scene.scene.damping);
+  auto model =
+      std::make_shared<DiffModel>(state, actuation, parts.contacts, costs, constraints, task.scene.scene.damping);
   model->set_storage(storage);
-  blame(task, phase.line, [&] { (void)model->createData(); });
   return model;
 }
-
-// State, actuation and differential models.
-TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
-  TaskProblem out;
-  out.state = std::make_shared<StateMultibody>(task.scene.scene);
-  out.actuation = actuation_of(out.state);
-  for (const TaskPhase& phase : task.phases) out.models.push_back(model_of(task, phase, out, storage));
-  out.models.push_back(model_of(task, task.terminal, out, storage));
-  return out;
-}
-
-// Per phase, then the terminal one.
-using Nodes = std::vector<std::shared_ptr<ActionModelAbstract>>;
 
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model) {
   switch (task.integrator) {
@@ -85,24 +78,57 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
   return nullptr;
 }
 
-Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
-  Nodes out;
-  for (std::size_t k = 0; k < task.phases.size(); ++k) out.push_back(integrated(task, problem.models[k]));
-  out.push_back(std::make_shared<IntegratedActionModelEuler>(problem.models.back(), 0));
+std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model) {
+  return std::make_shared<IntegratedActionModelEuler>(model, 0);
+}
+
+std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
+  Scene scene = task.scene.scene;
+  std::vector<Eigen::VectorXd> us;
+  for (const TaskPhase& phase : task.phases) {
+    us.emplace_back(Eigen::VectorXd::Zero(scene.nu));
+    if (task.guess != TaskGuess::kQuasiStatic || scene.nu == 0) continue;
+    for (std::size_t c = 0; c < scene.contacts.size(); ++c) scene.contacts[c].active = phase.active[c];
+    us.back() = quasi_static(scene, task.scene.q);
+  }
+  return us;
+}
+
+}  // namespace task
+
+namespace {
+
+// State, actuation and differential models. For nodes of parts, which have models of their own, only to be looked at:
+// nothing is laid out.
+TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
+  TaskProblem out;
+  out.state = std::make_shared<StateMultibody>(task.scene.scene);
+  out.actuation = task::actuation_of(out.state);
+  const auto add = [&](const TaskPhase& phase) {
+    out.models.push_back(task::model_of(task, phase, out.state, out.actuation, storage));
+    if (storage == MatrixStorage::kDense) blame(task, phase.line, [&] { (void)out.models.back()->createData(); });
+  };
+  for (const TaskPhase& phase : task.phases) add(phase);
+  add(task.terminal);
   return out;
 }
 
-// Torques of each phase: quasi-static at x0 without its velocity, or zero.
-std::vector<Eigen::VectorXd> guess_of(const TaskFile& task, const TaskProblem& problem) {
-  Eigen::VectorXd still = task::x0_of(task.scene);
-  still.tail(task.scene.scene.nv).setZero();
-  std::vector<Eigen::VectorXd> us;
-  for (std::size_t k = 0; k < task.phases.size(); ++k) {
-    us.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.actuation->get_nu())));
-    if (task.guess == TaskGuess::kQuasiStatic && us.back().size() > 0)
-      problem.models[k]->quasiStatic(problem.models[k]->createData(), us.back(), still);
-  }
-  return us;
+Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
+  Nodes out;
+  for (std::size_t k = 0; k < task.phases.size(); ++k) out.push_back(task::integrated(task, problem.models[k]));
+  out.push_back(task::terminal_of(problem.models.back()));
+  return out;
+}
+
+// The robots of one part by blocks: all in one unless bonds can join them, and for kAuto unless that costs less.
+std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
+  std::vector<std::vector<int>> blocks = divide_robots(part);
+  if (blocks.size() > 1 && (solver == TaskSolver::kSparse || blocks_are_cheaper(part, blocks)) &&
+      bonds_are_independent(part, blocks))
+    return blocks;
+  blocks.assign(1, {});
+  for (int r = 0; r < part.scene.scene.nrobots(); ++r) blocks[0].push_back(r);
+  return blocks;
 }
 
 // us: per phase.
@@ -117,25 +143,46 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
+// A part of the scene: its robots, and these by blocks, numbered within the part.
+struct Part {
+  std::vector<int> robots;
+  TaskFile task;
+  std::vector<std::vector<int>> blocks;
+};
+
+std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
+  std::vector<Part> out;
+  for (std::vector<int>& robots : separate_robots(task)) {
+    TaskFile own = part_of(task, robots);
+    std::vector<std::vector<int>> blocks = blocks_of(own, solver);
+    out.push_back({std::move(robots), std::move(own), std::move(blocks)});
+  }
+  return out;
+}
+
 // Nodes and guess of every part, put together.
-void finish_by_parts(const TaskFile& task, TaskProblem& out) {
+void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
   const std::size_t nu = out.actuation->get_nu(), phases = task.phases.size();
-  std::vector<std::vector<ActionPart>> parts(phases + 1);
+  std::vector<std::vector<ActionPart>> of_nodes(phases + 1);
   std::vector<Eigen::VectorXd> us(phases, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu)));
-  for (const std::vector<int>& robots : out.parts) {
-    const TaskFile own = part_of(task, robots);
-    const TaskProblem models = models_of(own, MatrixStorage::kDense);
-    const Nodes nodes = nodes_of(own, models);
-    const std::vector<Eigen::VectorXd> own_us = guess_of(own, models);
-    ActionPart part = coordinates_of(task.scene.scene, robots);
+  for (const Part& own : parts) {
+    const Nodes nodes = own.blocks.size() > 1 ? task::joined_nodes(own.task, own.blocks)
+                                              : nodes_of(own.task, models_of(own.task, MatrixStorage::kDense));
+    const std::vector<Eigen::VectorXd> own_us = task::guess_of(own.task);
+    ActionPart part = coordinates_of(task.scene.scene, own.robots);
     for (std::size_t k = 0; k <= phases; ++k) {
       part.model = nodes[k];
-      parts[k].push_back(part);
+      of_nodes[k].push_back(part);
       if (k < phases) scatter(own_us[k], part.u, us[k]);
+    }
+    out.parts.push_back(own.robots);
+    for (const std::vector<int>& block : own.blocks) {
+      out.blocks.emplace_back();
+      for (const int r : block) out.blocks.back().push_back(own.robots[static_cast<std::size_t>(r)]);
     }
   }
   Nodes nodes;
-  for (std::vector<ActionPart>& own : parts) {
+  for (std::vector<ActionPart>& own : of_nodes) {
     auto model = std::make_shared<ActionModelParts>(out.state, nu, std::move(own));
     model->set_storage(MatrixStorage::kSparse);
     nodes.push_back(std::move(model));
@@ -152,12 +199,11 @@ bool has_constraints(const TaskFile& task) {
 
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver) {
   const bool by_parts = (solver == TaskSolver::kSparse || solver == TaskSolver::kAuto) && !has_constraints(task);
-  std::vector<std::vector<int>> parts;
-  if (by_parts) parts = separate_robots(task);
-  if (parts.size() <= 1) return make_problem(task);
+  std::vector<Part> parts;
+  if (by_parts) parts = parts_of(task, solver);
+  if (parts.empty() || (parts.size() == 1 && parts[0].blocks.size() == 1)) return make_problem(task);
   TaskProblem out = models_of(task, MatrixStorage::kSparse);
-  out.parts = std::move(parts);
-  finish_by_parts(task, out);
+  finish_by_parts(task, parts, out);
   return out;
 }
 
@@ -165,7 +211,8 @@ TaskProblem make_problem(const TaskFile& task) {
   TaskProblem out = models_of(task, MatrixStorage::kDense);
   out.parts.emplace_back();
   for (int r = 0; r < task.scene.scene.nrobots(); ++r) out.parts[0].push_back(r);
-  finish(task, nodes_of(task, out), guess_of(task, out), out);
+  out.blocks = out.parts;
+  finish(task, nodes_of(task, out), task::guess_of(task), out);
   return out;
 }
 

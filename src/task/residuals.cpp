@@ -1,3 +1,5 @@
+#include <numeric>
+
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
@@ -57,16 +59,26 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
       return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
-    default:
-      return std::make_shared<ResidualModelControl>(p.state, reference);
+    default: {  // behind the torques there may be wrenches
+      Eigen::VectorXd of_all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.nu()));
+      of_all.head(reference.size()) = reference;
+      return std::make_shared<ResidualModelControl>(p.state, of_all);
+    }
   }
 }
 
 Residual of_coordinates(const TaskTerm& term, const Parts& p) {
   Residual out{term.name, whole(term, p), 1, {}, {}};
   const Scene& scene = p.task.scene.scene;
-  if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) return out;
+  const bool all = term.residual != TaskResidual::kControl || static_cast<int>(p.nu()) == scene.nu;
   std::vector<int> rows;
+  if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) {
+    if (all) return out;
+    rows.resize(static_cast<std::size_t>(scene.nu));
+    std::iota(rows.begin(), rows.end(), 0);
+    out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
+    return out;
+  }
   for (const int r : term.robots) {  // one robot's after the other's, as the term's numbers are repeated
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());

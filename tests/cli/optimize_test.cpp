@@ -73,6 +73,63 @@ TEST_F(Optimize, TasksOfModelsConvergeOnAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Optimize, TasksOfModelsWithConstraintsAndInARingConverge) {
+  for (const char* name : {"humanoid_points", "ring_squats"}) {
+    EXPECT_EQ(run(words(task(name))).status, 0) << name;
+    const nlohmann::json report = json()["report"];
+    EXPECT_LT(report["kkt_residual"], 1e-6) << name;
+    EXPECT_LT(report["constraint_violation"], 1e-8) << name;
+    EXPECT_EQ(report["constraints"].size(), name == std::string("ring_squats") ? 0u : 3u);
+  }
+}
+
+TEST_F(Optimize, FollowsTheMotionInSimulation) {
+  const Outcome outcome = run(words(task("humanoid_reaches"), {"--simulate", "1e-3"}));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "in simulation contacts drift by");
+  const nlohmann::json simulation = json()["report"]["simulation"];
+  EXPECT_EQ(simulation["completed"], true);
+  EXPECT_LT(simulation["position_drift"], 1e-6);
+  EXPECT_LT(simulation["distance"], 0.5);
+  EXPECT_EQ(run(words(task("humanoid_reaches"), {"--simulate", "0"})).status, 2);
+}
+
+TEST_F(Optimize, DrawsCharts) {
+  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot here";
+  EXPECT_EQ(run(words(task("humanoid_points"), {"--charts", path("charts")})).status, 0);
+  for (const char* chart : {"convergence", "torques", "forces"}) {
+    const std::string svg = read_text(path("charts/" + std::string(chart) + ".svg"));
+    expect_contains(svg, "</svg>");
+    expect_contains(svg, "humanoid_points");
+    EXPECT_EQ(read_text(path("charts/" + std::string(chart) + ".png")).substr(1, 3), "PNG");
+  }
+  expect_contains(read_text(path("charts/torques.svg")), "left_knee");
+  expect_contains(read_text(path("charts/forces.svg")), "smallest cone");
+}
+
+TEST_F(Optimize, SaysThatThereIsNoGnuplot) {
+  const std::string before = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const Outcome outcome = run(words(task("humanoid_points"), {"--charts", path("charts")}));
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(outcome.status, 2);
+  expect_contains(outcome.err, "gnuplot is not installed");
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+}
+
+TEST_F(Optimize, SaysWhichConstraintsCannotHold) {
+  const std::string wall = R"(<constraint name="behind" type="frame_translation" frame="humanoid/left_hand"
+                                 xyz="0 0 0" lower="9 -inf -inf" upper="inf inf inf"/></terminal>)";
+  const Outcome outcome = run(words(edited("humanoid_reaches", "</terminal>", wall), {"--threads", "1"}));
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  expect_contains(outcome.out, "did not converge");
+  expect_contains(outcome.out, "infeasible constraints: behind, by ");
+  expect_contains(outcome.out, "outer iterations");
+  EXPECT_EQ(json()["report"]["constraints"][0]["name"], "behind");
+  EXPECT_EQ(json()["report"]["constraints"][0]["violation"], json()["report"]["constraint_violation"]);
+  EXPECT_GT(json()["report"]["outer_iterations"], 1);
+}
+
 TEST_F(Optimize, EndsAfterTheIterationsAllowed) {
   const Outcome outcome = run(words(edited("humanoid_reaches", "iterations=\"100\"", "iterations=\"2\"")));
   EXPECT_EQ(outcome.status, 1);

@@ -17,7 +17,7 @@ TEST_F(Usage, HelpNamesEveryCommandAndOption) {
         "batch SCENE --states FILE.npy --out FILE.npy", "stability SCENE --out DIR", "chart SCENE... --out DIR",
         "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
-  for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability"}) {
+  for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability", "view"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_EQ(help.err, "");

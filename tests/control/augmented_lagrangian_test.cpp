@@ -248,6 +248,55 @@ TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
   EXPECT_LE(solver.get_xs()[9][1], -0.12 + 1e-8);
 }
 
+// A node that counts how often it is evaluated, and how many data it made.
+class Counted : public Gate {
+ public:
+  using Gate::Gate;
+  void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    ++evaluated;
+    Gate::calc(data, x, u);
+  }
+  using Gate::calc;
+  NodeDataPtr createData() override {
+    ++created;
+    return Gate::createData();
+  }
+  int evaluated = 0, created = 0;
+};
+
+// At the solution: once to start from, once by the minimisation's first iteration and by each of its steps, and none
+// for the judgement of a candidate that was evaluated last.
+TEST(AugmentedLagrangian, EvaluatesNodesAsOftenAsNeeded) {
+  const auto node = std::make_shared<Counted>(-kInfinity, -0.12);
+  const auto problem = gated(node);
+  problem->set_nthreads(1);
+  SolverAugmentedLagrangian solver(problem);
+  EXPECT_TRUE(solver.solve({}, {}, 200));
+  const Vectors xs = solver.get_xs(), us = solver.get_us();
+  node->evaluated = 0;
+  EXPECT_TRUE(solver.solve(xs, us, 100, true));
+  EXPECT_EQ(solver.get_outer_iter(), 1u);
+  EXPECT_EQ(solver.get_iter(), 0u);
+  EXPECT_EQ(node->evaluated, 4);
+}
+
+TEST(AugmentedLagrangian, AShiftOfTheHorizonTouchesOneNode) {
+  const auto node = std::make_shared<Counted>(-kInfinity, -0.12);
+  const auto problem =
+      std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
+  SolverAugmentedLagrangian solver(problem);
+  solver.solve({}, {}, 3);
+  const ShootingProblem::Models before = solver.get_inner()->get_problem()->get_runningModels();
+  node->created = 0;
+  solver.circularAppend(node);
+  EXPECT_EQ(node->created, 1);
+  const ShootingProblem::Models after = solver.get_inner()->get_problem()->get_runningModels();
+  EXPECT_TRUE(std::equal(before.begin() + 1, before.end(), after.begin()));
+  solver.circularAppend(node, problem->get_runningDatas()[0]);
+  EXPECT_EQ(node->created, 1);
+  EXPECT_TRUE(solver.solve({}, {}, 300)) << to_string(solver.reason());
+}
+
 // ---- an arm ---------------------------------------------------------------------------------------------------------
 
 // The tool in the end exactly at a point, at rest; until the last five nodes 0.1 m above that point, on a table.

@@ -58,6 +58,19 @@ TEST(BoxQP, IsTheBestOfAllFaces) {
   EXPECT_GT(clamped, 50);
 }
 
+// At the minimum no step is accepted, and the gradient's rounding is above a tolerance of zero.
+TEST(BoxQP, EndsWhereNoStepIsAccepted) {
+  std::mt19937 rng(9);
+  Eigen::MatrixXd root(4, 4);
+  for (int i = 0; i < 4; ++i) root.col(i) = random_vector(4, rng);
+  const Eigen::MatrixXd H = root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(4, 4);
+  const Eigen::VectorXd q = random_vector(4, rng), far = Eigen::VectorXd::Constant(4, 1e3);
+  BoxQP qp(4, 100, 0.1, 0, 0);
+  qp.solve(H, q, -far, far, Eigen::VectorXd::Zero(4));
+  EXPECT_LT(qp.get_iter(), 10u);
+  EXPECT_LT(difference_of(qp.get_solution().x, H.llt().solve(-q).eval()), 1e-10);
+}
+
 TEST(BoxQP, SaysWhenTheMatrixIsNotPositive) {
   BoxQP qp(2);
   const Eigen::Vector2d q(1, -1), lb(-1, -1), ub(1, 1);

@@ -340,6 +340,36 @@ TEST(Impact, FollowsItsParts) {
   EXPECT_NE(os.str().find("AnyImpulse {frame="), std::string::npos);
 }
 
+// What was written into an item, and not by changeConstraintStatus or changeImpulseStatus, is heeded by no one.
+TEST(Impact, RefusesAStatusWrittenIntoAnItem) {
+  ImpactProblem p(42);
+  p.add_residuals();
+  const auto model = p.model();
+  const NodeDataPtr data = model->createData();
+  model->calc(data, p.x, p.none);
+  bool& constraint = p.constraints->get_constraints().begin()->second->active;
+  bool& impulse = p.impulses->get_impulses().begin()->second->active;
+  for (bool* status : {&constraint, &impulse}) {
+    *status = false;
+    EXPECT_THROW(model->calc(data, p.x, p.none), std::invalid_argument);
+    EXPECT_THROW(model->calc(data, p.x), std::invalid_argument);
+    *status = true;
+    model->calc(data, p.x, p.none);
+  }
+}
+
+TEST(Impact, OfABodyWithoutFramesIsPrinted) {
+  RandomScene s = ImpactProblem::scene_of(42);
+  for (Robot& robot : s.scene.robots) {
+    Model bare = *robot.model;
+    bare.frames.clear();
+    robot.model = std::make_shared<const Model>(bare);
+  }
+  std::ostringstream os;
+  os << *ImpactProblem(s).impulses;
+  EXPECT_NE(os.str().find("AnyImpulse {frame=none, type="), std::string::npos) << os.str();
+}
+
 TEST(Impact, RefusesMisuse) {
   ImpactProblem p(40);
   EXPECT_THROW(p.model(-0.1), std::invalid_argument);

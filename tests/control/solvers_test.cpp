@@ -235,6 +235,66 @@ class Spoiled : public ActionModelUnicycle {
   What what_;
 };
 
+// The stopping value is an energy: where it is met, gradients may be large. With th_kkt solves go on from there, by the
+// same iterates until there.
+TEST(Solvers, GoOnUntilTheKktResidualIsSmall) {
+  const auto problem = reaching_humanoid(12);
+  const Guess guess = standing(*problem);
+  for (const bool box : {false, true}) {
+    const std::unique_ptr<SolverFDDP> solver =
+        box ? std::make_unique<SolverBoxFDDP>(problem) : std::make_unique<SolverFDDP>(problem);
+    const auto residual = [&] {
+      const Vectors xs = solver->get_xs(), us = solver->get_us();
+      return kkt_residual(*problem, xs, us, least_squares_multipliers(*problem, xs, us, box), box);
+    };
+    const auto log = std::make_shared<CallbackLogger>();
+    solver->setCallbacks({log});
+    solver->set_th_stop(1e-2);
+    EXPECT_TRUE(solver->solve(guess.xs, guess.us));
+    EXPECT_TRUE(std::isnan(solver->get_kkt_residual()));
+    EXPECT_GT(residual(), 1e-7);
+    const std::vector<double> costs = log->costs;
+    log->costs.clear();
+    solver->set_th_kkt(1e-7);
+    EXPECT_TRUE(solver->solve(guess.xs, guess.us));
+    EXPECT_EQ(log->costs, costs);
+    EXPECT_GT(solver->get_polishing_iter(), 0u);
+    EXPECT_LE(solver->get_kkt_residual(), 1e-7);
+    EXPECT_EQ(residual(), solver->get_kkt_residual());
+    solver->set_th_kkt(1e-300);
+    EXPECT_FALSE(solver->solve(guess.xs, guess.us, 30));
+    EXPECT_NE(solver->reason(), StopReason::kConverged);
+  }
+  EXPECT_THROW(SolverFDDP(problem).set_th_kkt(0), std::invalid_argument);
+}
+
+// Of the whole horizon: l that minimises |g + C^T l|, C the derivatives of the dynamics.
+TEST(Solvers, MultipliersAreTheLeastSquaresOnes) {
+  const std::size_t T = 5, nx = 4, nu = 2, n = nx + nu;
+  const auto problem = random_lqr(T, nx, nu);
+  std::mt19937 rng(3);
+  Vectors xs, us;
+  for (std::size_t t = 0; t <= T; ++t) {
+    xs.push_back(random_vector(nx, rng));
+    if (t < T) us.push_back(random_vector(nu, rng));
+  }
+  const Vectors l = least_squares_multipliers(*problem, xs, us, false);
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero((T + 1) * nx, T * n + nx);
+  Eigen::VectorXd g(T * n + nx), own((T + 1) * nx);
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionDataAbstract& d = *problem->data(t);
+    own.segment(t * nx, nx) = l[t];
+    C.block(t * nx, t * n, nx, nx) = -Eigen::MatrixXd::Identity(nx, nx);
+    g.segment(t * n, nx) = d.Lx;
+    if (t == T) break;
+    C.block((t + 1) * nx, t * n, nx, nx) = d.Fx;
+    C.block((t + 1) * nx, t * n + nx, nx, nu) = d.Fu;
+    g.segment(t * n + nx, nu) = d.Lu;
+  }
+  const Eigen::VectorXd truth = (C * C.transpose()).ldlt().solve(-C * g);
+  EXPECT_LT(error_of(own, truth), 1e-9);
+}
+
 TEST(Solvers, SayWhyTheyStopped) {
   using What = Spoiled::What;
   const std::pair<What, StopReason> cases[] = {{What::kCost, StopReason::kNoStep},

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
@@ -279,6 +281,128 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
     EXPECT_TRUE(!request.u || same(some.da_du, all.da_du));
     EXPECT_TRUE(!request.u || same(some.dforces_du, all.dforces_du));
   }
+}
+
+// ---- robots of one island: terms in lanes, one factor --------------------------------------------------------------
+
+Contact holding(std::mt19937& rng) {
+  Contact c;
+  c.type = ContactType::k3D;
+  c.A = {0, 12, random_placement(rng)};
+  c.B = {0, 6, random_placement(rng)};
+  c.alpha = 30, c.beta = 4;
+  return c;
+}
+void join(Herd& h, int A, int B, Contact like) {
+  like.name = "hold" + std::to_string(A);
+  like.A.robot = A;
+  like.B.robot = B;
+  add_contact(h.scene, like);
+}
+Herd joined_in_a_ring(Herd h, const Contact& like) {
+  const int count = h.scene.nrobots();
+  for (int r = 0; r < count; ++r) join(h, r, (r + 1) % count, like);
+  return h;
+}
+
+void expect_same_contact(const ContactData<double>& x, const ContactData<double>& y) {
+  EXPECT_TRUE(same(x.J, y.J));
+  EXPECT_TRUE(same(x.Jl, y.Jl));
+  EXPECT_TRUE(same(x.W, y.W));
+  EXPECT_TRUE(same(x.a0, y.a0));
+  EXPECT_TRUE(same(x.aMA.R, y.aMA.R) && same(x.bMA.p, y.bMA.p) && same(x.G.R, y.G.R) && same(x.x, y.x));
+  EXPECT_TRUE(same(x.vA, y.vA) && same(x.vB, y.vB) && same(x.aA, y.aA) && same(x.aB, y.aB));
+}
+void expect_same_terms(const SceneData& x, int r, const SceneData& y, int s) {
+  const Kinematics<double>&a = kinematics_of(x, r), &b = kinematics_of(y, s);
+  EXPECT_TRUE(same(a.J, b.J) && same(a.origin, b.origin) && same(a.a_base, b.a_base));
+  for (std::size_t i = 0; i < a.oMi.size(); ++i) {
+    EXPECT_TRUE(same(a.oMi[i].R, b.oMi[i].R) && same(a.oMi[i].p, b.oMi[i].p)) << i;
+    EXPECT_TRUE(same(a.v[i], b.v[i]) && same(a.a[i], b.a[i])) << i;
+    EXPECT_TRUE(same(a.Y[i].matrix(), b.Y[i].matrix())) << i;
+    EXPECT_TRUE(same(composite_inertias(x, r)[i].matrix(), composite_inertias(y, s)[i].matrix())) << i;
+  }
+  EXPECT_TRUE(std::ranges::equal(inertia_of(x, r), inertia_of(y, s)));
+  EXPECT_TRUE(same(bias_of(x, r), bias_of(y, s)));
+}
+
+TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
+  std::mt19937 rng(17);
+  for (const bool floating : {true, false}) {
+    const Herd herd = random_herd(rng, 11, floating, 1e-3);
+    const Contact like = holding(rng);
+    const Herd ring = joined_in_a_ring(herd, like);
+    const Options options{Method::kSparseLdl, {}, GetParam()};
+    SceneData data(ring.scene, options);
+    ASSERT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, data).status, Status::kOk);
+    ASSERT_EQ(island_count(data), 1u);
+    ModelOptions small;
+    small.njoints = 2;
+    const auto other = std::make_shared<const Model>(random_model(rng, small));
+    for (int r = 0; r < 11; ++r) {
+      SCOPED_TRACE(r);
+      Herd two = part_of(herd, {r, (r + 1) % 11});
+      join(two, 0, 1, like);
+      SceneData of_two(two.scene, options);
+      (void)solve(two.scene, two.q, two.v, two.u, of_two);
+      for (int k = 0; k < 2; ++k) expect_same_terms(data, (r + k) % 11, of_two, k);
+      for (int k = 0; k < 3; ++k) expect_same_contact(contact_of(data, 3 * r + k), contact_of(of_two, k));
+      expect_same_contact(contact_of(data, 33 + r), contact_of(of_two, 6));
+
+      Herd alone = part_of(herd, {r});  // beside one of another model
+      add_robot(alone.scene, "other", other);
+      VectorXd q(alone.scene.nq), v = VectorXd::Zero(alone.scene.nv), u = VectorXd::Zero(alone.scene.nu);
+      q << alone.q, neutral(*other);
+      v.head(alone.v.size()) = alone.v;
+      Contact to_other = like;
+      to_other.B.joint = 1;
+      join(alone, 0, 1, to_other);
+      SceneData of_one(alone.scene, options);
+      (void)solve(alone.scene, q, v, u, of_one);
+      ASSERT_EQ(island_count(of_one), 1u);
+      expect_same_terms(data, r, of_one, 0);
+      for (int k = 0; k < 3; ++k) expect_same_contact(contact_of(data, 3 * r + k), contact_of(of_one, k));
+    }
+  }
+}
+
+TEST_P(InLanes, InAnIslandLevelsAgreeToRounding) {
+  std::mt19937 rng(18);
+  for (int k = 0; k < 4; ++k) {
+    Herd ring = joined_in_a_ring(random_herd(rng, 5, k % 2, k < 2 ? 0 : 1e-3), holding(rng));
+    ring.scene.contacts[3].alpha = 2;  // one unlike the others
+    SceneData data(ring.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    if (solve(ring.scene, ring.q, ring.v, ring.u, data).status != Status::kOk) continue;
+    estimate_condition(ring.scene, data);
+    const Answer off = answer(ring, Lanes::kOff), on = answer(ring, GetParam());
+    const double allowed = std::max(1e-12, 100 * 2.2e-16 * data.report.islands[0].condition);
+    EXPECT_LE((on.a - off.a).lpNorm<Eigen::Infinity>(), allowed * off.a.lpNorm<Eigen::Infinity>());
+    EXPECT_LE((on.f - off.f).lpNorm<Eigen::Infinity>(), allowed * off.f.lpNorm<Eigen::Infinity>());
+    EXPECT_LE((on.X[0] - off.X[0]).lpNorm<Eigen::Infinity>(), 10 * allowed * off.X[0].lpNorm<Eigen::Infinity>());
+    EXPECT_FALSE(same(on.X[0], off.X[0])) << "not in lanes";
+  }
+}
+
+// An angle past what lanes take, and a state that is not finite: that robot's terms are those without lanes.
+TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
+  std::mt19937 rng(19);
+  Herd ring = joined_in_a_ring(random_herd(rng, 11, true, 1e-3), holding(rng));
+  const Model& model = *ring.scene.robots[0].model;
+  int angle = -1;
+  for (const Joint& joint : model.joints)
+    if (joint.type == JointType::kRevolute) angle = joint.idx_q;
+  ASSERT_GE(angle, 0);
+  const Options on{Method::kSparseLdl, {}, GetParam()};
+  SceneData before(ring.scene, on), after(ring.scene, on), off(ring.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  (void)solve(ring.scene, ring.q, ring.v, ring.u, before);
+  double& at = ring.q[ring.scene.robots[5].idx_q + angle];
+  at = std::remainder(at, 1) + 3e7;
+  EXPECT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, after).status, Status::kOk);
+  (void)solve(ring.scene, ring.q, ring.v, ring.u, off);
+  for (int r = 0; r < 11; ++r) expect_same_terms(after, r, r == 5 ? off : before, r);
+  at = kNaN;
+  EXPECT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, after).status, Status::kFailed);
+  EXPECT_EQ(after.report.islands[0].reason, Reason::kNotFinite);
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, InLanes, testing::ValuesIn(lanes_here()),

@@ -131,6 +131,40 @@ TEST(LdlSolvePanel, ZeroRowsMayBeLeftOut) {
   }
 }
 
+// With a factor that is not quite A's: X + F^-1 (B - A X), X = F^-1 B, by the same steps one after the other.
+TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
+  std::mt19937 rng(65);
+  Factor f(40, 0.1, rng);
+  for (double& l : f.L) l *= 1 + 1e-6 * random_matrix(1, 1, rng)(0);
+  for (int cols : {1, 8, 27, 70}) {
+    Panel given = poisoned(f.n() + 1, cols + 3, 2, cols, rng);
+    std::vector<char> nonzero(f.n());
+    for (int k = 0; k < f.n(); ++k) {
+      nonzero[k] = std::bernoulli_distribution(0.3)(rng);
+      if (!nonzero[k]) given.row(f.row[k]).segment(2, cols).setZero();
+    }
+    for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+      const int ld = cols + 3;
+      Panel X = given, R = given, refined = given;
+      const auto solve = [&](Panel& panel, std::vector<char> flags) {
+        level->solve(f.schedule, f.L.data(), f.D.data(), f.row.data(), panel.data(), ld, 2, cols, flags.data());
+      };
+      solve(X, nonzero);
+      level->residual(f.A.pattern, f.A.x.data(), f.row.data(), X.data() + 2, R.data() + 2, ld, cols);
+      EXPECT_GT(size_of(R.middleCols(2, cols)), 1e-9);
+      solve(R, std::vector<char>(f.n(), 1));
+      std::vector<double> work(f.n() * (2 * level->columns + 1), NAN);
+      std::vector<char> flags = nonzero;
+      level->solve_refined(f.schedule, f.A.pattern, f.A.x.data(), f.L.data(), f.D.data(), f.row.data(), refined.data(),
+                           ld, 2, cols, flags.data(), work.data());
+      for (int k = 0; k < f.n(); ++k)
+        EXPECT_EQ(refined.row(f.row[k]).segment(2, cols), (X + R).row(f.row[k]).segment(2, cols)) << level->name;
+      EXPECT_TRUE(refined.leftCols(2).array().isNaN().all());
+      EXPECT_TRUE(refined.rightCols(1).array().isNaN().all());
+    }
+  }
+}
+
 // Dropped rows of dependent_rows.hpp: an infinite pivot gives zero.
 TEST(LdlSolvePanel, InfinitePivotsGiveZero) {
   std::mt19937 rng(63);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 
@@ -66,6 +67,24 @@ TEST(UpperCsc, ResidualAndItsScale) {
   sparse::residual(A.pattern, A.x.data(), x.data(), b.data(), r.data(), scale.data());
   EXPECT_LE(error_of(r, Eigen::VectorXd(b - A.dense * x)), 8 * kEps);
   EXPECT_LE(error_of(scale, Eigen::VectorXd(b.cwiseAbs() + A.dense.cwiseAbs() * x.cwiseAbs())), 8 * kEps);
+}
+
+// Scattered entries, and rows that follow each other: sums of n products, each rounded once or twice.
+TEST(UpperCsc, ResidualOfEveryLevel) {
+  std::mt19937 rng(5);
+  const int n = 37;
+  for (const double density : {0.0, 0.1, 0.7, 1.0}) {
+    const Symmetric A(random_symmetric(n, density, rng));
+    const Eigen::VectorXd x = random_matrix(n, 1, rng), b = random_matrix(n, 1, rng);
+    const Eigen::VectorXd size = b.cwiseAbs() + A.dense.cwiseAbs() * x.cwiseAbs();
+    for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+      SCOPED_TRACE(level->name);
+      Eigen::VectorXd r = Eigen::VectorXd::Constant(n, NAN), scale = r;
+      level->residual_vector(A.pattern, A.x.data(), x.data(), b.data(), r.data(), scale.data());
+      EXPECT_LE(((r - (b - A.dense * x)).cwiseAbs().array() / size.array()).maxCoeff(), 2 * n * kEps);
+      EXPECT_LE(((scale - size).cwiseAbs().array() / size.array()).maxCoeff(), 2 * n * kEps);
+    }
+  }
 }
 
 TEST(UpperCsc, Norm1CountsBothTriangles) {

@@ -89,7 +89,11 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
   const TaskSolution s = solved(task);
   EXPECT_FALSE(s.converged);
   EXPECT_GT(s.constraint_violation, 1);
-  EXPECT_NE(s.reason, "converged");
+  EXPECT_EQ(s.reason.rfind("infeasible constraints: there, by ", 0), 0u) << s.reason << " " << s.iterations.size();
+  ASSERT_EQ(s.violations.size(), 1u);
+  EXPECT_EQ(s.violations[0].constraint, "there");
+  EXPECT_EQ(s.violations[0].by, s.constraint_violation);
+  EXPECT_EQ(s.violations[0].node, task.nodes());
 }
 
 }  // namespace

@@ -62,6 +62,8 @@ TEST_P(Crocoddyl, TheSameIterates) {
     EXPECT_EQ(own.feasible, theirs[k]["feasible"]);
     EXPECT_NEAR(own.gaps, theirs[k]["gaps"], 1e-6 * own.gaps + 1e-11);
   }
+  EXPECT_LT(solution.kkt_residual, 1e-6);
+  EXPECT_EQ(solution.polishing_iterations, 0u);
   expect_close(solution.xs, golden["xs"], "xs");
   expect_close(solution.us, golden["us"], "us");
 }

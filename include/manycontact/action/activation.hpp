@@ -7,15 +7,18 @@
 
 namespace manycontact {
 
-struct ActivationDataAbstract {
-  explicit ActivationDataAbstract(std::size_t nr) : Ar(Eigen::VectorXd::Zero(nr)), Arr(nr) { Arr.setZero(); }
+struct ActivationDataAbstract {  // a(r), its gradient and Hessian
+  explicit ActivationDataAbstract(std::size_t nr)
+      : Ar(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nr))), Arr(static_cast<Eigen::Index>(nr)) {
+    Arr.setZero();
+  }
   virtual ~ActivationDataAbstract() = default;
   double a_value = 0;                                 // by calc
   Eigen::VectorXd Ar;                                 // nr: by calcDiff
   Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: by calcDiff
 };
 
-class ActivationModelAbstract {
+class ActivationModelAbstract {  // a(r): a cost's function of its residual
  public:
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}
   virtual ~ActivationModelAbstract() = default;
@@ -64,7 +67,7 @@ struct ActivationBounds {
 class ActivationModelQuadraticBarrier : public ActivationModelAbstract {
  public:
   explicit ActivationModelQuadraticBarrier(const ActivationBounds& bounds)
-      : ActivationModelAbstract(bounds.lb.size()), bounds_(bounds) {}
+      : ActivationModelAbstract(static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   const ActivationBounds& get_bounds() const { return bounds_; }

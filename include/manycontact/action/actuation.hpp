@@ -10,7 +10,7 @@ namespace manycontact {
 
 class ActuationModelAbstract;
 
-struct ActuationDataAbstract {
+struct ActuationDataAbstract {  // tau and its derivatives
   explicit ActuationDataAbstract(const ActuationModelAbstract* model);
   virtual ~ActuationDataAbstract() = default;
 
@@ -22,7 +22,7 @@ struct ActuationDataAbstract {
   std::vector<bool> tau_set;            // nv: actuated coordinates
 };
 
-class ActuationModelAbstract {
+class ActuationModelAbstract {  // tau(x, u): torques on all coordinates
  public:
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
   virtual ~ActuationModelAbstract() = default;

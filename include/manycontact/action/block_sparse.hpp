@@ -8,7 +8,7 @@
 
 namespace manycontact {
 
-class BlockSparse {
+class BlockSparse {  // a sparse matrix of dense blocks
  public:
   /// Forgets all blocks.
   void clear() { planned_.clear(); }

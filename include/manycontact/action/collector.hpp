@@ -24,7 +24,7 @@ struct Impact {
   Eigen::MatrixXd dvnext_dx;               // nv x ndx: by calcDiff
 };
 
-struct DataCollector {
+struct DataCollector {  // what residuals see
   DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
 
   Scene scene;         // the state's robots, the contacts in the order of their names, damping, armature
@@ -42,7 +42,7 @@ struct DataCollector {
 
   /// At the x of the last calc.
   const Kinematics<double>& kinematics(int robot) const {
-    return impact ? impact->motion[robot] : kinematics_of(solution, robot);
+    return impact ? impact->motion[static_cast<std::size_t>(robot)] : kinematics_of(solution, robot);
   }
   /// The contact model's data on this frame. Throws std::invalid_argument when there is none, or more than one.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who) const;

@@ -40,7 +40,7 @@ std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model)
 
 using ConstraintModelAbstract = ConstraintModelResidual;
 
-struct ConstraintItem {
+struct ConstraintItem {  // a constraint by its name, and whether it is active
   std::string name;
   std::shared_ptr<ConstraintModelAbstract> constraint;
   bool active = true;
@@ -63,7 +63,7 @@ struct ConstraintDataManager {
   std::map<std::string, std::vector<Part>> g_parts, h_parts;
 };
 
-class ConstraintModelManager {
+class ConstraintModelManager {  // a stack of constraints by their names
  public:
   using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
 

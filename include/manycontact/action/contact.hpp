@@ -32,12 +32,12 @@ struct ContactDataAbstract {
   bool active = true;
 };
 
-class ContactModelAbstract {
+class ContactModelAbstract {  // what a contact is; the action model evaluates it
  public:
   virtual ~ContactModelAbstract() = default;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
-  std::size_t get_nc() const { return contact_.rows(); }
+  std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }
   std::size_t get_nu() const { return nu_; }
   FrameIndex get_id() const { return id_; }
   ReferenceFrame get_type() const { return contact_.reference_frame; }
@@ -166,13 +166,13 @@ class ContactModelOfScene : public ContactModelAbstract {
   ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
 };
 
-struct ContactItem {
+struct ContactItem {  // a contact by its name, and whether it is active
   std::string name;
   std::shared_ptr<ContactModelAbstract> contact;
   bool active = true;
 };
 
-struct ContactDataMultiple {
+struct ContactDataMultiple {  // what the stack's contacts hold, by name
   std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
 };
 

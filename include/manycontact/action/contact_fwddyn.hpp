@@ -20,7 +20,7 @@ namespace internal {
 enum class Stage { kFresh, kRunning, kTerminal };  // what the last calc on the data was
 }
 
-class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {
+class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {  // dynamics and costs
  public:
   using ActuationModelAbstract = manycontact::ActuationModelAbstract;
   using Base = DifferentialActionModelAbstract;
@@ -100,10 +100,6 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                 const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  bool residuals_fit(const Data& data) const;
-  std::size_t number_of_parts() const;
-  template <class Use>
-  void each_status(Use&& use) const;
   // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use
   // them.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
@@ -117,7 +113,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   double damping_;
   bool enable_force_;
   Options options_;
-  static constexpr std::size_t kNeverSet = -1;
+  static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;  // of the constraints, at set_g_lb, set_g_ub
 };
 

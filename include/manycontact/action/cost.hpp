@@ -10,7 +10,7 @@ namespace manycontact {
 
 class CostModelResidual;
 
-struct CostDataResidual {
+struct CostDataResidual {  // one cost at one x, u
   CostDataResidual(CostModelResidual* model, DataCollector* shared);
   double cost = 0;
   std::shared_ptr<const ResidualModelAbstract> of_residual;  // the models that made the data
@@ -25,7 +25,7 @@ struct CostDataResidual {
   Eigen::MatrixXd Luu() const;
 };
 
-class CostModelResidual {
+class CostModelResidual {  // a(r(x, u))
  public:
   CostModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
@@ -57,14 +57,14 @@ std::ostream& operator<<(std::ostream& os, const CostModelResidual& model);
 using CostModelAbstract = CostModelResidual;
 using CostDataAbstract = CostDataResidual;
 
-struct CostItem {
+struct CostItem {  // a cost by its name, with its weight, and whether it is active
   std::string name;
   std::shared_ptr<CostModelAbstract> cost;
   double weight = 1;
   bool active = true;
 };
 
-struct CostDataSum {
+struct CostDataSum {                    // the sum's value and derivatives
   double cost = 0;                      // by calc
   CostDerivatives* derivatives = &own;  // by calcDiff
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
@@ -78,7 +78,7 @@ struct CostDataSum {
   CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
 };
 
-class CostModelSum {
+class CostModelSum {  // a weighted sum of costs by their names
  public:
   using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
 

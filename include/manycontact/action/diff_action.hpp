@@ -35,7 +35,7 @@ struct DifferentialActionDataAbstract : CostDerivatives {
   const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }
 };
 
-class DifferentialActionModelAbstract {
+class DifferentialActionModelAbstract {  // a node in continuous time
  public:
   using Scalar = double;
   using MathBase = manycontact::MathBase;

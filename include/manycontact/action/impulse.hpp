@@ -10,7 +10,7 @@ namespace manycontact {
 using ImpulseDataAbstract = ContactDataAbstract;
 using ImpulseDataMultiple = ContactDataMultiple;
 
-class ImpulseModelAbstract {
+class ImpulseModelAbstract {  // what an impact stops
  public:
   virtual ~ImpulseModelAbstract() = default;
 
@@ -52,7 +52,7 @@ class ImpulseModelBetweenBodies : public ImpulseModelAbstract {
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
 };
 
-struct ImpulseItem {
+struct ImpulseItem {  // an impulse by its name, and whether it is active
   std::string name;
   std::shared_ptr<ImpulseModelAbstract> impulse;
   bool active = true;  // by changeImpulseStatus

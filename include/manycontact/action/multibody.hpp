@@ -8,7 +8,7 @@
 
 namespace manycontact {
 
-class Multibody {
+class Multibody {  // robots and frames of a scene: pinocchio::Model to Crocoddyl
  public:
   /// A frame: robot, joint (-1: its fixed base) and placement on that joint's body.
   struct BodyFrame {

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
+class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {  // by differences
  public:
   /// with_gauss_approx: Hessians Rx^T Rx, ... of the stacked residuals, right for costs 1/2 |r|^2 of weight 1;
   /// otherwise second differences of the cost.
@@ -52,7 +52,7 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
   double step_;
 };
 
-struct DifferentialActionDataNumDiff : DifferentialActionDataAbstract {
+struct DifferentialActionDataNumDiff : DifferentialActionDataAbstract {  // of the twin
   explicit DifferentialActionDataNumDiff(DifferentialActionModelNumDiff* model);
   std::shared_ptr<DifferentialActionDataAbstract> data_0;     // of the model, at the point
   std::shared_ptr<DifferentialActionDataAbstract> data_step;  // of the model, beside it

@@ -17,7 +17,7 @@ struct ResidualBlock {
   RowMajorMatrix Rx, Ru;   // rows x xcols, rows x ucols
 };
 
-struct ResidualDataAbstract {
+struct ResidualDataAbstract {  // r and its Jacobians as blocks
   ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* shared);
   virtual ~ResidualDataAbstract() = default;
 
@@ -39,7 +39,7 @@ struct Dependence {
   bool forces = false;        // on contact forces, and so on all of q, v, u: their derivatives are computed
 };
 
-class ResidualModelAbstract {
+class ResidualModelAbstract {  // r(x, u)
  public:
   ResidualModelAbstract(std::shared_ptr<StateMultibody> state, std::size_t nr, std::size_t nu, Dependence on);
   virtual ~ResidualModelAbstract() = default;

@@ -9,7 +9,7 @@ namespace manycontact {
 enum Jcomponent { both = 0, first = 1, second = 2 };
 enum AssignmentOp { setto, addto, rmfrom };
 
-class StateAbstract {
+class StateAbstract {  // a manifold: differences and sums
  public:
   StateAbstract(std::size_t nx, std::size_t ndx);
   virtual ~StateAbstract() = default;
@@ -54,7 +54,7 @@ class StateAbstract {
   bool has_limits_ = false;
 };
 
-class StateMultibody : public StateAbstract {
+class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
  public:
   /// The bounds are the URDF's joint and velocity limits, infinite where it gives none.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);

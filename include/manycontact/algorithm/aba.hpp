@@ -9,14 +9,14 @@
 namespace manycontact {
 
 template <class S>
-struct AbaData {
-  explicit AbaData(const Model& model);
-  std::vector<Mat6<S>> IA;    // njoints: articulated inertia
-  std::vector<Vec6<S>> pA;    // njoints: articulated bias force
-  Mat6X<S> U;                 // 6 x nv: IA S
-  VecX<S> u;                  // nv: tau - S^T pA, then D^-1 u
-  std::vector<Mat6<S>> Dinv;  // njoints: (S^T IA S + armature)^-1 in the leading nv x nv block
-  std::vector<Vec6<S>> a;     // njoints: accelerations, a_base = -g
+struct AbaData {                         // Scratch of aba. Allocated once per robot.
+  explicit AbaData(const Model& model);  // room for this robot
+  std::vector<Mat6<S>> IA;               // njoints: articulated inertia
+  std::vector<Vec6<S>> pA;               // njoints: articulated bias force
+  Mat6X<S> U;                            // 6 x nv: IA S
+  VecX<S> u;                             // nv: tau - S^T pA, then D^-1 u
+  std::vector<Mat6<S>> Dinv;             // njoints: (S^T IA S + armature)^-1 in the leading nv x nv block
+  std::vector<Vec6<S>> a;                // njoints: accelerations, a_base = -g
 };
 
 /// qdd = M^-1 (tau - h + sum J^T fext). q: nq; v, tau, qdd: nv; fext: njoints forces in the child frames, or empty.

@@ -30,7 +30,7 @@ Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
 /// Where a robot's bodies are and how they move, each in its body frame. Allocated once per robot.
 template <class S>
 struct BodyKinematics {
-  explicit BodyKinematics(const Model& model);
+  explicit BodyKinematics(const Model& model);  // room for this robot
 
   // by body_kinematics, from q, v
   Vec3<S> origin;          // the base's origin in the world [m]

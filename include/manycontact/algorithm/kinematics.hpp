@@ -12,7 +12,7 @@ namespace manycontact {
 /// Where a robot's bodies are and how they move. Everything is in the tree frame. Allocated once per robot.
 template <class S>
 struct Kinematics {
-  explicit Kinematics(const Model& model);
+  explicit Kinematics(const Model& model);  // room for this robot
 
   // by forward_kinematics, from q
   Vec3<S> origin;             // the tree frame's origin in the world [m]

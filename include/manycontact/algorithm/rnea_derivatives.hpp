@@ -22,7 +22,7 @@ namespace manycontact {
 /// Packed like M (algorithm/crba.hpp): entry of row i and its d-th ancestor j.
 template <class S>
 struct RneaDerivativesOf {
-  explicit RneaDerivativesOf(const Model& model);
+  explicit RneaDerivativesOf(const Model& model);  // room for this robot
 
   Mat6X<S> Psid, Psidd, Sv;           // 6 x nv: Psid, Psidd, Psid + Sd
   std::vector<Vec3<S>> l;             // njoints: linear momentum of the subtree

@@ -13,7 +13,7 @@ struct Body {
   int robot = -1, joint = -1;
   auto operator<=>(const Body&) const = default;
 };
-Body body_of(const Attachment& attachment);
+Body body_of(const Attachment& attachment);  // the body it is on
 
 /// "humanoid/left_sole", or "world": where attachments on one body are. The frame by which all of them were attached,
 /// a fixed base's too; where they differ or have none, "world" for what cannot move, else of the body's frames the one

@@ -33,7 +33,7 @@ struct Lighter {
   std::string type;  // the lightest type of the same rank at the same frame, empty if there is none
 };
 
-struct IslandRanks {
+struct IslandRanks {            // What find_ranks finds of one island.
   bool known = false;           // of rank and redundant; false: left out, the island is too large
   int rank = 0;                 // of the island's J
   std::vector<char> redundant;  // per row of the island: it depends on the rows before it

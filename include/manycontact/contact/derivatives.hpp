@@ -24,8 +24,8 @@ namespace manycontact {
 /// Numbers of one contact. Allocated once.
 template <class S>
 struct ContactDerivativesOf {
-  ContactDerivativesOf() = default;  // of nothing
-  ContactDerivativesOf(const Scene& scene, const Contact& contact, const ContactSupport& support);
+  ContactDerivativesOf() = default;                                                                 // of nothing
+  ContactDerivativesOf(const Scene& scene, const Contact& contact, const ContactSupport& support);  // room
 
   std::vector<int> chain_a, chain_b;         // all coordinates above A and above B', ascending
   Mat6X<S> dx_dq, dx_dv;                     // 6 x cols: of x (without the turning of W)

@@ -21,8 +21,8 @@ void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
 /// last are kept.
 class ReferenceResolver {
  public:
-  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q) : scene_(scene), q_(q) {}
-  void resolve(bool position, bool orientation, Contact& contact);
+  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q) : scene_(scene), q_(q) {}  // q: scene.nq
+  void resolve(bool position, bool orientation, Contact& contact);                           // as resolve_reference
 
  private:
   SE3<double> placement(const Attachment& at, const SE3<double>& offset);

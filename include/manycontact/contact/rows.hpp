@@ -39,14 +39,14 @@ std::vector<int> dof_chain(const Model& model, int joint);
 /// those only above B' (sign -).
 struct ContactSupport {
   std::vector<int> a, b;
-  int cols() const { return static_cast<int>(a.size() + b.size()); }
+  int cols() const { return static_cast<int>(a.size() + b.size()); }  // of J
 };
-ContactSupport contact_support(const Scene& scene, const Contact& contact);
+ContactSupport contact_support(const Scene& scene, const Contact& contact);  // of one contact
 
 /// Numbers of one contact. Allocated once; everything 6-dimensional is in A's frame.
 template <class S>
 struct ContactData {
-  ContactData(const Contact& contact, const ContactSupport& support);
+  ContactData(const Contact& contact, const ContactSupport& support);  // room for it
 
   // by contact_rows
   SE3<S> aMA, bMA;         // A in the tree frame of its own robot, and of B's (of the world)

@@ -32,7 +32,7 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: by calcDiff
 };
 
-class ActionModelAbstract {
+class ActionModelAbstract {  // a node in discrete time
  public:
   using Scalar = double;
   using MathBase = manycontact::MathBase;

@@ -16,7 +16,7 @@
 
 namespace manycontact {
 
-class ActionModelAugmentedLagrangian : public ActionModelAbstract {
+class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // a node with its constraints in its cost
  public:
   explicit ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model);
 
@@ -49,7 +49,7 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {
   double rho_ = 10;
 };
 
-struct ActionDataAugmentedLagrangian : ActionDataAbstract {
+struct ActionDataAugmentedLagrangian : ActionDataAbstract {  // of such a node
   ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model, std::shared_ptr<ActionDataAbstract> inner);
   std::shared_ptr<ActionDataAbstract> inner;  // of the model
   Eigen::VectorXd y_next;                     // y+: by calc

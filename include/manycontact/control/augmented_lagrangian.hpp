@@ -20,7 +20,7 @@
 
 namespace manycontact {
 
-class SolverAugmentedLagrangian : public SolverAbstract {
+class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by any of these solvers
  public:
   /// The unconstrained solver, of a problem it is given.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
@@ -54,6 +54,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {
   void reset();
   /// The problem's circularAppend; multipliers move with their nodes, those of the new one are zero.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
+  void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
 
   const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }
   double get_violation() const { return violation_; }    // largest, after a solve
@@ -77,6 +78,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {
   class Relay;  // the unconstrained solver's callback
   using Node = std::shared_ptr<ActionModelAugmentedLagrangian>;
   void decorate();
+  Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;
   bool is_decorated() const;
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
              bool is_feasible);
@@ -86,6 +88,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {
   void measureViolation();
   void assess();
   StopReason judge(std::size_t maxiter);
+  bool comesNoCloser(StopReason inner);
   void updateMultipliers();
 
   std::shared_ptr<ShootingProblem> augmented_;
@@ -93,15 +96,15 @@ class SolverAugmentedLagrangian : public SolverAbstract {
   std::vector<Node> nodes_;              // T + 1, null without constraints
   std::vector<Eigen::VectorXd> y_next_;  // T + 1
   Eigen::VectorXd gap_;
-  bool limits_ = false;  // on controls, and the unconstrained solver heeds them
   double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
   double tolerance_ = 0;  // of the minimisation at hand
   double violation_ = 0, kkt_ = 0;
   double measure_ = 0, last_measure_ = 0;  // m of the minimisation just done, of the one before
-  double best_kkt_ = 0;
+  double last_violation_ = 0, best_kkt_ = 0;
   bool moved_ = false;  // the minimisation accepted a step
   int stuck_ = 0;       // minimisations in a row that brought nothing
+  int flat_ = 0;        // that brought constraints no closer, though these outweigh the cost
   std::size_t outer_ = 0, total_ = 0;
 };
 

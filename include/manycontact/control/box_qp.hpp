@@ -9,13 +9,13 @@
 
 namespace manycontact {
 
-struct BoxQPSolution {
+struct BoxQPSolution {      // x, and which bounds are active
   Eigen::MatrixXd Hff_inv;  // inverse of H's rows and columns of the free components
   Eigen::VectorXd x;
   std::vector<std::size_t> free_idx, clamped_idx;
 };
 
-class BoxQP {
+class BoxQP {  // min 1/2 x^T H x + q^T x, lb <= x <= ub
  public:
   /// nx: number of unknowns; reg is added to the diagonal of H. Throws std::invalid_argument for numbers out of range.
   explicit BoxQP(std::size_t nx, std::size_t maxiter = 100, double th_acceptstep = 0.1, double th_grad = 1e-9,
@@ -35,6 +35,7 @@ class BoxQP {
 
   std::size_t get_nx() const { return nx_; }
   std::size_t get_maxiter() const { return maxiter_; }
+  std::size_t get_iter() const { return iter_; }  // Newton steps of the last solve
   double get_th_acceptstep() const { return th_acceptstep_; }
   double get_th_grad() const { return th_grad_; }
   double get_reg() const { return reg_; }
@@ -49,8 +50,9 @@ class BoxQP {
  private:
   void sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);
   [[nodiscard]] bool newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, double& gradient);
-  void search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);
-  std::size_t nx_, maxiter_;
+  [[nodiscard]] bool search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
+                            const Eigen::VectorXd& ub);
+  std::size_t nx_, maxiter_, iter_ = 0;
   double th_acceptstep_, th_grad_, reg_;
   BoxQPSolution solution_;
   std::vector<double> alphas_;
@@ -58,8 +60,5 @@ class BoxQP {
   Eigen::MatrixXd L_, inverse_;  // factor of Hff in the top left corner; workspace
   bool sound_ = false;
 };
-
-/// Throws std::invalid_argument unless step lengths are positive and falling.
-void check_alphas(const char* where, const std::vector<double>& alphas);
 
 }  // namespace manycontact

@@ -16,16 +16,17 @@ class SolverWithBox : public Base {
   explicit SolverWithBox(std::shared_ptr<ShootingProblem> problem);
   void allocateData() override;
   void computeGains(std::size_t t) override;
+  bool keeps_limits() const override { return true; }
   const std::vector<Eigen::MatrixXd>& get_Quu_inv() const { return Quu_inv_; }
 
  protected:
   void limitControl(std::size_t t) override;
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  std::vector<Eigen::VectorXd> du_lb_, du_ub_;
+  Eigen::VectorXd du_lb_, du_ub_;  // of the node at hand
 };
 
-class SolverBoxDDP : public SolverWithBox<SolverDDP> {
+class SolverBoxDDP : public SolverWithBox<SolverDDP> {  // DDP with controls in a box
  public:
   using SolverWithBox::SolverWithBox;
   void forwardPass(double steplength) override;

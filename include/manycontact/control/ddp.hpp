@@ -18,7 +18,7 @@ namespace manycontact {
 
 struct IntegratedActionDataEuler;
 
-class SolverDDP : public SolverAbstract {
+class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -48,6 +48,8 @@ class SolverDDP : public SolverAbstract {
   void increaseRegularization();
   void decreaseRegularization();
   virtual void allocateData();
+  /// Whether controls stay within the models' limits.
+  virtual bool keeps_limits() const { return false; }
 
   double get_reg_incfactor() const { return reg_incfactor_; }
   double get_reg_decfactor() const { return reg_decfactor_; }
@@ -57,6 +59,11 @@ class SolverDDP : public SolverAbstract {
   double get_th_stepdec() const { return th_stepdec_; }
   double get_th_stepinc() const { return th_stepinc_; }
   double get_th_grad() const { return th_grad_; }
+  double get_th_kkt() const { return th_kkt_; }
+  /// Of the candidate, with least_squares_multipliers, where a solve looked at it; else NaN.
+  double get_kkt_residual() const { return kkt_; }
+  /// Steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
+  std::size_t get_polishing_iter() const { return polishing_; }
   const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
   const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }
   const std::vector<Eigen::MatrixXd>& get_Qxx() const { return Qxx_; }
@@ -75,6 +82,9 @@ class SolverDDP : public SolverAbstract {
   void set_th_stepdec(double th_step);                 // in (0, 1]
   void set_th_stepinc(double th_step);                 // in (0, 1]
   void set_th_grad(double th_grad);                    // >= 0
+  /// > 0, infinite at first: where th_stop is met, a solve goes on until the KKT residual (kkt_residual.hpp) is not
+  /// above it, for at most maxiter steps more. (The stopping value is an energy, in the unit of the cost.)
+  void set_th_kkt(double th_kkt);
 
  protected:
   /// For solvers that keep the passes' memory elsewhere.
@@ -90,8 +100,10 @@ class SolverDDP : public SolverAbstract {
   virtual bool closesGaps() const { return true; }
   bool findDirection(bool recalc);
   bool searchLine();
+  bool adaptRegularization();
+  StopReason polish(std::size_t maxiter);
   /// us_try[t] at xs_try[t].
-  void stepControl(std::size_t t, double steplength);
+  virtual void stepControl(std::size_t t, double steplength);
   /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// us_try[t] onto the control limits, for box solvers.
@@ -112,6 +124,8 @@ class SolverDDP : public SolverAbstract {
   std::vector<Eigen::VectorXd> Quuk_;
   std::vector<double> alphas_;
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
+  double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
+  std::size_t polishing_ = 0;
   bool sound_ = false;
 
  private:

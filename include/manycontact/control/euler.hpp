@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-class IntegratedActionModelEuler : public IntegratedActionModelAbstract {
+class IntegratedActionModelEuler : public IntegratedActionModelAbstract {  // a differential model over one step
  public:
   using IntegratedActionModelAbstract::IntegratedActionModelAbstract;
 
@@ -25,7 +25,7 @@ class IntegratedActionModelEuler : public IntegratedActionModelAbstract {
   void print(std::ostream& os) const override;
 };
 
-struct IntegratedActionDataEuler : ActionDataAbstract {
+struct IntegratedActionDataEuler : ActionDataAbstract {  // of such a node
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;

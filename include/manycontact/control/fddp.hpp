@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-class SolverFDDP : public SolverDDP {
+class SolverFDDP : public SolverDDP {  // DDP that starts anywhere: gaps close on the way
  public:
   using SolverDDP::SolverDDP;
 

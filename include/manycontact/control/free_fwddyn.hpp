@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
+class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {  // no contacts
  public:
   DifferentialActionModelFreeFwdDynamics(std::shared_ptr<StateMultibody> state,
                                          std::shared_ptr<ActuationModelAbstract> actuation,

@@ -23,7 +23,7 @@ namespace internal {
 class ImpactActuation;
 }
 
-class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
+class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact: the velocity jumps
  public:
   using Base = ActionModelAbstract;
   using Data = ActionDataImpulseFwdDynamics;
@@ -92,7 +92,6 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
   void differentiate_impact(Data& data, internal::Stage stage) const;
   void finish(Data& data, internal::Stage stage) const;
   void copy_derivatives(Data& data) const;
-  void read_status(std::vector<bool>& status) const;
   void lay_out(Data& data) const;
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ImpulseModelMultiple> impulses_;
@@ -103,7 +102,7 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {
   double r_coeff_ = 0;
 };
 
-struct ActionDataImpulseFwdDynamics : ActionDataAbstract {
+struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // of an impact
   explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
@@ -119,7 +118,6 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {
   Eigen::VectorXd x_rest, v;       // [q; 0] and the velocity before, of the last calc
   Eigen::VectorXd x;               // of the last calc
   std::vector<bool> status;        // of the costs, then of the constraints, at the last calc
-  std::vector<bool> status_now;    // scratch
   std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks are laid out for
   std::vector<FrameIndex> frames;  // theirs then
 };

@@ -8,7 +8,7 @@
 
 namespace manycontact {
 
-class IntegratedActionModelAbstract : public ActionModelAbstract {
+class IntegratedActionModelAbstract : public ActionModelAbstract {  // a differential model over one step
  public:
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
   using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;

@@ -21,4 +21,16 @@ double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {});
 
+/// The multipliers l of the dynamics for which the residuals r of stationarity are least, |r|^2 = sum |r_x|^2 + |r_u|^2
+/// (Nocedal & Wright, Numerical Optimization, 18.3). They are those of the linear-quadratic problem
+///
+///     minimise  sum_t lx_t^T dx_t + lu_t^T du_t + 1/2 |dx_t|^2 + 1/2 |du_t|^2    with  dx_0 = 0,
+///     dx_(t+1) = fx_t dx_t + fu_t du_t,
+///
+/// whose solution is -r, the gradient projected onto the motions that the dynamics allow; controls that stand at a
+/// limit are left out where limits are used. With others, the gradients of a solver's value function say, a candidate
+/// seems further from a solution than it is. The nodes are evaluated, with derivatives, at xs, us.
+std::vector<Eigen::VectorXd> least_squares_multipliers(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                                                       const std::vector<Eigen::VectorXd>& us, bool limits);
+
 }  // namespace manycontact

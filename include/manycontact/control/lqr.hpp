@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-class ActionModelLQR : public ActionModelAbstract {
+class ActionModelLQR : public ActionModelAbstract {  // linear dynamics, quadratic cost
  public:
   using MatrixXs = Eigen::MatrixXd;
   using VectorXs = Eigen::VectorXd;

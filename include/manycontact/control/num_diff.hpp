@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-class ActionModelNumDiff : public ActionModelAbstract {
+class ActionModelNumDiff : public ActionModelAbstract {  // a node's derivatives by central differences
  public:
   /// with_gauss_approx: Hessians Rx^T Rx, ... of the residuals, right for costs 1/2 |r|^2; otherwise second differences
   /// of the cost.
@@ -45,7 +45,7 @@ class ActionModelNumDiff : public ActionModelAbstract {
   double step_;
 };
 
-struct ActionDataNumDiff : ActionDataAbstract {
+struct ActionDataNumDiff : ActionDataAbstract {  // of the twin
   explicit ActionDataNumDiff(ActionModelNumDiff* model);
   std::shared_ptr<ActionDataAbstract> data_0, data_step;  // of the model, at the point and beside it
   Eigen::MatrixXd Rx, Ru;                                 // nr x ndx, nr x nu

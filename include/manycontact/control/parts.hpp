@@ -10,18 +10,18 @@
 
 namespace manycontact {
 
-struct ActionPart {
+struct ActionPart {  // one part of a scene, and where its coordinates are
   std::shared_ptr<ActionModelAbstract> model;
   std::vector<int> x, dx, u;  // which coordinates of the node's are the part's, in the part's order
 };
 
-struct ActionDataParts : ActionDataAbstract {
+struct ActionDataParts : ActionDataAbstract {  // of such a node, part by part
   using ActionDataAbstract::ActionDataAbstract;
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
   std::vector<Eigen::VectorXd> x, u;  // of each part, as last given
 };
 
-class ActionModelParts : public ActionModelAbstract {
+class ActionModelParts : public ActionModelAbstract {  // parts of a scene as one node
  public:
   /// state: of all parts. Each coordinate of x, dx, u is one part's, else std::invalid_argument. g and h are the
   /// parts', one after the other; their bounds and control limits are the parts' at construction. There is no r (nr =

@@ -15,7 +15,7 @@
 
 namespace manycontact {
 
-class IntegratedActionModelRK : public IntegratedActionModelAbstract {
+class IntegratedActionModelRK : public IntegratedActionModelAbstract {  // of 2, 3 or 4 stages
  public:
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
                           std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
@@ -40,7 +40,7 @@ class IntegratedActionModelRK : public IntegratedActionModelAbstract {
   std::vector<double> c_, b_;
 };
 
-struct IntegratedActionDataRK : ActionDataAbstract {
+struct IntegratedActionDataRK : ActionDataAbstract {  // of such a node
   explicit IntegratedActionDataRK(IntegratedActionModelRK* model);
 
   // Of each stage.

@@ -13,7 +13,7 @@
 
 namespace manycontact {
 
-class ShootingProblem {
+class ShootingProblem {  // x0, running nodes, a terminal one
  public:
   using ActionModelAbstract = manycontact::ActionModelAbstract;
   using ActionDataAbstract = manycontact::ActionDataAbstract;

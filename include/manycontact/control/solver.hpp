@@ -19,16 +19,16 @@ enum FeasibilityNorm { LInf = 0, L1 };
 
 enum class StopReason {
   kNone,         // solve() has not run
-  kConverged,    // the stopping value fell below th_stop at a feasible candidate
+  kConverged,    // the stopping value fell below th_stop at a feasible candidate, and what else a solver asks for
   kIterations,   // maxiter iterations were done
   kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
   kNoStep,       // no step of a direction was accepted up to the largest regularisation
   kInterrupted,  // interrupt() was called
-  kInfeasible,   // constraints are not met, and at the largest penalty come no closer
+  kInfeasible,   // constraints are not met, and under a penalty that outweighs the cost come no closer
 };
 const char* to_string(StopReason reason);
 
-class SolverAbstract {
+class SolverAbstract {  // what all solvers share
  public:
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
@@ -119,7 +119,7 @@ class SolverAbstract {
   StopReason reason_ = StopReason::kNone;
 };
 
-class CallbackAbstract {
+class CallbackAbstract {  // called after each iteration
  public:
   virtual ~CallbackAbstract() = default;
   virtual void operator()(SolverAbstract& solver) = 0;

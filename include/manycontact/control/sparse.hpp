@@ -7,7 +7,8 @@
 // at the cost of each part's backward pass: N T n^3 for N robots of n states, where SolverFDDP's is T (N n)^3. Steps,
 // regularisation and stopping are those of the sums over the parts: iterates are SolverFDDP's on the whole problem, but
 // for rounding; of one part they are the same bits. Parts are worked on in parallel, over the problem's threads; the
-// numbers do not depend on how many.
+// numbers do not depend on how many. A part whose nodes are ActionModelJoined takes its directions by
+// control/joined_solver.hpp, where gains differ.
 
 #include "manycontact/control/fddp.hpp"
 #include "manycontact/control/parts.hpp"
@@ -18,6 +19,13 @@ namespace manycontact {
 class SolverSparsePart : public SolverFDDP {
  public:
   const ShootingPart& part() const { return part_; }
+  /// How its directions are found.
+  virtual const char* direction() const { return "Riccati"; }
+  /// Controls of the matrices Quu that are factorized at a node: the largest number over the nodes, of each matrix.
+  virtual std::vector<int> blocks() const;
+
+ protected:
+  SolverSparsePart(ShootingPart part, WithoutMatrices none) : SolverFDDP(part.problem, none), part_(std::move(part)) {}
 
  private:
   friend class SolverSparse;
@@ -45,8 +53,11 @@ class SolverSparse : public SolverFDDP {
   void allocateData() override;
 
   const std::vector<std::unique_ptr<SolverSparsePart>>& parts() const { return parts_; }
-  /// Controls of each part: the sizes of the matrices Quu that are factorized at a node.
+  /// Controls of each part (of one joined by bonds, of each cluster of it): the sizes of the matrices Quu that are
+  /// factorized at a node.
   std::vector<int> blocks() const;
+  /// How directions are found: "Riccati", or of parts that are joined by bonds lq::DirectionSolver's name.
+  std::string direction() const;
 
  protected:
   void prepareImprovement() override;

@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-class StateVector : public StateAbstract {
+class StateVector : public StateAbstract {  // a vector space
  public:
   explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}
 

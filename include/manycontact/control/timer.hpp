@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-class Timer {
+class Timer {  // seconds since its start
  public:
   void reset() { start_ = Clock::now(); }
   double get_duration() const { return get_us_duration() / 1000; }  // ms

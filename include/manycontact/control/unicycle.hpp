@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-class ActionModelUnicycle : public ActionModelAbstract {
+class ActionModelUnicycle : public ActionModelAbstract {  // a unicycle driven by v and omega
  public:
   ActionModelUnicycle();
 

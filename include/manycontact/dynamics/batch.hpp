@@ -35,7 +35,7 @@ struct BatchData {
   Options options;
   std::vector<char> active;  // one per contact: as the scene has it at first
 
-  struct Thread {
+  struct Thread {  // One thread's memory, and what went wrong in it.
     SceneData data;
     std::exception_ptr error = nullptr;  // that ended its work ...
     std::ptrdiff_t state = 0;            // ... at this state

@@ -29,10 +29,10 @@ struct Solution {
 
 struct Workspace;  // private to floor dynamics
 
-struct SceneData : Solution {
-  explicit SceneData(const Scene& scene, const Options& options = {});
+struct SceneData : Solution {                                           // The variable part of a scene, one per thread.
+  explicit SceneData(const Scene& scene, const Options& options = {});  // for this scene alone
   ~SceneData();
-  SceneData(SceneData&&) noexcept;
+  SceneData(SceneData&&) noexcept;  // moved from, it is of no scene
   SceneData& operator=(SceneData&&) noexcept;
 
   // the caller's, between solves

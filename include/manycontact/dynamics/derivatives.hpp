@@ -20,7 +20,7 @@ struct DerivativeRequest {
 struct Stamp {
   const std::uint64_t* now = nullptr;
   std::uint64_t serial = 0;
-  bool current() const { return now && serial != 0 && *now == serial; }
+  bool current() const { return now && serial != 0 && *now == serial; }  // of the one at hand
 };
 
 /// One island's blocks, views into one row-major panel X with rows [a; f] and columns [q | v | u], all in the island's
@@ -35,12 +35,12 @@ struct IslandDerivatives {
   std::vector<int> u_offset;  // per robot of the island: its first torque, and the total
   Stamp stamp;
 
-  auto da_dq() const { return block(0, q_first, nv, request.q ? nv : 0); }
-  auto da_dv() const { return block(0, v_first, nv, request.v ? nv : 0); }
-  auto da_du() const { return block(0, u_first, nv, request.u ? nu : 0); }
-  auto dforces_dq() const { return block(nv, q_first, nc, request.q ? nv : 0); }
-  auto dforces_dv() const { return block(nv, v_first, nc, request.v ? nv : 0); }
-  auto dforces_du() const { return block(nv, u_first, nc, request.u ? nu : 0); }
+  auto da_dq() const { return block(0, q_first, nv, request.q ? nv : 0); }        // nv x nv
+  auto da_dv() const { return block(0, v_first, nv, request.v ? nv : 0); }        // nv x nv
+  auto da_du() const { return block(0, u_first, nv, request.u ? nu : 0); }        // nv x nu
+  auto dforces_dq() const { return block(nv, q_first, nc, request.q ? nv : 0); }  // nc x nv
+  auto dforces_dv() const { return block(nv, v_first, nc, request.v ? nv : 0); }  // nc x nv
+  auto dforces_du() const { return block(nv, u_first, nc, request.u ? nu : 0); }  // nc x nu
   /// Throws std::logic_error unless these are derivatives of the solution at hand.
   void check() const;
 

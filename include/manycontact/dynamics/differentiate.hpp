@@ -14,7 +14,7 @@ namespace manycontact {
 /// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
 /// the least-squares accelerations. Blocks of failed islands are NaN.
-/// Allocates nothing after the first call with the same request and contact set, sparse methods only (README).
+/// Allocates nothing after the first call with the same request and contact set, by the sparse methods.
 /// Throws std::logic_error before the first solve and when contacts were switched after it, std::invalid_argument when
 /// data are not of this scene.
 // clang-format on
@@ -25,7 +25,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
 };
-[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
+[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);  // nv, nc rows
 
 /// The same as one sparse matrix, rows [a; f], columns [q | v | u] (those asked for), column-major.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);

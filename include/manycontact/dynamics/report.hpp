@@ -17,9 +17,9 @@ enum class Status {
   kRegularised,   // the answer to a neighbouring problem
   kFailed,        // no answer: accelerations and forces are NaN
 };
-std::string to_string(Status status);
+std::string to_string(Status status);  // "ok", "redundant", ...
 
-struct IslandReport {
+struct IslandReport {  // Of one island's answer.
   Status status = Status::kOk;
   Method method = Method::kSparseLdl;  // the one that answered
   Order order = Order::kLeafToRoot;    // its order, where it has one
@@ -34,12 +34,12 @@ struct IslandReport {
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
-  // Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for.
-  // Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest.
+  /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for.
+  /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest.
   double error_acceleration = 0, error_forces = 0;
 };
 
-struct Report {
+struct Report {  // Of the whole scene's answer.
   Status status = Status::kOk;
   Method method = Method::kAuto;      // the one asked for
   std::vector<IslandReport> islands;  // with method dense-schur, which takes the scene as one system, a single one

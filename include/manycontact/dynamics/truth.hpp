@@ -9,7 +9,7 @@
 namespace manycontact {
 
 template <class S>
-struct Truth {
+struct Truth {            // An answer, in S.
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
   VecX<S> h;              // scene.nv

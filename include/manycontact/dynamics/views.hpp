@@ -1,7 +1,7 @@
 #pragma once
 // What a solve leaves to be looked at, besides the answer. All throw std::logic_error where what they show was not
 // computed; references stay valid until the data's next call. Robots that stood in lanes (Options::lanes) leave nothing
-// but the answer, until `complete` is called.
+// but the answer, until `complete` is called; sparse-bodies leaves no K.
 
 #include <span>
 

@@ -8,7 +8,7 @@ namespace manycontact {
 
 /// what() is exactly "FILE:LINE: message", on one line whatever the input held.
 struct InputError : std::runtime_error {
-  InputError(std::string file_, int line_, const std::string& message_);
+  InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 
   std::string file;
   int line;  // 1 where unknown

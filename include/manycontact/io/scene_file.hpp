@@ -1,5 +1,5 @@
 #pragma once
-// A scene from its XML file (models/README.md, "Scene file"): robots with their copies and their state, contacts.
+// A scene from its XML file (src/doc/scene_file.md): robots with their copies and their state, contacts.
 
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ struct ContactGroup {
   int line = 1;
 };
 
-struct SceneFile {
+struct SceneFile {  // A scene, its state, and which elements of the file its robots and contacts came from.
   std::string path;
   Scene scene;
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
@@ -40,5 +40,7 @@ struct SceneFile {
 /// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN: they take a
 /// solver, and load_scene (analysis/load_scene.hpp) fills them.
 SceneFile read_scene(const std::string& path);
+/// The same of XML text, as if it stood in the file `path`, which need not exist.
+SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// An optimal control task from its XML file (models/README.md, "Task file"): a scene, phases with their contacts, costs
+// An optimal control task from its XML file (src/doc/task_file.md): a scene, phases with their contacts, costs
 // and constraints, and how it is to be solved. Plain data; task/problem.hpp makes a shooting problem of it.
 
 #include <string>
@@ -42,7 +42,7 @@ struct TaskTerm {
   TaskResidual residual = TaskResidual::kState;
   int nr = 0;  // rows, of one copy
 
-  // Whom it is about: robots, or a frame on each of them, or contacts of the scene. No robot: the whole scene.
+  /// Whom it is about: robots, or a frame on each of them, or contacts of the scene. No robot: the whole scene.
   std::vector<int> robots, contacts;
   bool copied = false;  // all copies are meant, and places are those of the robot before `arrange` moved it
   std::string frame;    // of the robots
@@ -58,7 +58,7 @@ struct TaskTerm {
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr, of weighted activations
   double eps = 1;           // of kSmooth1Norm
-  // Of a constraint, and of a barrier: nr, -inf and inf allowed; empty: those of the cone.
+  /// Of a constraint, and of a barrier: nr, -inf and inf allowed; empty: those of the cone.
   Eigen::VectorXd lower, upper;
 };
 
@@ -76,7 +76,7 @@ enum class TaskSolver { kFddp, kBoxFddp, kSparse, kAuto };
 const char* to_string(TaskSolver solver);
 enum class TaskGuess { kQuasiStatic, kZero };
 
-struct TaskFile {
+struct TaskFile {  // A task as its file has it.
   std::string path, name;
   SceneFile scene;
   double step = 0;  // s

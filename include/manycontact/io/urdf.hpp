@@ -16,14 +16,14 @@
 
 namespace manycontact {
 
-struct UrdfOptions {
+struct UrdfOptions {           // What is said of a robot beside its file.
   bool floating_base = false;  // joint 0 is then "root", of type kFloating, carrying the root link
   double armature = 0;         // of every coordinate but the floating base's, kg m^2 (kg for prismatic)
   std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
   std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
+  bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
   std::set<std::string> passive = {};                              // joints without torques: Joint::actuated is false
   bool model_dynamics = false;  // <dynamics>: fills Model::damping and friction; else only noted
-  bool refuse_mimic = false;    // a moving joint with <mimic> is an InputError
 
   bool operator==(const UrdfOptions&) const = default;
 };
@@ -31,7 +31,7 @@ struct UrdfOptions {
 /// The options do not fit the robot: `joint` is unknown, fixed, has several coordinates, ...
 struct UrdfOptionError : std::invalid_argument {
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
-      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}
+      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}  // message: what is wrong
   std::string joint;
   bool lock;  // from UrdfOptions::locked, else from an armature
 };

@@ -18,8 +18,8 @@
 namespace manycontact {
 
 template <class S>
-struct DenseKkt {
-  MatX<S> M, J;  // nv x nv, nc x nv
+struct DenseKkt {  // K and its rank-revealing factor
+  MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
   S J_size = S(0);  // rows of J count against this too (contact/rows.hpp, motion_size): all of J may be rounding
 

@@ -46,7 +46,7 @@ int first_dof(const Island& island, const Attachment& end);
 template <class Use>
 void each_velocity_block(const Scene& scene, const Island& island, Use&& use) {
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[island.robots[k]];
+    const Robot& robot = scene.robots[static_cast<std::size_t>(island.robots[k])];
     use(robot.idx_v, island.dof_offset[k], robot.model->nv);
   }
 }
@@ -56,7 +56,7 @@ template <class Use>
 void each_torque_block(const Scene& scene, const Island& island, Use&& use) {
   int first = 0;
   for (int r : island.robots) {
-    const int nu = scene.robots[r].model->nu();
+    const int nu = scene.robots[static_cast<std::size_t>(r)].model->nu();
     use(scene.robots[r].idx_u, first, nu);
     first += nu;
   }

@@ -16,10 +16,10 @@ enum class Method {
   kSparseBodies,      // bodies' accelerations and joints' forces kept as unknowns, per island: linear in deep trees
   kAuto,              // per island, the sparse method and order of least predicted cost
 };
-inline constexpr Method kMethods[] = {
-    Method::kDense,         Method::kDenseSchur,       Method::kSparseLdl,    Method::kSuiteSparseLdl,
-    Method::kSparseCholmod, Method::kSparseSupernodal, Method::kSparseBodies, Method::kAuto};
-std::string to_string(Method method);
+inline constexpr Method kMethods[] = {Method::kDense,          Method::kDenseSchur,    Method::kSparseLdl,
+                                      Method::kSuiteSparseLdl, Method::kSparseCholmod, Method::kSparseSupernodal,
+                                      Method::kSparseBodies,   Method::kAuto};
+std::string to_string(Method method);  // "sparse-ldl"
 /// The method called `name`, as to_string writes it.
 std::optional<Method> method_from_string(const std::string& name);
 /// Whether a method eliminates K's rows in an order that can be chosen.
@@ -34,8 +34,8 @@ enum class Order {
   kCamd,           // SuiteSparse CAMD, all joints before all contacts
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
-std::string to_string(Order order);
-std::optional<Order> order_from_string(const std::string& name);
+std::string to_string(Order order);                               // "leaf-to-root"
+std::optional<Order> order_from_string(const std::string& name);  // likewise
 
 /// Instructions for robots side by side in SIMD lanes: islands of one robot by sparse-ldl, 2 (baseline), 4 (AVX2 and
 /// FMA) or 8 (AVX-512) of one model at a time. A level that is not compiled in, or does not run here, is as kOff.
@@ -47,10 +47,10 @@ enum class Lanes {
   kAvx512,
 };
 inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, Lanes::kAvx2, Lanes::kAvx512};
-std::string to_string(Lanes lanes);
-std::optional<Lanes> lanes_from_string(const std::string& name);
+std::string to_string(Lanes lanes);                               // "auto", "off", "baseline", "avx2", "avx512"
+std::optional<Lanes> lanes_from_string(const std::string& name);  // likewise
 
-struct Options {
+struct Options {  // How to solve.
   Method method = Method::kAuto;
   std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;

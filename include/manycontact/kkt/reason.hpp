@@ -16,6 +16,6 @@ enum class Reason {
   kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
   kSingularInertia,  // M is singular and the contacts do not hold what it lets go
 };
-std::string to_string(Reason reason);
+std::string to_string(Reason reason);  // in words, for people
 
 }  // namespace manycontact

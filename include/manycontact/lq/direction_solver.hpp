@@ -22,7 +22,7 @@ enum class Status {
   kInaccurate,  // solved, but the KKT error stays above kAccurate: z is to be judged by kkt_error
 };
 
-struct Outcome {
+struct Outcome {  // of one solve
   Status status = Status::kOk;
   int knot = -1;         // where it failed, when one knot did
   double kkt_error = 0;  // of z as returned, largest relative error over the equations (kkt.hpp)

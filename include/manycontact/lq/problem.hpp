@@ -51,7 +51,7 @@ struct Knot {
   std::vector<Bond> bonds;    // each touches at least one group
 };
 
-struct Problem {
+struct Problem {            // all knots of a horizon
   std::vector<int> nx, nu;  // of each block
   std::vector<Knot> knots;  // T + 1, the last is the terminal one
   Eigen::VectorXd x0;       // of all blocks

@@ -19,7 +19,7 @@
 
 namespace manycontact::lq {
 
-class Riccati : public DirectionSolver {
+class Riccati : public DirectionSolver {  // the recursion, dense or by islands through time
  public:
   /// Of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
   struct Policy {

@@ -14,11 +14,11 @@ enum class JointType {
   kPlanar,     // q: x y [m], angle [rad]; v in the moving frame; the plane's normal is z of the joint frame
 };
 
+/// How many numbers it has in q, and in v.
 constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t == JointType::kPlanar ? 3 : 1; }
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
-/// A direction shorter than this counts as zero: files and computed differences leave such rests, and they point
-/// anywhere.
+/// Shorter directions count as zero: files and computed differences leave such rests, and they point anywhere.
 constexpr double kZeroDirection = 1e-9;
 
 /// One joint and the body it carries. The joint frame is the child frame at q = 0.
@@ -30,13 +30,13 @@ struct Joint {
   SE3<double> placement;                      // of the joint frame in the parent joint's frame
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
   Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame
-  // Limits, one value per velocity coordinate; infinite where the file gives none.
+  /// Limits, one value per velocity coordinate; infinite where the file gives none.
   Eigen::VectorXd lower, upper;  // position (floating: unused)
   Eigen::VectorXd velocity_limit, effort_limit;
   bool actuated = true;  // has torques in u; false: passive. A floating base never has
 
-  int nq() const { return joint_nq(type); }
-  int nv() const { return joint_nv(type); }
+  int nq() const { return joint_nq(type); }  // numbers in q
+  int nv() const { return joint_nv(type); }  // numbers in v
 
   // Derived by finalize(Model&), to spare work in the recursions.
   int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any

@@ -31,7 +31,7 @@ struct ModelNotes {
 /// Below this speed Coulomb friction falls to zero instead of jumping [rad/s, m/s].
 constexpr double kFrictionVelocity = 0.01;
 
-struct Model {
+struct Model {  // A robot's tree: joints, frames, inertias.
   std::string name;
   bool floating_base = false;  // joint 0 is the floating base
   std::vector<Joint> joints;
@@ -53,9 +53,9 @@ struct Model {
   std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
                                  // so deep that this has 2^31 entries or more
 
-  int njoints() const { return static_cast<int>(joints.size()); }
-  int nu() const { return static_cast<int>(actuated.size()); }
-  int first_actuated() const { return floating_base ? 6 : 0; }  // the first coordinate that is not a floating base's
+  int njoints() const { return static_cast<int>(joints.size()); }  // movable ones, the floating base included
+  int nu() const { return static_cast<int>(actuated.size()); }     // coordinates with a torque
+  int first_actuated() const { return floating_base ? 6 : 0; }     // the first coordinate that is not a floating base's
   /// Index of the frame called `name`, -1 if there is none.
   int find_frame(const std::string& frame_name) const;
   /// Index of the joint called `name`, -1 if there is none.

@@ -11,7 +11,7 @@
 
 namespace manycontact {
 
-struct Robot {
+struct Robot {  // One robot of a scene.
   std::string name;
   std::shared_ptr<const Model> model;
   SE3<double> base;  // in the world: where a fixed base stands, where a floating one starts (neutral)
@@ -29,7 +29,7 @@ enum class ReferenceFrame {
   LOCAL_WORLD_ALIGNED = kLocalWorldAligned
 };
 
-constexpr int contact_rows(ContactType t) {
+constexpr int contact_rows(ContactType t) {  // of J: 1, 2, 3, 5, 6
   switch (t) {
     case ContactType::k1D:
       return 1;
@@ -73,12 +73,12 @@ struct Contact {
   bool active = true;                         // at the start; data may switch it later
 
   // What a unilateral contact bears: told by analysis/violations.hpp, no part of the equations.
-  std::optional<double> mu = {};                  // friction coefficient; none: the contact may pull
-  Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length along x and width along y of the support [m]; 0: none
-  int rows() const { return contact_rows(type); }
+  std::optional<double> mu = {};                   // friction coefficient; none: the contact may pull
+  Eigen::Vector2d box = Eigen::Vector2d::Zero();   // 6D: length along x and width along y of the support [m]; 0: none
+  int rows() const { return contact_rows(type); }  // 1, 2, 3, 5, 6
 };
 
-struct Scene {
+struct Scene {  // Constant while it is solved; data.hpp says what may change between solves.
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
   double damping = 0;  // delta, Crocoddyl's JMinvJt_damping
@@ -89,7 +89,7 @@ struct Scene {
   int nq = 0, nv = 0, nu = 0;
   std::unordered_map<std::string, int> robot_index, contact_index;  // by name
 
-  int nrobots() const { return static_cast<int>(robots.size()); }
+  int nrobots() const { return static_cast<int>(robots.size()); }  // copies counted
 };
 
 /// Appends a robot and sets its indices; returns its number. base: where its base stands (fixed), or where

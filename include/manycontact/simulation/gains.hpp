@@ -33,7 +33,7 @@
 
 namespace manycontact {
 
-struct Gains {
+struct Gains {                 // Of a contact's stabilisation.
   double alpha = 0, beta = 0;  // 1/s^2, 1/s
 };
 

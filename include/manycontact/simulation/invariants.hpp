@@ -8,22 +8,22 @@
 
 namespace manycontact {
 
-struct Invariants {
+struct Invariants {           // Of a scene at one state.
   double position_drift = 0;  // max |W e| over the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
   double velocity_drift = 0;  // max |J v| [m/s, rad/s]
   double kinetic = 0;         // J, rotors (armature) included
   double potential = 0;       // J, zero at the world's origin
   Vec6<double> momentum = Vec6<double>::Zero();  // of the bodies, about the world's origin: linear [N s], angular
 
-  double energy() const { return kinetic + potential; }
+  double energy() const { return kinetic + potential; }  // J
 };
 
 /// Room for `invariants`.
 struct InvariantsData {
-  explicit InvariantsData(const Scene& scene);
-  std::vector<Kinematics<double>> kin;        // per robot
-  std::vector<ContactSupport> supports;       // per contact
-  std::vector<ContactData<double>> contacts;  // per contact
+  explicit InvariantsData(const Scene& scene);  // for this scene
+  std::vector<Kinematics<double>> kin;          // per robot
+  std::vector<ContactSupport> supports;         // per contact
+  std::vector<ContactData<double>> contacts;    // per contact
 };
 
 /// At q (nq), v (nv), with the contacts flagged `active`. W and e are those of contact/rows.hpp. A 1D or 2D contact

@@ -59,7 +59,7 @@ struct SceneAtRest {
   std::vector<Vec6<double>> f;          // scratch
 };
 
-struct SimulationData {
+struct SimulationData {  // A motion: its state, step size and integrator, and the memory of its solves.
   /// Starts at q (nq), v (nv). Throws std::invalid_argument unless sizes fit and h is finite and positive.
   SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
                  const Options& options = {});
@@ -84,7 +84,7 @@ struct SimulationData {
   // scratch
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
-  double time() const { return static_cast<double>(steps) * h; }
+  double time() const { return static_cast<double>(steps) * h; }  // s, since the start
 };
 
 /// One step with torques u (nu). Where it is not kOk, q, v and steps stay what they were. Allocates what solve does:

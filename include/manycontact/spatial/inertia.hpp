@@ -7,7 +7,7 @@
 namespace manycontact {
 
 template <class S>
-struct Inertia {
+struct Inertia {  // mass, first moment, inertia about the origin
   S m = S(0);
   Vec3<S> h = Vec3<S>::Zero();  // kg m
   Mat3<S> I = Mat3<S>::Zero();  // kg m^2, about the origin, symmetric

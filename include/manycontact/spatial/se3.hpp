@@ -6,13 +6,13 @@
 namespace manycontact {
 
 template <class S>
-struct SE3 {
+struct SE3 {  // A placement: p in the parent's axes, R from own axes to the parent's.
   Mat3<S> R = Mat3<S>::Identity();
   Vec3<S> p = Vec3<S>::Zero();
 
-  static SE3 Identity() { return {}; }
-  const Mat3<S>& rotation() const { return R; }
-  const Vec3<S>& translation() const { return p; }
+  static SE3 Identity() { return {}; }              // R = 1, p = 0
+  const Mat3<S>& rotation() const { return R; }     // Pinocchio's name of R
+  const Vec3<S>& translation() const { return p; }  // and of p
 
   /// aMc = aMb bMc
   SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), p + times<S>(R, o.p)}; }
@@ -54,7 +54,7 @@ struct SE3 {
     return X;
   }
   template <class T>
-  SE3<T> cast() const {
+  SE3<T> cast() const {  // the same in scalar T
     return {R.template cast<T>(), p.template cast<T>()};
   }
 };

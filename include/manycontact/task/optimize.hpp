@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "manycontact/control/kkt_residual.hpp"
-#include "manycontact/task/problem.hpp"
+#include "manycontact/task/violations.hpp"
 
 namespace manycontact {
 
@@ -26,21 +26,31 @@ struct TaskTimes {
   double total = 0;
 };
 
-struct TaskSolution {
+/// Feedback of robots that are solved together, u = us_t - K_t (x (-) xs_t), of their coordinates of u and dx.
+struct TaskGains {
+  std::vector<int> dx, u;
+  std::vector<Eigen::MatrixXd> K;  // by node
+};
+
+struct TaskSolution {  // What optimize found, and how.
   bool converged = false;
   double cost = 0;
-  std::string reason;  // why it stopped
-  std::vector<TaskIteration> iterations;
-  std::vector<Eigen::VectorXd> xs, us;  // nodes + 1, nodes
+  std::string reason;                     // why it stopped; of constraints that are missed, which and by how much
+  std::vector<TaskIteration> iterations;  // until the task's tolerance
+  std::size_t polishing_iterations = 0;   // after these, to the KKT residual
+  std::vector<Eigen::VectorXd> xs, us;    // nodes + 1, nodes
+  std::vector<TaskGains> gains;           // by part; none where the solver has none, or made no step
   std::string solver;
-  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part
+  std::string direction;    // how directions were found: "Riccati", or a name of lq::DirectionSolver
+  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part or cluster
   double kkt_residual = 0;
-  double constraint_violation = 0;   // largest over all nodes and rows
+  double constraint_violation = 0;  // largest over all nodes and rows
+  std::vector<TaskViolation> violations;
   std::size_t outer_iterations = 0;  // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
 };
 
-struct TaskOptions {
+struct TaskOptions {  // How to solve, where the file does not say it.
   TaskSolver solver = TaskSolver::kAuto;
   int threads = 0;  // 0: OpenMP's
   /// After each iteration; false ends the solve there.
@@ -48,10 +58,11 @@ struct TaskOptions {
 };
 
 /// The problem is make_problem's for this solver: FDDP and Box-FDDP need nodes of the whole scene. kAuto: sparse where
-/// the problem has more than one part, else FDDP. From the problem's guess, with the task's iterations and tolerance.
-/// Constraints are met to 1e-9 by SolverAugmentedLagrangian around FDDP or Box-FDDP, with a KKT residual below 1e-6
-/// then. Throws InputError, with the line of the task's <solver>, where sparse is asked for and there are constraints.
-/// Numerical failure is no exception: `reason` says it.
+/// the problem has more than one block, else FDDP. From the problem's guess, with the task's iterations and tolerance.
+/// Where the stopping value is below the tolerance it goes on until the KKT residual is below 1e-6: both are what
+/// `converged` means. Constraints are met to 1e-9 by SolverAugmentedLagrangian around FDDP or Box-FDDP. Throws
+/// InputError, with the line of the task's <solver>, where sparse is asked for and there are constraints. Numerical
+/// failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
 }  // namespace manycontact

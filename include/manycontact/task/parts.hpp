@@ -3,15 +3,19 @@
 
 #include "manycontact/control/parts.hpp"
 #include "manycontact/io/task_file.hpp"
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
+
+/// The sets of 0 ... count - 1, each ascending, in the order of their first ones.
+std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count);
 
 /// Robots by parts, each ascending, in the order of their first ones. Joined: by a contact that is active in any phase;
 /// all of them by a centre of mass or a momentum of the whole scene.
 std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 
-/// The task of these robots alone, with the contacts and terms that are about them. The robots are whole parts of
-/// separate_robots.
+/// The task of these robots alone, with the contacts among them and the terms that are about them. The robots are whole
+/// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose bonds are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
 /// Which coordinates of the scene's x, dx, u are these robots', in the order of part_of's scene. The model is left out.

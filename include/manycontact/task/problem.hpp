@@ -12,13 +12,14 @@
 
 namespace manycontact {
 
-struct TaskProblem {
+struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<ActuationModelAbstract> actuation;
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node
   std::shared_ptr<ShootingProblem> problem;
-  std::vector<Eigen::VectorXd> xs, us;  // initial guess
-  std::vector<std::vector<int>> parts;  // robots of each part of the nodes; one: nodes of the whole scene
+  std::vector<Eigen::VectorXd> xs, us;   // initial guess
+  std::vector<std::vector<int>> parts;   // robots that meet, of each part of the nodes
+  std::vector<std::vector<int>> blocks;  // parts, taken apart at their bonds; one: nodes of the whole scene
 };
 
 /// Nodes of the whole scene. Throws InputError where a term does not fit the models, with the task's file and line.
@@ -27,8 +28,10 @@ TaskProblem make_problem(const TaskFile& task);
 /// Whether any node has constraints.
 bool has_constraints(const TaskFile& task);
 
-/// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; so kAuto
-/// where there is more than one part. With constraints always nodes of the whole scene.
+/// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; parts that
+/// divide_robots takes apart (task/joined.hpp) are ActionModelJoined of these blocks, unless their bonds depend on each
+/// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. With a single
+/// block, and with constraints, nodes of the whole scene.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 
 /// Per running node, the index of its phase.

@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-class ResidualModelRows : public ResidualModelAbstract {
+class ResidualModelRows : public ResidualModelAbstract {  // r_i = inner_(rows_i)
  public:
   /// rows: each at most once, of inner's nr.
   ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inner, std::vector<int> rows);
@@ -21,8 +21,8 @@ class ResidualModelRows : public ResidualModelAbstract {
   using ResidualModelAbstract::calcDiff;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }
-  const std::vector<int>& get_rows() const { return rows_; }
+  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }  // the residual picked from
+  const std::vector<int>& get_rows() const { return rows_; }                          // its rows, in order
 
  private:
   std::shared_ptr<ResidualModelAbstract> inner_;

@@ -15,6 +15,55 @@ namespace {
 using kernel::kRegister;
 using kernel::Tile;
 
+// ldl_scheduled_residual, four entries of a column at a time where their rows follow each other.
+void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale) {
+  using Four = Tile<double, 4>;
+  const int *p = A.p.data(), *row = A.i.data();
+  const double zeros[4] = {};
+  const auto size_of = [](Four t) {
+    for (int k = 0; k < Four::kVectors; ++k) t.v[k] = t.v[k] < 0 ? -t.v[k] : t.v[k];
+    return t;
+  };
+  for (int k = 0; k < A.n; ++k) {
+    r[k] = b[k];
+    scale[k] = absolute(b[k]);
+  }
+  for (int j = 0; j < A.n; ++j) {
+    const int last = p[j + 1] - 1;  // the diagonal
+    const double xj = x[j], size_j = absolute(xj);
+    double rj = multiply_add(-Ax[last], xj, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
+    auto r_four = Four::load(zeros), scale_four = r_four;
+    for (int k = p[j]; k < last;) {
+      const int i = row[k];
+      if (k + 4 <= last && row[k + 3] == i + 3) {
+        const auto a = Four::load(Ax + k), size = size_of(a), x_i = Four::load(x + i);
+        auto r_i = Four::load(r + i), scale_i = Four::load(scale + i);
+        for (int v = 0; v < Four::kVectors; ++v) {
+          r_i.v[v] = Four::fused(Four::all(-xj), a.v[v], r_i.v[v]);
+          scale_i.v[v] = Four::fused(Four::all(size_j), size.v[v], scale_i.v[v]);
+        }
+        r_i.store(r + i);
+        scale_i.store(scale + i);
+        r_four.add(a, x_i);
+        scale_four.add(size, size_of(x_i));
+        k += 4;
+        continue;
+      }
+      const double size = absolute(Ax[k]);
+      r[i] = multiply_add(-Ax[k], xj, r[i]);
+      scale[i] = multiply_add(size, size_j, scale[i]);
+      rj = multiply_add(-Ax[k], x[i], rj);
+      scale_j = multiply_add(size, absolute(x[i]), scale_j);
+      ++k;
+    }
+    double sums[4], sizes[4];
+    r_four.store(sums);
+    scale_four.store(sizes);
+    r[j] = rj - ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+    scale[j] = scale_j + ((sizes[0] + sizes[1]) + (sizes[2] + sizes[3]));
+  }
+}
+
 // Rows far apart in memory are brought together in A's order, and a chunk of columns stays in the cache.
 void solve_apart(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                  int first, int cols, char* nonzero, double* work) {
@@ -33,26 +82,70 @@ void solve_apart(const LdlSchedule& schedule, const double* Lx, const double* D,
   });
 }
 
-void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
+// t += l x
+template <int N>
+inline void add_times(Tile<double, N>& t, double l, const Tile<double, N>& x) {
+  if constexpr (N == 1) {
+    t.v[0] = multiply_add(l, x.v[0], t.v[0]);
+  } else {
+    const auto s = Tile<double, N>::all(l);
+    for (int k = 0; k < Tile<double, N>::kVectors; ++k) t.v[k] = Tile<double, N>::fused(s, x.v[k], t.v[k]);
+  }
+}
+
+// B -= A X for N columns, whose rows are X(k) and B(k).
+template <int N, class RowX, class RowB>
+inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB&& B) {
   const int *p = A.p.data(), *index = A.i.data();
+  for (int j = 0; j < A.n; ++j) {
+    const int last = p[j + 1] - 1;  // the diagonal
+    const auto xj = Tile<double, N>::load(X(j));
+    auto bj = Tile<double, N>::load(B(j));
+    add_times<N>(bj, -Ax[last], xj);
+    for (int k = p[j]; k < last; ++k) {
+      double* to = B(index[k]);
+      auto bi = Tile<double, N>::load(to);
+      add_times<N>(bi, -Ax[k], xj);
+      bi.store(to);
+      bj.add(-Ax[k], X(index[k]));
+    }
+    bj.store(B(j));
+  }
+}
+
+void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
   kernel::in_chunks<kernel::kColumns<double>>(0, cols, [&](int first, auto size) {
+    const auto at = [&](int k) { return static_cast<std::ptrdiff_t>(row[k]) * ld + first; };
+    subtract_product<size.value>(
+        A, Ax, [&](int k) { return X + at(k); }, [&](int k) { return B + at(k); });
+  });
+}
+
+// As solve_apart; the right-hand sides, the answer and its correction are all in the cache.
+void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
+                   const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
+  const std::ptrdiff_t n = schedule.n;
+  ldl_scheduled_reach(schedule, nonzero);
+  char* everywhere = reinterpret_cast<char*>(work + 2 * n * kernel::kColumns<double>);
+  std::fill_n(everywhere, n, 1);
+  kernel::in_chunks<kernel::kColumns<double>>(first, first + cols, [&](int c, auto size) {
     constexpr int N = size.value;
-    const auto at = [&](auto* panel, int k) { return panel + static_cast<std::ptrdiff_t>(row[k]) * ld + first; };
-    for (int j = 0; j < A.n; ++j) {
-      const double* xj = at(X, j);
-      auto bj = Tile<double, N>::load(at(B, j));
-      for (int k = p[j]; k < p[j + 1]; ++k) {
-        const int i = index[k];
-        if (i == j) {
-          bj.add(-Ax[k], xj);
-          continue;
-        }
-        auto bi = Tile<double, N>::load(at(B, i));
-        bi.add(-Ax[k], xj);
-        bi.store(at(B, i));
-        bj.add(-Ax[k], at(X, i));
-      }
-      bj.store(at(B, j));
+    double *x = work, *r = work + n * N;
+    const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
+    for (int k = 0; k < schedule.n; ++k) {
+      const double zeros[N] = {};
+      const auto b = Tile<double, N>::load(nonzero[k] ? at(k) : zeros);
+      b.store(x + k * N);
+      b.store(r + k * N);
+    }
+    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), x, N, nonzero);
+    subtract_product<N>(
+        A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
+    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), r, N, everywhere);
+    for (int k = 0; k < schedule.n; ++k) {
+      auto sum = Tile<double, N>::load(x + k * N);
+      add_times<N>(sum, 1, Tile<double, N>::load(r + k * N));
+      sum.store(at(k));
     }
   });
 }
@@ -145,8 +238,12 @@ void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
 extern const PanelKernels MANYCONTACT_OF_LEVEL(level_);
 const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
                                                    kernel::kColumns<double>,
+                                                   ldl_scheduled_factor<double>,
+                                                   ldl_scheduled_solve<double>,
+                                                   residual_vector,
                                                    ldl_scheduled_solve_panel<double>,
                                                    solve_apart,
+                                                   solve_refined,
                                                    panel_residual,
                                                    upper_product,
                                                    product,

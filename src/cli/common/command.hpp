@@ -27,6 +27,7 @@ const Command& inspect_command();
 const Command& simulate_command();
 const Command& optimize_command();
 const Command& batch_command();
+const Command& view_command();
 
 /// Commands of the program manycontact-chart, which needs more packages and time to build; their `run` is null here.
 const Command& chart_command();

@@ -6,6 +6,7 @@
 namespace manycontact::cli {
 
 bool gnuplot_available();
+inline constexpr const char* kNoGnuplot = "gnuplot is not installed (Debian: gnuplot-nox), no charts are drawn";
 
 /// A text in gnuplot's single quotes, in which it runs no shell commands.
 std::string quoted(const std::string& text);

@@ -6,6 +6,7 @@
 
 #include "beside.hpp"
 #include "manycontact/io/input_error.hpp"
+#include "manycontact/sparse/memory.hpp"
 #include "manycontact/version.hpp"
 #include "table.hpp"
 
@@ -71,6 +72,8 @@ int run_program(const std::vector<Command>& commands, const std::vector<std::str
     return complain("cannot write to standard output", "", kExitUnsound);
   } catch (const InputError& error) {
     return complain(error.what(), "", kExitUsage);
+  } catch (const sparse::TooLarge& error) {
+    return complain(std::string("out of memory: ") + error.what(), "", kExitUnsound);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", "", kExitUnsound);
   } catch (const std::exception& error) {

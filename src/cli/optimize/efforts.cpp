@@ -5,7 +5,6 @@
 #include <map>
 
 #include "../common/table.hpp"
-#include "manycontact/task/forces.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {
@@ -28,16 +27,6 @@ struct Bore {
   double ratio = 0, mu = INFINITY;    // tangential to normal; the smallest of the cones'
 };
 
-// The friction coefficient of the contact's cone in this phase; infinite without.
-double mu_of(const TaskPhase& phase, int contact) {
-  double mu = INFINITY;
-  for (const auto* terms : {&phase.costs, &phase.constraints})
-    for (const TaskTerm& term : *terms)
-      if (term.mu > 0 && std::count(term.contacts.begin(), term.contacts.end(), contact) > 0)
-        mu = std::min(mu, term.mu);
-  return mu;
-}
-
 void add_force(const Eigen::VectorXd& f, double mu, Bore& bore) {
   ++bore.nodes;
   bore.least = std::min(bore.least, f[2]);
@@ -47,6 +36,15 @@ void add_force(const Eigen::VectorXd& f, double mu, Bore& bore) {
 }
 
 }  // namespace
+
+double friction_of(const TaskPhase& phase, int contact) {
+  double mu = INFINITY;
+  for (const auto* terms : {&phase.costs, &phase.constraints})
+    for (const TaskTerm& term : *terms)
+      if (term.mu > 0 && std::count(term.contacts.begin(), term.contacts.end(), contact) > 0)
+        mu = std::min(mu, term.mu);
+  return mu;
+}
 
 void print_torques(std::ostream& out, const OptimizedTask& motion) {
   const auto& us = motion.solution.us;
@@ -86,8 +84,8 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
       const ContactGroup& group = task.scene.contact_groups[g];
       for (int c = group.first; c < group.first + group.count; ++c)
         if (forces[static_cast<std::size_t>(c)].size() >= 3)
-          add_force(forces[static_cast<std::size_t>(c)], mu_of(task.phases[static_cast<std::size_t>(phases[t])], c),
-                    bores[g]);
+          add_force(forces[static_cast<std::size_t>(c)],
+                    friction_of(task.phases[static_cast<std::size_t>(phases[t])], c), bores[g]);
     }
   }
   Table table({{"contact forces", Table::kLeft, 40},

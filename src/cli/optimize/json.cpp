@@ -17,16 +17,33 @@ Json iterations(const TaskSolution& s) {
   return list;
 }
 
-Json report(const TaskSolution& s) {
+Json constraints(const TaskSolution& s) {
+  Json list = Json::array();
+  for (const TaskViolation& v : s.violations)
+    list.push_back({{"name", v.constraint}, {"violation", v.by}, {"node", v.node}});
+  return list;
+}
+
+Json report(const OptimizedTask& motion) {
+  const TaskSolution& s = motion.solution;
   const TaskTimes& t = s.times;
-  return {
+  Json out = {
       {"solver", s.solver},
+      {"direction", s.direction},
       {"blocks", s.blocks},
       {"kkt_residual", s.kkt_residual},
+      {"polishing_iterations", s.polishing_iterations},
       {"constraint_violation", s.constraint_violation},
+      {"constraints", constraints(s)},
       {"outer_iterations", s.outer_iterations},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };
+  if (const auto& simulation = motion.simulation)
+    out["simulation"] = {{"completed", simulation->stopped == StepStatus::kOk},
+                         {"position_drift", simulation->position_drift},
+                         {"velocity_drift", simulation->velocity_drift},
+                         {"distance", simulation->distance}};
+  return out;
 }
 
 }  // namespace
@@ -40,7 +57,7 @@ void write_json(const OptimizedTask& motion, const std::string& path) {
                    {"iterations", iterations(s)},
                    {"xs", json_of(s.xs)},
                    {"us", json_of(s.us)},
-                   {"report", report(s)}},
+                   {"report", report(motion)}},
                   path);
 }
 

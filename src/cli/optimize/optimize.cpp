@@ -1,12 +1,17 @@
 #include "optimize.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 
 #include "../common/command.hpp"
+#include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 
 namespace manycontact::cli {
 
@@ -57,11 +62,27 @@ void check_writable(const std::string& path, const char* option) {
     throw InputError(path, 1, std::string("cannot be written, expected a file that ") + option + " may create");
 }
 
+// Before hours of work: there is a folder for charts, and what draws them.
+void prepare_charts(const std::string& folder) {
+  if (!gnuplot_available()) throw InputError(folder, 1, kNoGnuplot);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --charts");
+}
+
+std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task, const TaskProblem& problem,
+                                         const TaskSolution& solution) {
+  if (!arguments.has("--simulate")) return std::nullopt;
+  const double substeps = std::clamp(std::ceil(task.step / arguments.positive("--simulate") - 1e-9), 1.0, 1e9);
+  return manycontact::simulate(task, problem, solution, Integrator::kRk4, static_cast<int>(substeps));
+}
+
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, 1000000, 0);
-  const auto out = arguments.value("--out"), json = arguments.value("--json");
+  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
+  const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
   if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
 
@@ -70,6 +91,8 @@ int run_optimize(const Arguments& arguments) {
   TaskProblem problem = make_problem(task, chosen);
   check_writable(*out, "--out");
   if (json) check_writable(*json, "--json");
+  if (charts) prepare_charts(*charts);
+  std::optional<Recording> view = recording_of(arguments, task.scene.scene);
 
   const InterruptFlag stop;
   std::size_t k = 0;
@@ -77,10 +100,14 @@ int run_optimize(const Arguments& arguments) {
                                                            show(k++, iteration);
                                                            return !stop.is_set();
                                                          }});
-  const OptimizedTask motion{task, problem, solution};
+  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, problem, solution)};
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
-  if (*out != "-" && json.value_or("") != "-") print_summary(std::cout, motion);
+  if (charts) draw_charts(motion, *charts);
+  const bool summary = *out != "-" && json.value_or("") != "-";
+  if (summary) print_summary(std::cout, motion);
+  if (view) record_motion(motion, *view);
+  finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);
   return solution.converged ? kExitOk : kExitUnsound;
 }
 
@@ -93,6 +120,9 @@ const Command& optimize_command() {
       "A motion of a scene: the task's costs at their least, its contacts held.",
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
+       {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
+       view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
       "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"

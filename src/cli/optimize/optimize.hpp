@@ -2,15 +2,20 @@
 // `manycontact optimize`: what it computes, and what it writes.
 
 #include <iosfwd>
+#include <optional>
 
-#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/forces.hpp"
+#include "manycontact/task/simulate.hpp"
 
 namespace manycontact::cli {
+
+struct Recording;
 
 struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
+  std::optional<SimulatedMotion> simulation;
 };
 
 /// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.
@@ -18,6 +23,15 @@ void write_json(const OptimizedTask& motion, const std::string& path);
 
 /// CSV in the columns of `simulate`: a row per node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
+
+/// convergence, torques and forces, .svg and .png, into the folder, by gnuplot. Throws as draw does.
+void draw_charts(const OptimizedTask& motion, const std::string& folder);
+
+/// The states as frames of a view, with the torques and cones of the task.
+void record_motion(const OptimizedTask& motion, Recording& recording);
+
+/// The friction coefficient of the contact's cones in this phase, the smallest; infinite without.
+double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
 /// Its parts: where robots and frames went, largest torques, contact forces.

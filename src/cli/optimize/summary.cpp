@@ -9,6 +9,22 @@ namespace {
 
 constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4"};
 
+void print_constraints(std::ostream& out, const TaskSolution& s) {
+  if (s.violations.empty()) return;
+  out << "constraints are missed by " << scientific(s.constraint_violation) << " at most, after "
+      << count(static_cast<long>(s.outer_iterations), "outer iteration") << "\n";
+  Table table({{"constraints", Table::kLeft, 40}, {"missed by"}, {"at node"}});
+  for (const TaskViolation& v : s.violations)
+    table.add({printable(v.constraint), scientific(v.by), std::to_string(v.node)});
+  table.print(out);
+}
+
+void print_simulation(std::ostream& out, const SimulatedMotion& s) {
+  out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
+      << scientific(s.position_drift) << " m or rad at most, and the state is " << number(s.distance)
+      << " from the plan's\n";
+}
+
 void print_times(std::ostream& out, const TaskSolution& s) {
   const TaskTimes& t = s.times;
   out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
@@ -23,17 +39,24 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
   const TaskSolution& s = motion.solution;
   const Scene& scene = task.scene.scene;
   out << printable(task.name) << ": " << s.solver << (s.converged ? " converged" : " did not converge") << " after "
-      << count(static_cast<long>(s.iterations.size()), "iteration") << " (" << s.reason << "), cost "
-      << number(s.cost, 6) << ", KKT residual " << scientific(s.kkt_residual) << "\n"
+      << count(static_cast<long>(s.iterations.size()), "iteration")
+      << (s.polishing_iterations > 0 ? " and " + std::to_string(s.polishing_iterations) + " more" : "") << " ("
+      << printable(s.reason) << "), cost " << number(s.cost, 6) << ", KKT residual " << scientific(s.kkt_residual)
+      << "\n"
       << count(static_cast<long>(s.us.size()), "node") << " of " << number(task.step) << " s, "
       << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
       << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
       << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+  if (s.solver == to_string(TaskSolver::kSparse))
+    out << "directions: " << s.direction << ", " << count(static_cast<long>(motion.problem.parts.size()), "part")
+        << ", " << count(static_cast<long>(motion.problem.blocks.size()), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
     out << "the states have gaps: they are not what the torques lead to\n";
+  print_constraints(out, s);
   print_motion(out, motion);
   print_torques(out, motion);
   print_forces(out, motion);
+  if (motion.simulation) print_simulation(out, *motion.simulation);
   print_times(out, s);
 }
 

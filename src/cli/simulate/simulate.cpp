@@ -10,6 +10,7 @@
 #include "../common/command.hpp"
 #include "../common/progress.hpp"
 #include "../common/table.hpp"
+#include "../view/view.hpp"
 #include "control.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "switches.hpp"
@@ -33,6 +34,7 @@ struct Run {
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
   Findings at_start;  // contacts out of place; joints without mass, where that ended it
+  std::optional<Recording> view;
 };
 
 Integrator integrator_of(const Arguments& arguments) {
@@ -104,6 +106,10 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
     run.largest.kinetic = std::max(run.largest.kinetic, run.end.kinetic);
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
+    if (run.view) {
+      const Eigen::VectorXd& u = around.control.at(sim.time(), sim.q, sim.v);
+      add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
+    }
   };
   write_trajectory_header(scene, csv);
   if (around.forces) write_forces_header(scene, *around.forces);
@@ -234,6 +240,7 @@ int run_simulate(const Arguments& arguments) {
   if (arguments.has("--passive")) file.u.setZero();
   Around around = around_of(arguments, file);
   CsvFile csv(*out);
+  run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   sim.condition_every = kConditionEvery;
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
@@ -242,6 +249,7 @@ int run_simulate(const Arguments& arguments) {
     run.at_start.weightless = weightless_names(file.scene, sim.dynamics, sim.q);
   if (*out != "-") print_summary(std::cout, file, sim, around, run);
   if (const auto json = arguments.value("--json")) write_json_file(document(file, sim, around, run), *json);
+  finish_view(arguments, file, run.view, *out != "-" ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
@@ -274,6 +282,7 @@ const Command& simulate_command() {
         "contacts that open and close: '0.2 left off, 0.5 left on' (or here: held where it is then)"},
        {"--forces", "FILE", "CSV: t, contact forces on A in their reference frames, at the states of --out"},
        {"--json", "FILE", "JSON: status, energy, what contacts and joints did that they cannot, and when first"},
+       view_option(),
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
        order_option()},

@@ -209,9 +209,7 @@ int run_stability(const Arguments& arguments) {
   write_energy(s, fs::path(*folder) / "energy.csv");
   print_summary(std::cout, s);
   if (!gnuplot_available()) {
-    std::cerr << "manycontact: gnuplot is not installed (Debian: gnuplot-nox), no charts are drawn; drift.csv and "
-                 "energy.csv are in "
-              << printable(*folder) << "\n";
+    std::cerr << "manycontact: " << kNoGnuplot << "; drift.csv and energy.csv are in " << printable(*folder) << "\n";
     return kExitUnsound;
   }
   draw_drift(s, (fs::path(*folder) / "drift").string());

@@ -3,6 +3,7 @@
 // The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do
 // not depend on its lane, nor on who stands beside it.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -78,6 +79,78 @@ class Kernel {
   virtual void vjp(const ProductJob& job, std::span<const Island* const> islands) = 0;
 };
 
+/// Motions, bias and inertia of robots of one model, side by side, into arrays as RobotData has them: of robots of an
+/// island that is too large to stand in a lane itself.
+class RobotTerms {
+ public:
+  static constexpr std::size_t kArrays = 10;
+  template <class S>
+  using Arrays = std::array<S*, kArrays>;
+  using Counts = std::array<int, kArrays>;
+  template <class S>
+  static Arrays<S> arrays_of(Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M, S* h) {
+    static_assert(sizeof(SE3<S>) == 12 * sizeof(S) && sizeof(Inertia<S>) == 13 * sizeof(S));
+    return {kin.origin.data(),
+            kin.oMi.front().R.data(),
+            kin.J.data(),
+            &kin.Y.front().m,
+            kin.v.front().data(),
+            kin.a.front().data(),
+            kin.a_base.data(),
+            &Yc.front().m,
+            M,
+            h};
+  }
+  static Counts counts_of(const Model& model) {
+    const int n = model.njoints();
+    return {3, 12 * n, 6 * model.nv, 13 * n, 6 * n, 6 * n, 6, 13 * n, model.M_begin[model.nv], model.nv};
+  }
+  struct Robot {
+    const double *q, *v;
+    const double* base;  // placement: R by columns, p
+    Arrays<double> out;
+    bool sound;  // by evaluate; where not, another way has to answer
+  };
+
+  virtual ~RobotTerms() = default;
+  /// Memory for robots side by side.
+  virtual void widen() = 0;
+  /// robots: one, or after `widen` as many as fit side by side.
+  virtual void evaluate(const Vec3<double>& gravity, std::span<Robot> robots) = 0;
+};
+
+/// Rows of contacts alike, side by side, into arrays as ContactData has them.
+class ContactTerms {
+ public:
+  static constexpr std::size_t kArrays = 14;
+  template <class S>
+  using Arrays = std::array<S*, kArrays>;
+  using Counts = std::array<int, kArrays>;
+  template <class S>
+  static Arrays<S> arrays_of(ContactData<S>& d) {
+    return {d.aMA.R.data(), d.bMA.R.data(), d.G.R.data(), d.vA.data(), d.vB.data(), d.aA.data(), d.aB.data(),
+            d.nu.data(),    d.nudot.data(), d.x.data(),   d.Jl.data(), d.W.data(),  d.J.data(),  d.a0.data()};
+  }
+  static Counts counts_of(int rows, int cols) {
+    return {12, 12, 12, 6, 6, 6, 6, 6, 6, 6, 6 * cols, 6 * rows, rows * cols, rows};
+  }
+  /// Of a robot after evaluation, as Kinematics has them.
+  struct Body {
+    const double *origin, *oMi, *v, *a, *J;
+  };
+  struct Rows {
+    Body A, B;
+    const double *placement_A, *placement_B;  // of the contact's frames on their bodies, or in the world
+    Arrays<double> out;
+  };
+
+  virtual ~ContactTerms() = default;
+  /// Memory for contacts side by side. The arguments of Level::make_contacts.
+  virtual void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
+  /// rows: one, or after `widen` as many as fit side by side, alike to `contact` but for placements (`alike_rows`).
+  virtual void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) = 0;
+};
+
 /// A level of instructions that kernels were compiled for.
 struct Level {
   const char* name;
@@ -85,6 +158,10 @@ struct Level {
   /// island: any of the kernel's, in its scene.
   std::unique_ptr<Kernel> (*make)(const Scene& scene, const Island& island, const IslandSupport& support,
                                   std::shared_ptr<const KktPattern> pattern);
+  std::unique_ptr<RobotTerms> (*make_robots)(std::shared_ptr<const Model> model);
+  /// contact: any of the kernel's, in its scene, for which `moves_at_both_ends`.
+  std::unique_ptr<ContactTerms> (*make_contacts)(const Scene& scene, const Contact& contact,
+                                                 const ContactSupport& support);
 };
 
 /// All levels of this build that run here, the widest first.
@@ -94,6 +171,10 @@ const Level* level_of(Lanes lanes);
 
 /// Whether an island can stand in a lane: one robot that is not large, contacts on moving bodies of its.
 bool fits(const Scene& scene, const Island& island);
+/// Whether A is on a moving body, and B on one or in the world.
+bool moves_at_both_ends(const Contact& contact);
+/// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
+bool alike_rows(const Contact& x, const Contact& y);
 /// Whether two islands of one shape and model can stand side by side: their contacts are alike but for B's placement in
 /// the world.
 bool alike(const Scene& scene, const Island& x, const Island& y);

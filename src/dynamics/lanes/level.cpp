@@ -13,6 +13,7 @@
 #include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "side_by_side.hpp"
+#include "terms.hpp"
 
 namespace manycontact {
 
@@ -90,9 +91,55 @@ std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const Isl
   return std::make_unique<LevelKernel>(scene, island, support, std::move(pattern));
 }
 
+class LevelRobots final : public RobotTerms {
+ public:
+  explicit LevelRobots(std::shared_ptr<const Model> model) : model_(std::move(model)), alone_(model_) {}
+  void widen() override {
+    if (!together_) together_.emplace(model_);
+  }
+  void evaluate(const Vec3<double>& gravity, std::span<Robot> robots) override {
+    if (robots.size() == 1)
+      alone_.evaluate(gravity, robots);
+    else
+      together_->evaluate(gravity, robots);
+  }
+
+ private:
+  std::shared_ptr<const Model> model_;
+  RobotTermsOf<Pack<1>> alone_;
+  std::optional<RobotTermsOf<Pack<MANYCONTACT_LANES>>> together_;
+};
+
+class LevelContacts final : public ContactTerms {
+ public:
+  LevelContacts(const Scene& scene, const Contact& contact, const ContactSupport& support)
+      : alone_(scene, contact, support) {}
+  void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) override {
+    if (!together_) together_.emplace(scene, contact, support);
+  }
+  void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) override {
+    if (rows.size() == 1)
+      alone_.evaluate(gravity, contact, rows);
+    else
+      together_->evaluate(gravity, contact, rows);
+  }
+
+ private:
+  ContactTermsOf<Pack<1>> alone_;
+  std::optional<ContactTermsOf<Pack<MANYCONTACT_LANES>>> together_;
+};
+
+std::unique_ptr<RobotTerms> make_robots(std::shared_ptr<const Model> model) {
+  return std::make_unique<LevelRobots>(std::move(model));
+}
+std::unique_ptr<ContactTerms> make_contacts(const Scene& scene, const Contact& contact, const ContactSupport& support) {
+  return std::make_unique<LevelContacts>(scene, contact, support);
+}
+
 }  // namespace
 
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_robots,
+                                            make_contacts};
 
 }  // namespace manycontact::lanes

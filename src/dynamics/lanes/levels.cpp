@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "lanes.hpp"
@@ -52,19 +53,23 @@ bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p
 bool fits(const Scene& scene, const Island& island) {
   if (island.robots.size() != 1 || island.nv == 0 || island.size() > kLargest) return false;
   if (has_friction(*scene.robots[island.robots.front()].model)) return false;
-  for (int c : island.contacts)
-    if (scene.contacts[c].A.joint < 0 || (scene.contacts[c].B.robot >= 0 && scene.contacts[c].B.joint < 0))
-      return false;
-  return true;
+  return std::all_of(island.contacts.begin(), island.contacts.end(),
+                     [&](int c) { return moves_at_both_ends(scene.contacts[c]); });
+}
+
+bool moves_at_both_ends(const Contact& c) { return c.A.joint >= 0 && (c.B.robot < 0 || c.B.joint >= 0); }
+
+bool alike_rows(const Contact& c, const Contact& d) {
+  return c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta && c.axis == d.axis;
 }
 
 bool alike(const Scene& scene, const Island& x, const Island& y) {
   for (std::size_t k = 0; k < x.contacts.size(); ++k) {
     const Contact& c = scene.contacts[x.contacts[k]];
     const Contact& d = scene.contacts[y.contacts[k]];
-    if (c.type != d.type || c.reference_frame != d.reference_frame || c.alpha != d.alpha || c.beta != d.beta ||
-        c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) || c.B.joint != d.B.joint || c.axis != d.axis ||
-        !same(c.A.placement, d.A.placement) || (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))
+    if (!alike_rows(c, d) || c.type != d.type || c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) ||
+        c.B.joint != d.B.joint || !same(c.A.placement, d.A.placement) ||
+        (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))
       return false;
   }
   return true;

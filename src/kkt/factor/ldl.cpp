@@ -1,5 +1,4 @@
 #include "manycontact/kkt/factor/factors.hpp"
-#include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
@@ -21,7 +20,7 @@ class LdlFactor final : public Factor {
     double* scale = scratch.scale.data();
     double ratio = 0;
     if (schedule_) {
-      sparse::ldl_scheduled_factor(*schedule_, Kx, L_.data(), D_.data(), scale);
+      sparse::panel_kernels().factor(*schedule_, Kx, L_.data(), D_.data(), scale);
       ratio = sparse::smallest_pivot_ratio(K.size(), D_.data(), scale);
     } else {
       if (sparse::ldl_factor(pattern_->K, pattern_->ldl, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
@@ -36,7 +35,7 @@ class LdlFactor final : public Factor {
 
   void solve(double* x) override {
     if (schedule_)
-      sparse::ldl_scheduled_solve(*schedule_, L_.data(), D_.data(), x);
+      sparse::panel_kernels().solve_vector(*schedule_, L_.data(), D_.data(), x);
     else
       sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
   }
@@ -46,11 +45,15 @@ class LdlFactor final : public Factor {
     const sparse::PanelKernels& kernels = sparse::panel_kernels();
     if (!schedule_)
       return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    const std::size_t n = D_.size();
-    if (n * ld <= kStaysInCache)
-      return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    if (work_.size() < n * kernels.columns) work_.resize(n * kernels.columns);
+    if (stays_in_cache(ld)) return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    reserve_panels();
     kernels.solve_apart(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
+  }
+  bool refines_panels(int ld) const override { return schedule_ && !stays_in_cache(ld); }
+  void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
+    reserve_panels();
+    sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
+                                          pattern_->perm.data(), X, ld, first, cols, nonzero, work_.data());
   }
   void release_panels() override { work_ = {}; }
 
@@ -59,6 +62,12 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
+  bool stays_in_cache(int ld) const { return D_.size() * ld <= kStaysInCache; }
+  // For refinement too: a later state may need it, and must not allocate.
+  void reserve_panels() {
+    const std::size_t size = D_.size() * (2 * sparse::panel_kernels().columns + 1);
+    if (work_.size() < size) work_.resize(size);
+  }
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     pattern_ = nullptr;  // should memory run out
     const sparse::LdlSchedule* schedule = method_ == Method::kSparseLdl ? &pattern->schedule() : nullptr;
@@ -72,7 +81,7 @@ class LdlFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
   std::vector<double> L_, D_;
-  std::vector<double> work_;  // of solve_panel
+  std::vector<double> work_;  // of solve_panel and solve_panel_refined
   double growth_ = 1;
 };
 

@@ -23,7 +23,7 @@
 
 namespace manycontact {
 
-struct BodyLdl {
+struct BodyLdl {  // block LDL from leaves to root
   // by factorize_bodies
   std::vector<Mat6<double>> P;     // per node, before its joint is eliminated
   Mat6X<double> U;                 // 6 x nv

@@ -25,8 +25,8 @@ struct BodyPattern {
 
   /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.
   bool complete(int row, int i) const {
-    const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
-    return inside(A[row]) && inside(B[row]);
+    const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[static_cast<std::size_t>(i)]); };
+    return inside(A[static_cast<std::size_t>(row)]) && inside(B[static_cast<std::size_t>(row)]);
   }
 };
 

@@ -13,7 +13,7 @@ struct FactorScratch {
   std::vector<double> scale;  // of pivots
 };
 
-class Factor {
+class Factor {  // one island's factor, whatever the method
  public:
   virtual ~Factor() = default;
 
@@ -28,6 +28,13 @@ class Factor {
   /// nonzero: a flag per row of K, in order of elimination, set where a row of X is not zero in these columns;
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
+
+  /// Whether there is solve_panel_refined for panels of that row stride: X + K^-1 (B - K X) where solve_panel gives
+  /// X = K^-1 B, for the K factorized.
+  virtual bool refines_panels(int ld) const { return (void)ld, false; }
+  virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) {
+    (void)K, solve_panel(X, ld, first, cols, nonzero);
+  }
 
   /// Gives back what memory only solve_panel needs, until that is called again.
   virtual void release_panels() {}

@@ -1,6 +1,6 @@
 #pragma once
-// Kernels on row-major panels of doubles, compiled for several levels of instructions and chosen when the program runs.
-// Levels agree to rounding.
+// Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen
+// when the program runs. Levels agree to rounding.
 
 #include <cstddef>
 #include <span>
@@ -15,12 +15,21 @@ constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8
 struct PanelKernels {
   const char* name;
   int columns;  // of a panel worked at a time
+  /// ldl_scheduled_factor, ldl_scheduled_solve (ldl_kernels.hpp) of doubles, and residual (upper_csc.hpp).
+  void (*factor)(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale);
+  void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
+  void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
+                          double* scale);
   /// ldl_scheduled_solve_panel (ldl_kernels.hpp) of doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero);
   /// The same for rows that are far apart: a chunk of columns is worked beside the panel. work: n x `columns`.
   void (*solve_apart)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                       int first, int cols, char* nonzero, double* work);
+  /// solve_apart refined once: with X = A^-1 B, X + A^-1 (B - A X). work: n x (2 `columns` + 1).
+  void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
+                        const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
+                        double* work);
   /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
   /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.

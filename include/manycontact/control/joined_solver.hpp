@@ -1,0 +1,77 @@
+#pragma once
+// A part whose nodes are ActionModelJoined: robots that hold each other. The direction of FDDP is the solution (dx, du)
+// of the linear-quadratic problem around the candidate, with the bonds' wrenches as variables (control/joined.hpp,
+// lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per robot and a Schur
+// complement of the bonds, or islands through time. It equals SolverFDDP's on nodes of the whole scene, with the same
+// regularisation (rho on the states and on the controls, none on wrenches).
+//
+// The forward pass is FDDP's with other gains. SolverFDDP's K = -du/dx of the whole scene is dense, and never appears;
+// here each robot has the gains K_i of its own recursion, which takes the wrenches on it as given, and
+//
+//     u_i = us_i + s du_i - K_i (x_i (-) xs_i - s dx_i):
+//
+// where x is what the linear model says, both take the step u = us + s du. What the model's error feeds back differs,
+// so that steps differ from SolverFDDP's to second order and so may the number of iterations; limits are the same. Gaps
+// are kept at (1 - s) as in FDDP. A step of length s is expected to reduce the cost by what the linear-quadratic
+// problem says, without the regularisation,
+//
+//     s (d0 + s d1 / 2),    d0 = -(q^T dx + r^T du + r_w^T dw),    d1 = -[dx; du; dw]^T H [dx; du; dw],
+//
+// which is what FDDP's expected improvement is at x = xs (+) s dx. Acceptance, regularisation and stopping are FDDP's.
+
+#include "manycontact/control/joined.hpp"
+#include "manycontact/control/sparse.hpp"
+#include "manycontact/lq/direction_solver.hpp"
+#include "manycontact/lq/riccati.hpp"
+
+namespace manycontact {
+
+/// get_Vx: the multipliers of the states' equations at the full step; get_k: -du. There is no K or Vxx of the part.
+class SolverJoinedPart : public SolverSparsePart {
+ public:
+  /// Whether this is for the problem: all its nodes are ActionModelJoined of the same parts.
+  static bool serves(const ShootingProblem& problem);
+  explicit SolverJoinedPart(ShootingPart part);
+
+  /// Unsound also where the direction's KKT error exceeds lq::kAccurate, as where bonds depend on each other and
+  /// contradict.
+  void backwardPass() override;
+  const Eigen::Vector2d& expectedImprovement() override { return d_; }
+  /// Not offered: std::logic_error.
+  void computeActionValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&,
+                                  const std::shared_ptr<ActionDataAbstract>&) override;
+  void computeValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&) override;
+  void computeGains(std::size_t) override;
+  void allocateData() override;
+
+  const char* direction() const override { return direction_->name(); }
+  std::vector<int> blocks() const override;
+  const lq::Problem& problem_of_direction() const { return lq_; }
+  const lq::Point& solution_of_direction() const { return z_; }
+  const lq::Outcome& outcome() const { return outcome_; }
+
+ protected:
+  void prepareImprovement() override {}
+  void stepControl(std::size_t t, double steplength) override;
+
+ private:
+  void fill();
+
+  lq::Problem lq_;  // blocks: the nodes' parts
+  lq::Layout layout_;
+  std::unique_ptr<lq::DirectionSolver> direction_;
+  const lq::Riccati* policies_ = nullptr;  // of direction_
+  lq::Point z_;
+  lq::Outcome outcome_;
+  Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
+};
+
+/// Operations of a direction: of the dense recursion on nodes of the whole, and of the cheapest that bonds allow.
+/// Structure alone: states and controls of each part, and per running node the pairs of parts that bonds join.
+struct JoinedPrediction {
+  double dense = 0, joined = 0;
+};
+JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<int>& nu,
+                                const std::vector<std::vector<std::pair<int, int>>>& bonds);
+
+}  // namespace manycontact

@@ -1,0 +1,28 @@
+#pragma once
+// What a URDF draws: the <visual> shapes of its links. For pictures alone: a Model keeps none of it.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "manycontact/io/input_error.hpp"
+#include "manycontact/spatial/se3.hpp"
+
+namespace manycontact {
+
+enum class VisualShape { kBox, kCylinder, kSphere, kMesh };
+
+struct Visual {  // One shape of a link.
+  std::string link;
+  SE3<double> placement;  // in the link's frame
+  VisualShape shape = VisualShape::kBox;
+  Vec3<double> size;  // box: its edges; cylinder, along z: radius, length, 0; sphere: radius, 0, 0 [m]; mesh: scales
+  std::string mesh;   // as the URDF names it; find_mesh (io/mesh.hpp) finds the file
+  std::optional<std::array<double, 4>> colour;  // red, green, blue, opacity, from 0 to 1
+};
+
+/// All visuals, in the order of the file. Shapes that URDF 1.0 does not have are left out. Throws InputError.
+std::vector<Visual> load_visuals(const std::string& urdf);
+
+}  // namespace manycontact

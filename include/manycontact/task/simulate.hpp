@@ -1,0 +1,23 @@
+#pragma once
+// An optimized motion in simulation: the solver's torques and feedback, on steps finer than the task's.
+
+#include "manycontact/simulation/step.hpp"
+#include "manycontact/task/optimize.hpp"
+
+namespace manycontact {
+
+struct SimulatedMotion {
+  StepStatus stopped = StepStatus::kOk;  // anything else: the simulation ended there
+  std::vector<Eigen::VectorXd> xs;       // at the nodes
+  double position_drift = 0;             // largest of the active contacts, after any step [m, rad]
+  double velocity_drift = 0;             // [m/s, rad/s]
+  double distance = 0;                   // largest component of x (-) xs, the solution's, at any node
+};
+
+/// With u = us_t - K_t (x (-) xs_t), held from node t to the next, and in each phase its contacts; `substeps` steps (1
+/// at least) to a node. Contacts have the integrator's recommended gains for such steps, not the scene's, which are for
+/// the task's step. A solution without gains is followed by its torques alone.
+SimulatedMotion simulate(const TaskFile& task, const TaskProblem& problem, const TaskSolution& solution,
+                         Integrator integrator, int substeps);
+
+}  // namespace manycontact

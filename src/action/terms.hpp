@@ -1,0 +1,38 @@
+#pragma once
+// What action models with contacts do with their costs and constraints: both are residuals by name, which can be
+// switched off.
+
+#include "manycontact/action/contact_fwddyn.hpp"
+
+namespace manycontact::internal {
+
+/// Of an action model; constraints may be null.
+struct ActionTerms {
+  const CostModelSum& costs;
+  const ConstraintModelManager* constraints;
+};
+
+/// use(name, residual, active) for each cost, then for each constraint.
+template <class Use>
+void each_residual(const ActionTerms& terms, Use&& use) {
+  for (const auto& [name, item] : terms.costs.get_costs()) use(name, *item->cost->get_residual(), item->active);
+  if (!terms.constraints) return;
+  for (const auto& [name, item] : terms.constraints->get_constraints())
+    use(name, *item->constraint->get_residual(), item->active);
+}
+
+/// Throws std::invalid_argument where costs or constraints were added or removed since the data were created, or a
+/// constraint's status was written into its item.
+void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
+                 const ConstraintDataManager* constraints);
+/// False when a residual has been given another frame.
+bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
+/// What is active, in the order of each_residual.
+void read_status(const ActionTerms& terms, std::vector<bool>& status);
+bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
+/// Of a calcDiff: throws std::logic_error unless a calc of this kind, with what is active now, came before.
+void check_stage(const char* who, bool fits, Stage stage);
+/// The residuals of the active costs, one after the other.
+void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,30 @@
+#pragma once
+// The page's parts, embedded when the program is built, and what is filled in.
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "../common/json_file.hpp"
+#include "view.hpp"
+
+namespace manycontact::cli {
+
+struct PageParts {
+  std::string_view html, css, script, three;  // three.js, empty where it was not there to be embedded
+};
+PageParts page_parts();
+/// Throws std::runtime_error, which says what to install, where a part is missing.
+void check_page_parts();
+
+/// The bytes in base64, as the page's `decode` reads them: little endian.
+template <class T>
+std::string base64_of(const std::vector<T>& list);
+
+/// Robots, their bodies' shapes and the meshes; what could not be found goes to `notes`.
+Json shapes_of(const SceneFile& file, std::vector<std::string>& notes);
+
+/// Takes the last state.
+void finish(Recording& recording);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,108 @@
+// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow, its cone.
+
+const kActive = 1, kRedundant = 2;
+const kForceColour = 0xd9480f, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a;
+
+class Contacts {
+  constructor(data, size, world) {
+    this.data = data;
+    this.size = size;  // of a robot, m
+    this.shown = {forces: true, cones: true, contacts: true};
+    this.newtons = this.forceOfMetre();
+    const shaft = new THREE.CylinderBufferGeometry(1, 1, 1, 14).translate(0, 0.5, 0).rotateX(Math.PI / 2);
+    const head = new THREE.ConeBufferGeometry(1, 1, 18).translate(0, 0.5, 0).rotateX(Math.PI / 2);
+    const ball = new THREE.SphereBufferGeometry(0.016 * size, 16, 12);
+    const ring = new THREE.TorusBufferGeometry(0.036 * size, 0.007 * size, 10, 28);
+    const cone = new THREE.ConeBufferGeometry(1, 1, 40, 1, true).rotateX(-Math.PI / 2).translate(0, 0, 0.5);
+    const flat = (colour, more) => new THREE.MeshBasicMaterial(Object.assign({color: colour}, more));
+    this.list = data.contacts.map((contact, c) => {
+      const parts = {contact, group: new THREE.Group()};
+      parts.ball = new THREE.Mesh(ball, flat(0x1c2733));
+      parts.ring = new THREE.Mesh(ring, flat(0xc026d3));
+      parts.cone = new THREE.Mesh(cone, flat(0x69db7c, {transparent: true, opacity: 0.3, side: THREE.DoubleSide, depthWrite: false}));
+      parts.ball.userData.contact = c;
+      parts.arrow = this.arrow(shaft, head);
+      parts.group.add(parts.ball, parts.ring, parts.cone, parts.arrow.group);
+      world.add(parts.group);
+      return parts;
+    });
+  }
+
+  // Seen through bodies, but paler there: drawn once as it stands and once over everything.
+  arrow(shaft, head) {
+    const group = new THREE.Group();
+    const solid = new THREE.MeshPhongMaterial({specular: 0x111111});
+    const ghost = new THREE.MeshBasicMaterial({transparent: true, opacity: 0.55, depthTest: false, depthWrite: false});
+    const parts = [[shaft, solid], [head, solid], [shaft, ghost], [head, ghost]].map(([geometry, material]) => {
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.castShadow = material === solid;
+      mesh.renderOrder = material === ghost ? 2 : 0;
+      group.add(mesh);
+      return mesh;
+    });
+    return {group, solid, ghost, shafts: [parts[0], parts[2]], heads: [parts[1], parts[3]]};
+  }
+
+  // The force that an arrow of one metre means: large ones are about half as long as a robot.
+  forceOfMetre() {
+    const {forces} = this.data.frames, sizes = [];
+    for (let i = 0; i < forces.length; i += 3) {
+      const f = Math.hypot(forces[i], forces[i + 1], forces[i + 2]);
+      if (f > 0) sizes.push(f);
+    }
+    if (sizes.length === 0) return 1000;
+    const large = sizes.sort((a, b) => a - b)[Math.floor(0.95 * (sizes.length - 1))];
+    return roundUp(large / (0.35 * this.size));
+  }
+
+  place(at, scale) {
+    const {points, normals, forces, flags} = this.data.frames, n = this.list.length;
+    const normal = new THREE.Vector3(), force = new THREE.Vector3();
+    this.list.forEach((parts, c) => {
+      const flag = flags[at.frame * n + c];
+      parts.group.visible = (flag & kActive) !== 0;
+      if (!parts.group.visible) return;
+      vectorAt(points, c, n, at, parts.group.position);
+      vectorAt(normals, c, n, at, normal).normalize();
+      vectorAt(forces, c, n, at, force);
+      parts.ball.visible = this.shown.contacts;
+      parts.ring.visible = this.shown.contacts && (flag & kRedundant) !== 0;
+      this.turn(parts.ring, normal);
+      const inside = this.placeCone(parts, normal, force);
+      this.placeArrow(parts.arrow, force, scale, inside);
+      parts.force = force.clone();
+    });
+  }
+
+  turn(object, z) { object.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), z); }
+
+  // Whether the force is inside; undefined where there is no cone.
+  placeCone(parts, normal, force) {
+    const mu = parts.contact.friction, known = mu > 0 && !isNaN(force.x);
+    parts.cone.visible = this.shown.cones && mu > 0;
+    if (parts.cone.visible) {
+      const height = 0.13 * this.size / Math.max(1, mu);
+      parts.cone.scale.set(mu * height, mu * height, height);
+      this.turn(parts.cone, normal);
+    }
+    if (!known) return undefined;
+    const along = force.dot(normal), across = Math.sqrt(Math.max(force.lengthSq() - along * along, 0));
+    return across <= mu * along;
+  }
+
+  placeArrow(arrow, force, scale, inside) {
+    const length = scale * force.length() / this.newtons;
+    arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
+    if (!arrow.group.visible) return;
+    const radius = 0.009 * this.size * Math.min(1, length / (0.1 * this.size)), head = Math.min(6 * radius, 0.5 * length);
+    for (const shaft of arrow.shafts) shaft.scale.set(radius, radius, length - head);
+    for (const cone of arrow.heads) {
+      cone.scale.set(2.6 * radius, 2.6 * radius, head);
+      cone.position.set(0, 0, length - head);
+    }
+    this.turn(arrow.group, force.clone().divideScalar(force.length()));
+    const colour = inside === undefined ? kForceColour : inside ? kInsideColour : kOutsideColour;
+    arrow.solid.color.setHex(colour);
+    arrow.ghost.color.setHex(colour);
+  }
+}

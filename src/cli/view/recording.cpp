@@ -1,0 +1,120 @@
+// A motion, state by state, made into what is drawn.
+
+#include <cmath>
+#include <limits>
+
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "page.hpp"
+#include "view.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+void append(const Vec3<double>& x, std::vector<float>& list) {
+  for (const double each : x) list.push_back(static_cast<float>(each));
+}
+
+void record_bodies(Recording& r) {
+  for (const Kinematics<double>& kin : r.room.kin)
+    for (const SE3<double>& oMi : kin.oMi) {
+      append(kin.origin + oMi.p, r.positions);
+      for (const double x : quaternion_of_rotation<double>(oMi.R))
+        r.quaternions.push_back(static_cast<std::int16_t>(std::lround(32767 * x)));
+    }
+}
+
+// The force of a contact's rows, in the axes of its reference frame.
+Vec3<double> force_of(const Contact& contact, const Eigen::Ref<const Eigen::VectorXd>& f) {
+  if (contact.type == ContactType::k1D) return f[0] * contact.axis;
+  if (contact.type == ContactType::k2D) return {f[0], 0, f[1]};
+  return f.head<3>();
+}
+
+void record_contact(const Contact& contact, const std::optional<Vec3<double>>& force, Recording& r) {
+  const auto robot = static_cast<std::size_t>(contact.A.robot);
+  const SE3<double> oMA =
+      frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, contact.A.joint, contact.A.placement);
+  const Mat3<double> axes = contact.reference_frame == ReferenceFrame::kLocal ? oMA.R : Mat3<double>::Identity();
+  append(oMA.p, r.points);
+  append(axes.col(2), r.normals);
+  append(force ? Vec3<double>(axes * *force) : Vec3<double>::Constant(kUnknown), r.forces);
+}
+
+// Per row of f: whether it depends on others.
+std::vector<char> dependent_rows(const Report& report, Eigen::Index rows) {
+  std::vector<char> out(static_cast<std::size_t>(rows));
+  for (const IslandReport& island : report.islands)
+    for (const int row : island.dependent_rows) out[static_cast<std::size_t>(row)] = 1;
+  return out;
+}
+
+void record_contacts(const ViewState& state, Recording& r) {
+  const std::vector<char> dependent = dependent_rows(r.dynamics.report, r.dynamics.f.size());
+  for (std::size_t c = 0; c < r.scene->contacts.size(); ++c) {
+    const Contact& contact = r.scene->contacts[c];
+    const int first = r.dynamics.f_offset[c];
+    std::uint8_t flags = state.active[c] ? Recording::kActive : 0;
+    for (int k = 0; first >= 0 && k < contact.rows(); ++k)
+      if (dependent[static_cast<std::size_t>(first + k)]) flags |= Recording::kRedundant;
+    std::optional<Vec3<double>> force;
+    if (state.forces && state.active[c]) force = force_of(contact, (*state.forces)[c]);
+    if (state.u && first >= 0) force = force_of(contact, r.dynamics.f.segment(first, contact.rows()));
+    record_contact(contact, force, r);
+    r.flags.push_back(flags);
+  }
+}
+
+// An island is called by its first robot, so that its colour stays when others change.
+void record_islands(Recording& r) {
+  std::vector<std::int32_t> first(island_count(r.dynamics), -1);
+  for (int robot = 0; robot < r.scene->nrobots(); ++robot) {
+    std::int32_t& name = first[static_cast<std::size_t>(island_with_robot(r.dynamics, robot))];
+    if (name < 0) name = robot;
+    r.islands.push_back(name);
+  }
+}
+
+void record(const ViewState& state, Recording& r) {
+  r.dynamics.active = state.active;
+  const Eigen::VectorXd u = state.u.value_or(Eigen::VectorXd::Zero(r.scene->nu));
+  (void)solve(*r.scene, state.q, state.v, u, r.dynamics);  // forces of an island that failed are NaN, thus unknown
+  const Invariants at = invariants(*r.scene, state.active, state.q, state.v, r.room);
+  const Eigen::Vector2d drift = state.drift.value_or(Eigen::Vector2d(at.position_drift, at.velocity_drift));
+  r.t.push_back(state.t);
+  r.kinetic.push_back(static_cast<float>(at.kinetic));
+  r.potential.push_back(static_cast<float>(at.potential));
+  r.position_drift.push_back(static_cast<float>(drift[0]));
+  r.velocity_drift.push_back(static_cast<float>(drift[1]));
+  record_bodies(r);
+  record_contacts(state, r);
+  record_islands(r);
+}
+
+}  // namespace
+
+Recording::Recording(const Scene& scene_, double rate_) : scene(&scene_), rate(rate_), dynamics(scene_), room(scene_) {
+  for (const Contact& contact : scene_.contacts) friction.push_back(contact.mu.value_or(0));
+  check_page_parts();
+}
+
+void add_state(const ViewState& state, Recording& recording) {
+  const bool due = recording.t.empty() || (state.t - recording.t.back()) * recording.rate > 1 - 1e-6;
+  if (due) {
+    record(state, recording);
+    recording.pending.reset();
+  } else {
+    recording.pending = state;
+  }
+}
+
+void finish(Recording& recording) {
+  if (recording.pending) record(*recording.pending, recording);
+  recording.pending.reset();
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,231 @@
+// Nodes of parts that hold each other: derivatives.
+
+#include <Eigen/LU>
+
+#include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/control/joined.hpp"
+
+namespace manycontact {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+const DifferentialActionDataAbstract& dynamics_of_part(const ActionDataAbstract& part) {
+  return *static_cast<const IntegratedActionDataEuler&>(part).differential;
+}
+
+// Of both ends: rows = [C D_u] in the node's dx and u, and what stands with the wrenches.
+struct BondSystem {
+  MatrixXd rows, by_w;
+};
+
+BondSystem system_of(const ActionModelJoined& model, const ActionDataJoined& d) {
+  const Index ndx = static_cast<Index>(model.get_state()->get_ndx()), nu = static_cast<Index>(model.get_nu());
+  const Index size = 6 * static_cast<Index>(model.get_bonds().size());
+  BondSystem out{MatrixXd::Zero(size, ndx + nu), MatrixXd::Zero(size, size)};
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const ActionPart& part = model.get_parts()[i];
+    const std::vector<int>& bonds = model.bonds_of_parts()[i];
+    const Index own = static_cast<Index>(part.u.size());
+    for (std::size_t a = 0; a < bonds.size(); ++a) {
+      const auto C = d.C[i].middleRows<6>(static_cast<Index>(6 * a)),
+                 D = d.D[i].middleRows<6>(static_cast<Index>(6 * a));
+      auto rows = out.rows.middleRows<6>(6 * bonds[a]);
+      for (std::size_t j = 0; j < part.dx.size(); ++j) rows.col(part.dx[j]) += C.col(static_cast<Index>(j));
+      for (std::size_t j = 0; j < part.u.size(); ++j) rows.col(ndx + part.u[j]) += D.col(static_cast<Index>(j));
+      for (std::size_t b = 0; b < bonds.size(); ++b)
+        out.by_w.block<6, 6>(6 * bonds[a], 6 * bonds[b]) += D.middleCols<6>(own + static_cast<Index>(6 * b));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+namespace {
+
+// An orthonormal basis of what W's rows leave out: directions in which a point is not held, and its torques.
+Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
+    const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
+  const Index m = W.rows();
+  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
+      Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
+  if (m == 6) return N;
+  N.bottomRightCorner<3, 3>().setIdentity();
+  const Vec3<double> a = W.row(0).head<3>();
+  if (m == 1) {
+    const Vec3<double> b = a.unitOrthogonal();
+    N.row(0).head<3>() = b;
+    N.row(1).head<3>() = a.cross(b);
+  } else if (m == 2) {
+    N.row(0).head<3>() = a.cross(Vec3<double>(W.row(1).head<3>()));
+  }
+  return N;
+}
+
+}  // namespace
+
+// The share in bond b's rows of A's part or of B's.
+void ActionModelJoined::share_of_end(ActionDataJoined& d, std::size_t b, bool of_a) const {
+  const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
+  const ActionDataJoined::OfBond& bond = d.bonds[b];
+  const auto part = static_cast<std::size_t>(of_a ? bonds_[b].part_a : bonds_[b].part_b);
+  const int r = (of_a ? contact.A : contact.B).robot;
+  const std::vector<int>& of_part = bonds_of_[part];
+  const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
+  const auto& state = static_cast<const StateMultibody&>(*parts_[part].model->get_state());
+  const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
+  const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
+  const std::vector<int>& chain = of_a ? bond.support.a : bond.support.b;
+  const Index column = of_a ? 0 : static_cast<Index>(bond.support.a.size());
+  const ContactDerivatives& dr = bond.derivatives;
+  const auto& W = bond.rows.W;
+
+  const DifferentialActionDataAbstract& a = dynamics_of_part(*d.parts[part]);
+  auto C = d.C[part].middleRows<6>(6 * at), D = d.D[part].middleRows<6>(6 * at);
+  C.setZero();
+  D.setZero();
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
+  for (std::size_t k = 0; k < chain.size(); ++k) {
+    const Index from = column + static_cast<Index>(k), to = first + chain[k];
+    C_held.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
+    D_held.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
+    C_held.col(to).noalias() += W * dr.dx_dq.col(from);
+    C_held.col(nv + to).noalias() += W * dr.dx_dv.col(from);
+  }
+  if (of_a) add_force_rows(bond, first, static_cast<Index>(parts_[part].u.size()) + 6 * at, C, D);
+}
+
+// The turning of r2's frame, its delta f, and the rows of what is not transmitted. With F the force in A's moving axes,
+// and a world-aligned frame's turning, d(W F) = W (X^T w - s x* F + th x F), s = J_A dq_A.
+void ActionModelJoined::add_force_rows(const ActionDataJoined::OfBond& bond, Index first, Index w, MatrixRef C,
+                                       MatrixRef D) const {
+  const ContactDerivatives& dr = bond.derivatives;
+  const auto& W = bond.rows.W;
+  const Index m = W.rows();
+  const auto N = complement_of(W);
+  const double delta = scene_.damping;
+  for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
+    const Index column = static_cast<Index>(k), to = first + bond.support.a[k];
+    Vec6<double> dF = -cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
+    if (dr.turns) {
+      dF += turned<double>(dr.turn.col(column), dr.F);
+      C.col(to).head(m).noalias() += W * turned<double>(dr.turn.col(column), dr.x);
+    }
+    C.col(to).head(m).noalias() += delta * (W * dF);
+    C.col(to).tail(6 - m).noalias() += N * dF;
+  }
+  const Mat3<double> Rt = bond.rows.aMA.R.transpose();
+  for (const Index half : {Index(0), Index(3)}) {
+    D.block(0, w + half, m, 3).noalias() += delta * (W.middleCols<3>(half) * Rt);
+    D.block(m, w + half, 6 - m, 3).noalias() += N.middleCols<3>(half) * Rt;
+  }
+}
+
+void ActionModelJoined::differentiate_bonds(ActionDataJoined& d) const {
+  for (std::size_t r = 0; r < d.robots.size(); ++r)
+    if (d.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
+      rnea_derivatives<double>(*scene_.robots[r].model, d.robots[r]->kin, d.robots[r]->kin.Y, {}, d.robots[r]->terms);
+  for (std::size_t b = 0; b < bonds_.size(); ++b) {
+    const int c = bonds_[b].contact;
+    const Contact& contact = scene_.contacts[static_cast<std::size_t>(c)];
+    const ActionDataJoined::OfRobot& A = *d.robots[static_cast<std::size_t>(contact.A.robot)];
+    const ActionDataJoined::OfRobot& B = *d.robots[static_cast<std::size_t>(contact.B.robot)];
+    ActionDataJoined::OfBond& bond = d.bonds[b];
+    contact_derivatives<double>(contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
+                                d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()),
+                                bond.rows, bond.derivatives);
+    share_of_end(d, b, true);
+    share_of_end(d, b, false);
+  }
+}
+
+void ActionModelJoined::calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
+                                 const ConstVectorRef& u) {
+  check("ActionModelJoined::calcDiff", x, u);
+  auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calcDiff", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
+  differentiate_bonds(d);
+  if (d.Fx.size() > 0) condense(d, false);
+}
+
+void ActionModelJoined::calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) {
+  check("ActionModelJoined::calcDiff", x);
+  auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calcDiff", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i]);
+  if (d.Fx.size() > 0) condense(d, true);
+}
+
+// The node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
+//     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T
+void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
+  const Index ndx = static_cast<Index>(state_->get_ndx()), nu = static_cast<Index>(nu_);
+  MatrixXd W = MatrixXd::Zero(6 * static_cast<Index>(bonds_.size()), ndx + nu);
+  if (!terminal && !bonds_.empty()) {
+    const BondSystem system = system_of(*this, d);
+    W = -system.by_w.partialPivLu().solve(system.rows);
+  }
+  MatrixXd F = MatrixXd::Zero(ndx, ndx + nu), H = MatrixXd::Zero(ndx + nu, ndx + nu);
+  VectorXd g = VectorXd::Zero(ndx + nu);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const ActionPart& part = parts_[i];
+    const ActionDataAbstract& from = *d.parts[i];
+    const Index nx = static_cast<Index>(part.dx.size()), nv = terminal ? 0 : from.Fu.cols();
+    MatrixXd T = MatrixXd::Zero(nx + nv, ndx + nu), AB(nx, nx + nv), L(nx + nv, nx + nv);
+    for (Index j = 0; j < nx; ++j) T(j, part.dx[static_cast<std::size_t>(j)]) = 1;
+    if (!terminal) {
+      for (std::size_t j = 0; j < part.u.size(); ++j) T(nx + static_cast<Index>(j), ndx + part.u[j]) = 1;
+      for (std::size_t b = 0; b < bonds_of_[i].size(); ++b)
+        T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * bonds_of_[i][b]);
+    }
+    VectorXd l(nx + nv);
+    l << from.Lx, from.Lu.head(nv);
+    AB << from.Fx, from.Fu.leftCols(nv);
+    L << from.Lxx, from.Lxu.leftCols(nv), from.Lxu.leftCols(nv).transpose(), from.Luu.topLeftCorner(nv, nv);
+    F(part.dx, Eigen::all) = AB * T;
+    H.noalias() += T.transpose() * L * T;
+    g.noalias() += T.transpose() * l;
+  }
+  d.Fx = F.leftCols(ndx);
+  d.Lx = g.head(ndx);
+  d.Lxx = H.topLeftCorner(ndx, ndx);
+  if (terminal) return;
+  d.Fu = F.rightCols(nu);
+  d.Lu = g.tail(nu);
+  d.Lxu = H.topRightCorner(ndx, nu);
+  d.Luu = H.bottomRightCorner(nu, nu);
+}
+
+// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
+void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next, bool terminal,
+                     VectorXd& gx, VectorXd& gu) {
+  const Index ndx = static_cast<Index>(model.get_state()->get_ndx());
+  gx.resize(ndx);
+  if (terminal) {
+    for (std::size_t i = 0; i < d.parts.size(); ++i) gx(model.get_parts()[i].dx) = d.parts[i]->Lx;
+    return;
+  }
+  gu.resize(static_cast<Index>(model.get_nu()));
+  VectorXd by_w = VectorXd::Zero(6 * static_cast<Index>(model.get_bonds().size()));
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const ActionPart& part = model.get_parts()[i];
+    const ActionDataAbstract& from = *d.parts[i];
+    const VectorXd of_next = next(part.dx);
+    const VectorXd all = from.Lu + from.Fu.transpose() * of_next;
+    gx(part.dx) = from.Lx + from.Fx.transpose() * of_next;
+    gu(part.u) = all.head(static_cast<Index>(part.u.size()));
+    for (std::size_t b = 0; b < model.bonds_of_parts()[i].size(); ++b)
+      by_w.segment<6>(6 * model.bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
+  }
+  if (by_w.size() == 0) return;
+  const BondSystem system = system_of(model, d);
+  const VectorXd mu = -system.by_w.transpose().partialPivLu().solve(by_w);
+  const VectorXd add = system.rows.transpose() * mu;
+  gx += add.head(ndx);
+  gu += add.tail(gu.size());
+}
+
+}  // namespace manycontact

@@ -1,0 +1,248 @@
+#include "manycontact/control/joined_solver.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "kkt_residual.hpp"
+#include "manycontact/lq/bond_schur.hpp"
+#include "manycontact/lq/choose.hpp"
+#include "manycontact/lq/kkt.hpp"
+
+namespace manycontact {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+const ActionModelJoined* as_joined(const ShootingProblem& problem, std::size_t t) {
+  return dynamic_cast<const ActionModelJoined*>(problem.model(t).get());
+}
+
+// One group per block, with the bonds that touch it.
+lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& bonds) {
+  lq::Knot knot;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    lq::Group group;
+    group.blocks = {static_cast<int>(i)};
+    for (std::size_t b = 0; b < bonds.size(); ++b)
+      if (bonds[b].first == static_cast<int>(i) || bonds[b].second == static_cast<int>(i))
+        group.bonds.push_back(static_cast<int>(b));
+    knot.groups.push_back(std::move(group));
+  }
+  knot.bonds.assign(bonds.size(), {6, 6});
+  return knot;
+}
+
+std::vector<std::pair<int, int>> pairs_of(const ActionModelJoined& model) {
+  std::vector<std::pair<int, int>> out;
+  for (const JoinedBond& bond : model.get_bonds()) out.emplace_back(bond.part_a, bond.part_b);
+  return out;
+}
+
+// Zeros of the right sizes: a block and a group for each part.
+lq::Problem structure_of(const ShootingProblem& problem) {
+  lq::Problem out;
+  for (const ActionPart& part : as_joined(problem, 0)->get_parts()) {
+    out.nx.push_back(static_cast<int>(part.dx.size()));
+    out.nu.push_back(static_cast<int>(part.u.size()));
+  }
+  for (std::size_t t = 0; t < problem.get_T(); ++t)
+    out.knots.push_back(knot_of(out.nx.size(), pairs_of(*as_joined(problem, t))));
+  out.knots.push_back(knot_of(out.nx.size(), {}));
+  lq::set_zero(out);
+  return out;
+}
+
+// From the nodes' derivatives: all but f and x0.
+void fill_nodes(const ShootingProblem& problem, lq::Problem& out) {
+  const std::size_t T = problem.get_T();
+  for (std::size_t t = 0; t <= T; ++t) {
+    const auto& data = static_cast<const ActionDataJoined&>(*problem.data(t));
+    for (std::size_t i = 0; i < data.parts.size(); ++i) {
+      lq::Group& group = out.knots[t].groups[i];
+      const ActionDataAbstract& from = *data.parts[i];
+      group.Q = from.Lxx;
+      group.q = from.Lx;
+      if (t == T) continue;
+      group.S = from.Lxu;
+      group.R = from.Luu;
+      group.r = from.Lu;
+      group.A = from.Fx;
+      group.B = from.Fu;
+      group.C = data.C[i];
+      group.D = data.D[i];
+    }
+  }
+}
+
+}  // namespace
+
+namespace internal {
+
+// The problem of kkt_residual.hpp with the wrenches as variables that cost nothing but Lw.
+std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem) {
+  lq::Problem lq = structure_of(problem);
+  fill_nodes(problem, lq);
+  for (lq::Knot& knot : lq.knots)
+    for (std::size_t i = 0; i < knot.groups.size(); ++i) {
+      lq::Group& group = knot.groups[i];
+      group.Q.setIdentity();
+      group.S.setZero();
+      group.R.setZero();
+      if (&knot != &lq.knots.back()) group.R.diagonal().head(lq.nu[i]).setOnes();
+    }
+  const std::unique_ptr<lq::DirectionSolver> solver = lq::choose(lq);
+  lq::Point z;
+  const bool answered =
+      solver->factorize(lq).status == lq::Status::kOk && solver->solve(lq, z).status == lq::Status::kOk;
+  const lq::Layout layout(lq);
+  std::vector<VectorXd> out(problem.get_T() + 1, VectorXd::Constant(static_cast<Index>(problem.get_ndx()),
+                                                                    std::numeric_limits<double>::quiet_NaN()));
+  const std::vector<JoinedPart>& parts = as_joined(problem, 0)->get_parts();
+  for (std::size_t t = 0; answered && t < out.size(); ++t)
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      scatter(z.lambda[t].segment(layout.x[i], lq.nx[i]), parts[i].dx, out[t]);
+  return out;
+}
+
+}  // namespace internal
+
+JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<int>& nu,
+                                const std::vector<std::vector<std::pair<int, int>>>& bonds) {
+  lq::Problem problem;
+  problem.nx = nx;
+  problem.nu = nu;
+  for (const auto& of_node : bonds) problem.knots.push_back(knot_of(nx.size(), of_node));
+  problem.knots.push_back(knot_of(nx.size(), {}));
+  const lq::Prediction flops = lq::predict(problem);
+  return {flops.dense, std::min(flops.islands, flops.bond_schur)};
+}
+
+bool SolverJoinedPart::serves(const ShootingProblem& problem) {
+  const ActionModelJoined* last = as_joined(problem, problem.get_T());
+  for (std::size_t t = 0; last && t < problem.get_T(); ++t) {
+    const ActionModelJoined* model = as_joined(problem, t);
+    if (!model || model->get_parts().size() != last->get_parts().size()) return false;
+    for (std::size_t i = 0; i < last->get_parts().size(); ++i)
+      if (model->get_parts()[i].dx != last->get_parts()[i].dx || model->get_parts()[i].x != last->get_parts()[i].x ||
+          model->get_parts()[i].u != last->get_parts()[i].u)
+        return false;
+  }
+  return last != nullptr;
+}
+
+SolverJoinedPart::SolverJoinedPart(ShootingPart part) : SolverSparsePart(std::move(part), WithoutMatrices{}) {
+  SolverJoinedPart::allocateData();
+}
+
+void SolverJoinedPart::allocateData() {
+  const std::size_t T = problem_->get_T();
+  const Index nx = static_cast<Index>(problem_->get_nx()), ndx = static_cast<Index>(problem_->get_ndx());
+  const Index nu = static_cast<Index>(problem_->get_terminalModel()->get_nu());
+  xs_try_.assign(T + 1, VectorXd::Zero(nx));
+  Vx_.assign(T + 1, VectorXd::Zero(ndx));
+  dx_.assign(T, VectorXd::Zero(ndx));
+  us_try_.assign(T, VectorXd::Zero(nu));
+  k_ = us_try_;
+  step_ = fTVxx_p_ = from_model_ = of_cluster_ = VectorXd::Zero(ndx);
+  u_of_cluster_ = VectorXd::Zero(nu);
+  xnext_ = VectorXd::Zero(nx);
+  lq_ = structure_of(*problem_);
+  layout_ = lq::Layout(lq_);
+  z_ = lq::Point(lq_, layout_);
+  direction_ = lq::choose(lq_);
+  const auto* schur = dynamic_cast<const lq::BondSchur*>(direction_.get());
+  policies_ = schur ? &schur->clusters() : dynamic_cast<const lq::Riccati*>(direction_.get());
+}
+
+// What the nodes do not give: gaps.
+void SolverJoinedPart::fill() {
+  fill_nodes(*problem_, lq_);
+  if (is_feasible_) {
+    for (lq::Knot& knot : lq_.knots)
+      for (lq::Group& group : knot.groups) group.f.setZero();
+    lq_.x0.setZero();
+    return;
+  }
+  const std::size_t T = problem_->get_T();
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, T)->get_parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t t = 0; t < T; ++t) gather(fs_[t + 1], parts[i].dx, lq_.knots[t].groups[i].f);
+    for (std::size_t j = 0; j < parts[i].dx.size(); ++j)
+      lq_.x0[layout_.x[i] + static_cast<Index>(j)] = fs_[0][parts[i].dx[j]];
+  }
+}
+
+void SolverJoinedPart::backwardPass() {
+  fill();
+  sound_ = false;
+  outcome_ = direction_->factorize(lq_, {preg_, dreg_, 0});
+  if (outcome_.status != lq::Status::kOk) return;
+  outcome_ = direction_->solve(lq_, z_);
+  if (outcome_.status != lq::Status::kOk) return;
+  sound_ = true;
+  const lq::Change change = lq::cost_change(lq_, layout_, z_);
+  d_ << -change.linear, -change.quadratic;
+  dg_ = d_[0];
+  dq_ = d_[1];
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, problem_->get_T())->get_parts();
+  for (std::size_t t = 0; t < Vx_.size(); ++t)
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      for (std::size_t j = 0; j < parts[i].dx.size(); ++j)
+        Vx_[t][parts[i].dx[j]] = z_.lambda[t][layout_.x[i] + static_cast<Index>(j)];
+      for (std::size_t j = 0; t < k_.size() && j < parts[i].u.size(); ++j)
+        k_[t][parts[i].u[j]] = -z_.u[t][layout_.u[i] + static_cast<Index>(j)];
+    }
+}
+
+// u = us + s du + K (x (-) xs - s dx), K of lq's sign
+void SolverJoinedPart::stepControl(std::size_t t, double steplength) {
+  problem_->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, t)->get_parts();
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j = 0; j < parts[i].dx.size(); ++j) {
+      const Index at = layout_.x[i] + static_cast<Index>(j);
+      from_model_[at] = dx_[t][parts[i].dx[j]] - steplength * z_.x[t][at];
+    }
+  us_try_[t] = us_[t] - steplength * k_[t];
+  const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    const lq::Cluster& cluster = clusters[c];
+    for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+      const int i = cluster.blocks[b];
+      of_cluster_.segment(cluster.x_start[b], lq_.nx[i]) = from_model_.segment(layout_.x[i], lq_.nx[i]);
+    }
+    auto u = u_of_cluster_.head(cluster.nu);
+    u.noalias() = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(cluster.nu) *
+                  of_cluster_.head(cluster.nx);
+    for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+      const std::vector<int>& to = parts[static_cast<std::size_t>(cluster.blocks[b])].u;
+      for (std::size_t j = 0; j < to.size(); ++j) us_try_[t][to[j]] += u[cluster.u_start[b] + static_cast<Index>(j)];
+    }
+  }
+}
+
+std::vector<int> SolverJoinedPart::blocks() const {
+  std::vector<int> out;
+  for (const lq::Cluster& cluster : policies_->plan()[0]) out.push_back(cluster.nv);
+  return out;
+}
+
+namespace {
+
+[[noreturn]] void refuse_pass() {
+  throw std::logic_error("SolverJoinedPart: robots that hold each other have no value function of their own");
+}
+
+}  // namespace
+
+void SolverJoinedPart::computeActionValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&,
+                                                  const std::shared_ptr<ActionDataAbstract>&) {
+  refuse_pass();
+}
+void SolverJoinedPart::computeValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&) { refuse_pass(); }
+void SolverJoinedPart::computeGains(std::size_t) { refuse_pass(); }
+
+}  // namespace manycontact

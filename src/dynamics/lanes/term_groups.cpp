@@ -1,0 +1,77 @@
+#include "term_groups.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "../workspace.hpp"
+
+namespace manycontact::lanes {
+
+namespace {
+
+constexpr int kLargestModel = 400;  // velocities: as for islands that stand in lanes
+
+bool is_small(const Model& model) { return model.njoints() > 0 && model.nv <= kLargestModel && !model.M_begin.empty(); }
+
+bool evaluated_in_lanes(const Scene& scene, const IslandWork& d) {
+  if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return false;
+  return d.island.robots.size() > 1 && std::all_of(d.island.robots.begin(), d.island.robots.end(),
+                                                   [&](int r) { return is_small(*scene.robots[r].model); });
+}
+
+void add_robot_to_group(const Scene& scene, const Level& level, int r, TermGroups& g) {
+  const std::shared_ptr<const Model>& model = scene.robots[r].model;
+  TermGroups::Robots& group = g.robots[model];
+  if (!group.kernel) group.kernel = level.make_robots(model);
+  if (!group.members.empty()) group.kernel->widen();
+  group.members.push_back(r);
+}
+
+void add_contact_to_group(const Scene& scene, const Workspace& w, const Level& level, int c, TermGroups& g) {
+  const Contact& contact = scene.contacts[c];
+  if (!moves_at_both_ends(contact)) return g.other_contacts.push_back(c);
+  const Model* B = contact.B.robot < 0 ? nullptr : scene.robots[contact.B.robot].model.get();
+  TermGroups::Contacts& group =
+      g.contacts[{scene.robots[contact.A.robot].model.get(), B, contact.A.robot == contact.B.robot, contact.type,
+                  contact.A.joint, contact.B.joint}];
+  if (!group.kernel) group.kernel = level.make_contacts(scene, contact, w.supports[c]);
+  if (!group.members.empty()) group.kernel->widen(scene, contact, w.supports[c]);
+  group.members.push_back(c);
+}
+
+}  // namespace
+
+bool before(const Contact& x, const Contact& y) {
+  const auto numbers = [](const Contact& c) {
+    return std::array<double, 6>{
+        static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
+  };
+  const auto a = numbers(x), b = numbers(y);
+  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
+}
+
+void regroup_terms(const Scene& scene, Workspace& w) {
+  TermGroups& g = w.term_groups;
+  for (auto& [model, group] : g.robots) group.members.clear();
+  for (auto& [key, group] : g.contacts) group.members.clear();
+  g.other_contacts.clear();
+  for (const std::unique_ptr<IslandWork>& d : w.islands) d->terms_in_lanes = false;
+  const Level* level = w.lanes.level;
+  if (!level) return;
+  g.robots_at_hand.reserve(level->width);
+  g.rows_at_hand.reserve(level->width);
+  for (const std::unique_ptr<IslandWork>& d : w.islands) {
+    if (!evaluated_in_lanes(scene, *d)) continue;
+    d->terms_in_lanes = true;
+    for (int r : d->island.robots) add_robot_to_group(scene, *level, r, g);
+    for (int c : d->island.contacts) add_contact_to_group(scene, w, *level, c, g);
+  }
+  for (auto& [key, group] : g.contacts)
+    std::sort(group.members.begin(), group.members.end(), [&](int x, int y) {
+      const Contact &c = scene.contacts[x], &d = scene.contacts[y];
+      return before(c, d) || (x < y && !before(d, c));
+    });
+}
+
+}  // namespace manycontact::lanes

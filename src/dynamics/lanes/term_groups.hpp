@@ -1,0 +1,48 @@
+#pragma once
+// Robots of one model and contacts alike, in islands of several robots: their terms are evaluated in lanes, private to
+// floor dynamics.
+
+#include <map>
+
+#include "lanes.hpp"
+
+namespace manycontact {
+
+struct Workspace;
+
+namespace lanes {
+
+/// Groups stay when their members are gone, for contact sets to come.
+struct TermGroups {
+  struct Robots {
+    std::unique_ptr<RobotTerms> kernel;
+    std::vector<int> members;  // of the scene, ascending
+  };
+  /// What the kernel of a contact is made for.
+  struct ContactKey {
+    const Model *A, *B;  // B: nullptr in the world
+    bool one_robot;
+    ContactType type;
+    int joint_A, joint_B;
+    auto operator<=>(const ContactKey&) const = default;
+  };
+  struct Contacts {
+    std::unique_ptr<ContactTerms> kernel;
+    std::vector<int> members;
+  };
+  std::map<std::shared_ptr<const Model>, Robots> robots;
+  std::map<ContactKey, Contacts> contacts;
+  std::vector<int> other_contacts;  // of these islands: one by one
+  // scratch of a solve, as many as fit side by side
+  std::vector<RobotTerms::Robot> robots_at_hand;
+  std::vector<ContactTerms::Rows> rows_at_hand;
+};
+
+/// Whether a contact comes before another in its group: like ones stand together, in any order of the scene.
+bool before(const Contact& x, const Contact& y);
+
+/// Sorts the robots and contacts of the islands at hand into groups. Allocates nothing for a contact set met before.
+void regroup_terms(const Scene& scene, Workspace& work);
+
+}  // namespace lanes
+}  // namespace manycontact

@@ -1,0 +1,167 @@
+#pragma once
+// The terms of robots side by side in the lanes of S = Pack<W>, and of contacts alike: dynamics/evaluate.cpp for all
+// lanes at once, from and into the arrays of each.
+
+#include "../drop_rounding.hpp"
+#include "lanes.hpp"
+#include "manycontact/algorithm/rnea.hpp"
+
+namespace manycontact::lanes {
+
+/// to[k] lane l = from[l][k] for k < count. Lanes beyond those given repeat the last one.
+template <int W>
+[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W>* to) {
+  const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
+  int k = 0;
+  for (; k + W <= count; k += W) {
+    for (int l = 0; l < W; ++l) std::memcpy(&to[k + l], lane(l) + k, sizeof(Pack<W>));
+    transpose(to + k);
+  }
+  for (int l = 0; l < W; ++l)
+    for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
+}
+
+/// to[l][k] = from[k] lane l for k < count.
+template <int W>
+[[gnu::noinline]] void store_arrays(const Pack<W>* from, int count, std::span<double* const> to) {
+  int k = 0;
+  for (; k + W <= count; k += W) {
+    Pack<W> block[W];
+    for (int i = 0; i < W; ++i) block[i] = from[k + i];
+    transpose(block);
+    for (std::size_t l = 0; l < to.size(); ++l) std::memcpy(to[l] + k, &block[l], sizeof(Pack<W>));
+  }
+  for (std::size_t l = 0; l < to.size(); ++l)
+    for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
+}
+
+/// One of the pointers that each of `items` has, at(item), side by side.
+template <class P, class Item, class At>
+std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) {
+  for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
+  return {memory, items.size()};
+}
+
+template <class S>
+class RobotTermsOf {
+ public:
+  explicit RobotTermsOf(std::shared_ptr<const Model> model)
+      : model_(std::move(model)),
+        q_(model_->nq),
+        v_(model_->nv),
+        h_(model_->nv),
+        kin_(*model_),
+        Yc_(model_->njoints()),
+        f_(model_->njoints()),
+        M_(model_->M_begin[model_->nv]) {}
+
+  void evaluate(const Vec3<double>& gravity, std::span<RobotTerms::Robot> robots) {
+    const double* from[8];
+    using Robot = RobotTerms::Robot;
+    load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.q; }), model_->nq, q_.data());
+    load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.v; }), model_->nv, v_.data());
+    if (!model_->floating_base)
+      load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.base; }), 12, numbers_of(base_));
+    forward_kinematics<S>(*model_, base_, q_, kin_);
+    forward_accelerations<S>(*model_, v_, nullptr, gravity, kin_);
+    inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
+    crba<S>(*model_, kin_, Yc_, M_.data());
+    internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
+    store(robots);
+  }
+
+ private:
+  static S* numbers_of(SE3<S>& M) { return M.R.data(); }
+
+  void store(std::span<RobotTerms::Robot> robots) {
+    const RobotTerms::Arrays<S> arrays = RobotTerms::arrays_of(kin_, Yc_, M_.data(), h_.data());
+    const RobotTerms::Counts counts = RobotTerms::counts_of(*model_);
+    S sum(0);  // finite numbers times zero are zero
+    for (std::size_t k = 0; k < arrays.size(); ++k) {
+      double* to[8];
+      store_arrays(arrays[k], counts[k], side_by_side(robots, to, [k](const auto& r) { return r.out[k]; }));
+      for (int i = 0; i < counts[k]; ++i) sum += arrays[k][i] * S(0);
+    }
+    const auto sound = sum <= S(0);
+    for (std::size_t l = 0; l < robots.size(); ++l) robots[l].sound = sound[static_cast<int>(l)];
+  }
+
+  std::shared_ptr<const Model> model_;
+  VecX<S> q_, v_, h_;
+  SE3<S> base_;
+  Kinematics<S> kin_;
+  std::vector<Inertia<S>> Yc_;
+  std::vector<Vec6<S>> f_;
+  std::vector<S> M_;
+};
+
+template <class S>
+class ContactTermsOf {
+ public:
+  ContactTermsOf(const Scene& scene, const Contact& contact, const ContactSupport& support)
+      : support_(support),
+        A_(*scene.robots[contact.A.robot].model, support.a),
+        B_(*scene.robots[contact.B.robot < 0 ? contact.A.robot : contact.B.robot].model, support.b),
+        rows_(contact, support) {}
+
+  void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const ContactTerms::Rows> rows) {
+    A_.load(rows, contact.A.joint, [](const ContactTerms::Rows& r) -> const ContactTerms::Body& { return r.A; });
+    const double* from[8];
+    SE3<S> on_A, on_B;
+    load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_A; }), 12, on_A.R.data());
+    load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_B; }), 12, on_B.R.data());
+    const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * on_A;
+    Vec3<S> from_b = A_.kin.origin;
+    if (contact.B.robot < 0) {
+      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, on_B, from_b, rows_);
+    } else {
+      B_.load(rows, contact.B.joint, [](const ContactTerms::Rows& r) -> const ContactTerms::Body& { return r.B; });
+      if (contact.A.robot == contact.B.robot)
+        from_b.setZero();
+      else
+        from_b -= B_.kin.origin;
+      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, B_.kin.oMi[contact.B.joint] * on_B,
+                              from_b, rows_);
+    }
+    const ContactTerms::Arrays<S> arrays = ContactTerms::arrays_of(rows_);
+    const ContactTerms::Counts counts = ContactTerms::counts_of(contact.rows(), support_.cols());
+    for (std::size_t k = 0; k < arrays.size(); ++k) {
+      double* to[8];
+      store_arrays(arrays[k], counts[k], side_by_side(rows, to, [k](const auto& r) { return r.out[k]; }));
+    }
+  }
+
+ private:
+  // What the rows need of the robot at one end.
+  struct End {
+    Kinematics<S> kin;
+    std::vector<std::pair<int, int>> stretches;  // of coordinates: begin, end
+
+    End(const Model& model, const std::vector<int>& coordinates) : kin(model) {
+      for (int i : coordinates) {
+        if (stretches.empty() || stretches.back().second != i) stretches.emplace_back(i, i);
+        stretches.back().second = i + 1;
+      }
+    }
+    template <class Of>
+    void load(std::span<const ContactTerms::Rows> rows, int joint, Of&& end) {
+      const double* from[8];
+      const auto at = [&](auto array, int offset) {
+        return side_by_side(rows, from, [&](const auto& r) { return end(r).*array + offset; });
+      };
+      using Body = ContactTerms::Body;
+      load_arrays(at(&Body::origin, 0), 3, kin.origin.data());
+      load_arrays(at(&Body::oMi, 12 * joint), 12, kin.oMi[joint].R.data());
+      load_arrays(at(&Body::v, 6 * joint), 6, kin.v[joint].data());
+      load_arrays(at(&Body::a, 6 * joint), 6, kin.a[joint].data());
+      for (const auto& [begin, stop] : stretches)
+        load_arrays(at(&Body::J, 6 * begin), 6 * (stop - begin), kin.J.col(begin).data());
+    }
+  };
+
+  ContactSupport support_;
+  End A_, B_;
+  ContactData<S> rows_;
+};
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,88 @@
+#include "manycontact/io/visuals.hpp"
+
+#include <map>
+
+#include "xml.hpp"
+
+namespace manycontact {
+namespace {
+
+using Colour = std::array<double, 4>;
+using Colours = std::map<std::string, Colour>;  // by the name of their <material>
+
+SE3<double> origin_of(const io::Element& visual) {
+  SE3<double> at;
+  const auto origin = visual.child("origin");
+  if (!origin) return at;
+  const auto xyz = origin->numbers<3>("xyz").value_or(std::array<double, 3>{});
+  const auto rpy = origin->numbers<3>("rpy").value_or(std::array<double, 3>{});
+  at.p = {xyz[0], xyz[1], xyz[2]};
+  at.R = rotation_about<double>(Vec3<double>::UnitZ(), rpy[2]) * rotation_about<double>(Vec3<double>::UnitY(), rpy[1]) *
+         rotation_about<double>(Vec3<double>::UnitX(), rpy[0]);
+  return at;
+}
+
+std::optional<Colour> colour_of(const io::Element& parent, const Colours& named) {
+  const auto material = parent.child("material");
+  if (!material) return {};
+  if (const auto color = material->child("color"))
+    if (const auto rgba = color->numbers<4>("rgba")) return rgba;
+  const auto found = named.find(material->optional("name", ""));
+  return found == named.end() ? std::nullopt : std::optional<Colour>(found->second);
+}
+
+// Whether the geometry is one that there is.
+bool read_shape(const io::Element& geometry, Visual& out) {
+  const auto inside = geometry.child();
+  const std::string name = inside ? inside->name() : "";
+  std::array<double, 3> size{};
+  if (name == "box") {
+    out.shape = VisualShape::kBox;
+    (void)inside->required("size");
+    size = *inside->numbers<3>("size");
+  } else if (name == "cylinder") {
+    out.shape = VisualShape::kCylinder;
+    size = {inside->required_number("radius"), inside->required_number("length"), 0};
+  } else if (name == "sphere") {
+    out.shape = VisualShape::kSphere;
+    size = {inside->required_number("radius"), 0, 0};
+  } else if (name == "mesh") {
+    out.shape = VisualShape::kMesh;
+    out.mesh = inside->required("filename");
+    size = inside->numbers<3>("scale").value_or(std::array<double, 3>{1, 1, 1});
+  } else {
+    return false;
+  }
+  out.size = {size[0], size[1], size[2]};
+  return true;
+}
+
+}  // namespace
+
+std::vector<Visual> load_visuals(const std::string& urdf) {
+  std::string problem;
+  const std::string text = io::read_file(urdf, problem);
+  if (!problem.empty()) throw InputError(urdf, 1, problem + ", expected a URDF file");
+  const io::XmlFile file(urdf, text, "robot");
+  const io::Element robot = file.root();
+
+  Colours named;
+  for (auto material = robot.child("material"); material; material = material->next("material"))
+    if (const auto color = material->child("color"))
+      if (const auto rgba = color->numbers<4>("rgba")) named[material->optional("name", "")] = *rgba;
+
+  std::vector<Visual> visuals;
+  for (auto link = robot.child("link"); link; link = link->next("link"))
+    for (auto visual = link->child("visual"); visual; visual = visual->next("visual")) {
+      Visual out;
+      const auto geometry = visual->child("geometry");
+      if (!geometry || !read_shape(*geometry, out)) continue;
+      out.link = link->required("name");
+      out.placement = origin_of(*visual);
+      out.colour = colour_of(*visual, named);
+      visuals.push_back(std::move(out));
+    }
+  return visuals;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,149 @@
+#pragma once
+// Numpy arrays for Eigen's vectors and matrices. In place of pybind11/eigen.h, so that what is refused is refused with
+// a ValueError that says why: other shapes, and numbers that are not finite. What is no array of numbers at all is
+// pybind11's TypeError.
+//
+//   Eigen matrices, vectors    copied, both ways
+//   Ref<const VectorXd>        not copied in where the array is contiguous float64; copied out
+//   Bounds, Raw                vectors that may have infinite numbers, any numbers
+//   view(...)                  an array on a matrix that somebody owns
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "manycontact/abi.hpp"
+
+namespace py = pybind11;
+
+namespace manycontact::python {
+
+using Doubles = py::array_t<double, py::array::forcecast>;
+
+/// A vector of bounds: infinite numbers allowed, NaN not.
+struct Bounds {
+  Eigen::VectorXd x;
+};
+
+/// A vector whose numbers the callee judges.
+struct Raw {
+  Doubles array;
+  Eigen::Map<const Eigen::VectorXd> vector() const { return {array.data(), array.size()}; }
+};
+
+/// "(3, 4)"
+std::string shape_of(const py::array& array);
+
+/// `source` as float64; null where it is no array of numbers (nor a sequence of such). contiguous: in C's order.
+Doubles as_doubles(py::handle source, bool contiguous);
+
+/// The same of `dimensions` dimensions, and rows x cols where these are not Eigen::Dynamic; else ValueError.
+Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols, bool contiguous);
+
+/// ValueError unless all numbers are finite (`infinite`: unless none is NaN). name: of the argument; "" where unknown.
+void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
+
+/// An array on numbers of `owner`, which it keeps alive. Strides count doubles.
+inline py::array view(const double* x, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+                      py::handle owner, bool writeable) {
+  for (py::ssize_t& s : strides) s *= static_cast<py::ssize_t>(sizeof(double));
+  py::array out(py::dtype::of<double>(), std::move(shape), std::move(strides), x, owner);
+  if (!writeable) py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return out;
+}
+
+template <class M>
+py::array view(const M& m, py::handle owner, bool writeable) {
+  if constexpr (M::IsVectorAtCompileTime) return view(m.data(), {m.size()}, {m.innerStride()}, owner, writeable);
+  return view(m.data(), {m.rows(), m.cols()}, {m.rowStride(), m.colStride()}, owner, writeable);
+}
+
+/// A new array of its numbers.
+template <class M>
+py::array copy(const M& m) {
+  return view(m, py::none(), true).attr("copy")();
+}
+
+/// values -> m, of m's shape or what numpy makes one of it, as `m[...] = values` does.
+template <class M>
+void assign(M& m, py::handle values) {
+  view(m, py::none(), true).attr("__setitem__")(py::ellipsis(), values);
+}
+
+}  // namespace manycontact::python
+
+namespace pybind11::detail {
+
+template <int R, int C, int O, int MR, int MC>
+struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
+  using Matrix = Eigen::Matrix<double, R, C, O, MR, MC>;
+  PYBIND11_TYPE_CASTER(Matrix, const_name("numpy.ndarray"));
+
+  bool load(handle source, bool) {
+    using namespace manycontact::python;
+    constexpr bool vector = Matrix::IsVectorAtCompileTime;
+    const Doubles a =
+        checked_doubles(source, vector ? 1 : 2, vector ? Matrix::SizeAtCompileTime : R, vector ? 1 : C, true);
+    if (!a) return false;
+    if constexpr (vector) {
+      value = Eigen::Map<const Matrix>(a.data(), a.size());
+    } else {
+      using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      value = Eigen::Map<const RowMajor>(a.data(), a.shape(0), a.shape(1));
+    }
+    check_numbers("", value.data(), value.size());
+    return true;
+  }
+  static handle cast(const Matrix& m, return_value_policy, handle) { return manycontact::python::copy(m).release(); }
+};
+
+template <>
+struct type_caster<Eigen::Ref<const Eigen::VectorXd>> {
+  using Vector = Eigen::Ref<const Eigen::VectorXd>;
+  static constexpr auto name = const_name("numpy.ndarray");
+  template <class>
+  using cast_op_type = const Vector&;
+
+  bool load(handle source, bool) {
+    using namespace manycontact::python;
+    array_ = checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    if (!array_) return false;
+    check_numbers("", array_.data(), array_.size());
+    value_.emplace(Eigen::Map<const Eigen::VectorXd>(array_.data(), array_.size()));
+    return true;
+  }
+  operator const Vector&() { return *value_; }
+  static handle cast(const Vector& v, return_value_policy, handle) { return manycontact::python::copy(v).release(); }
+
+ private:
+  manycontact::python::Doubles array_;
+  std::optional<Vector> value_;
+};
+
+template <>
+struct type_caster<manycontact::python::Bounds> {
+  PYBIND11_TYPE_CASTER(manycontact::python::Bounds, const_name("numpy.ndarray"));
+
+  bool load(handle source, bool) {
+    using namespace manycontact::python;
+    const Doubles a = checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    if (!a) return false;
+    value.x = Eigen::Map<const Eigen::VectorXd>(a.data(), a.size());
+    check_numbers("", value.x.data(), value.x.size(), true);
+    return true;
+  }
+};
+
+template <>
+struct type_caster<manycontact::python::Raw> {
+  PYBIND11_TYPE_CASTER(manycontact::python::Raw, const_name("numpy.ndarray"));
+
+  bool load(handle source, bool) {
+    value.array = manycontact::python::checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    return static_cast<bool>(value.array);
+  }
+};
+
+}  // namespace pybind11::detail

@@ -1,0 +1,64 @@
+#pragma once
+// SceneData in Python: used by one thread at a time, and arrays on derivatives outlive the numbers' next change.
+
+#include <unordered_map>
+
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/derivatives.hpp"
+#include "objects.hpp"
+
+namespace manycontact::python {
+
+/// What numpy arrays on an island's panel keep alive: the data while these have the panel, then the panel itself.
+struct PanelKeeper {
+  std::shared_ptr<SceneData> data;
+  IslandDerivatives::Panel panel;
+};
+
+class Data {
+ public:
+  explicit Data(std::shared_ptr<SceneData> data) : data_(std::move(data)), state_(std::make_shared<State>()) {}
+
+  /// For looking at, with the GIL. ValueError while another thread works on the data.
+  SceneData& at_rest() const {
+    if (state_->busy) throw_busy();
+    return *data_;
+  }
+
+  /// work(SceneData&) without the GIL. Arrays on derivatives keep their numbers: the data get a copy of the panel.
+  template <class Work>
+  auto use(Work&& work) const {
+    const Turn turn(*state_);
+    if (!state_->exported.empty()) let_go_of_panels();
+    const py::gil_scoped_release unlocked;
+    return work(*data_);
+  }
+
+  /// An array on a block of an island's panel.
+  py::array export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows, Eigen::Index cols) const;
+
+ private:
+  struct State {
+    std::atomic<bool> busy = false;
+    std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
+  };
+  struct Turn {
+    explicit Turn(State& s) : state(s) {
+      if (state.busy.exchange(true)) throw_busy();
+    }
+    ~Turn() { state.busy = false; }
+    State& state;
+  };
+  [[noreturn]] static void throw_busy() {
+    throw py::value_error("the data are in use by another thread: each thread needs SceneData of its own");
+  }
+  void let_go_of_panels() const;
+
+  std::shared_ptr<SceneData> data_;
+  std::shared_ptr<State> state_;
+};
+
+/// A Method, Order or Lanes given as such or by its name.
+Options options_of(py::handle method, py::handle order, py::handle lanes);
+
+}  // namespace manycontact::python

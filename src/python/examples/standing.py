@@ -1,0 +1,46 @@
+"""A humanoid stands, is pushed, and its soles' forces are drawn.
+
+    standing.py models/humanoid_standing.xml standing.png
+"""
+
+import sys
+
+import manycontact as mc
+import matplotlib.pyplot as plt
+import numpy as np
+
+# %% The scene, the torques that hold it still, and what they cost in contact forces.
+file = mc.load_scene(sys.argv[1])
+scene = file.scene
+data = mc.SceneData(scene)
+u = mc.quasi_static(scene, file.q, data)
+print(mc.solve(scene, file.q, file.v, u, data))
+
+# %% How the soles' forces depend on each torque: dforces_du is a view of the library's memory.
+blocks = mc.differentiate(scene, data).islands[0]
+print("largest df/du:", abs(blocks.dforces_du).max(), "N per N m")
+
+# %% Pushed: the base starts at 0.1 m/s sideways; contacts hold by the gains that this step bears.
+h = 1e-3
+gains = mc.recommended_gains("rk4", h)
+for contact in scene.contacts:
+    scene.change_contact(contact.name, gains=tuple(gains))
+v = np.array(file.v)
+v[mc.v_index(scene, scene.robots[0].name, "root") + 1] = 0.1
+simulation = mc.SimulationData(scene, file.q, v, "rk4", h)
+times, forces = [], []
+for _ in range(300):
+    if mc.step(scene, u, simulation) != mc.StepStatus.kOk:
+        break
+    times.append(simulation.time)
+    forces.append([mc.contact_force(scene, simulation.dynamics, c.name)[2] for c in scene.contacts])
+
+# %% The plot.
+figure, axes = plt.subplots(1, 2, figsize=(10, 4))
+axes[0].plot(times, forces, label=[c.name for c in scene.contacts])
+axes[0].set(xlabel="time [s]", ylabel="normal force [N]", title="soles after a push")
+axes[0].legend()
+axes[1].spy(mc.matrix_of(scene, data), markersize=2)
+axes[1].set_title("K = [M J'; J -delta I]")
+figure.tight_layout()
+figure.savefig(sys.argv[2], dpi=100)

@@ -1,0 +1,86 @@
+#pragma once
+// What the files of the bindings share: who owns what, and when Python may run.
+
+#include <pybind11/stl.h>
+
+#include <Eigen/SparseCore>
+#include <atomic>
+#include <memory>
+#include <sstream>
+
+#include "arrays.hpp"
+
+namespace manycontact::python {
+
+/// Python runs in other threads meanwhile.
+using Unlocked = py::call_guard<py::gil_scoped_release>;
+
+/// A Python object that C++ keeps; let go from any thread.
+std::shared_ptr<void> keep(py::handle object);
+
+/// A number of threads that a machine can start; 0: OpenMP's.
+int checked_threads(int threads);
+
+/// A value of an enumeration, given as such or by its name.
+template <class E, class Find>
+E value_or_name(py::handle given, const Find& find, const char* what, const char* names = "") {
+  if (py::isinstance<E>(given)) return given.cast<E>();
+  if (!py::isinstance<py::str>(given)) throw py::type_error(std::string("a ") + what + " or its name is expected");
+  const auto name = given.cast<std::string>();
+  if (const std::optional<E> found = find(name)) return *found;
+  throw py::value_error(std::string("unknown ") + what + " '" + name + "'" + names);
+}
+
+/// What operator<< prints, for __str__.
+template <class T>
+std::string text_of(const T& x) {
+  std::ostringstream out;
+  out << x;
+  return out.str();
+}
+
+/// A class's member matrix as a property: an array on it, which keeps the object; assignment writes into it. Only for
+/// members that keep their size.
+template <class Class, class M>
+void member_view(Class& c, const char* name, M member, const char* doc) {
+  using T = typename Class::type;
+  c.def_property(
+      name, [member](py::object self) { return view(self.cast<T&>().*member, self, true); },
+      [member](T& self, py::handle values) { assign(self.*member, values); }, doc);
+}
+
+/// A sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
+py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
+
+void add_scenes(py::module_& m);
+void add_dynamics(py::module_& m);
+void add_simulation(py::module_& m);
+void add_action_parts(py::module_& m);
+void add_action(py::module_& m);
+void add_control(py::module_& m);
+void add_solvers(py::module_& m);
+void add_task(py::module_& m);
+
+/// A shared_ptr to an object that Python made of a class of its own keeps the Python object, whose methods and
+/// attributes C++ would lose otherwise.
+template <class T>
+struct KeepingCaster : py::detail::copyable_holder_caster<T, std::shared_ptr<T>> {
+  using Base = py::detail::copyable_holder_caster<T, std::shared_ptr<T>>;
+  bool load(py::handle source, bool convert) {
+    if (!Base::load(source, convert)) return false;
+    T* const object = static_cast<T*>(this->value);
+    if (!object) return true;
+    const py::detail::type_info* type = py::detail::get_type_info(typeid(*object), false);
+    if (type && type->type == Py_TYPE(source.ptr())) return true;
+    this->holder = std::shared_ptr<T>(keep(source), object);
+    return true;
+  }
+};
+
+}  // namespace manycontact::python
+
+#define MANYCONTACT_KEEPS_PYTHON(T)                                                  \
+  namespace pybind11::detail {                                                       \
+  template <>                                                                        \
+  struct type_caster<std::shared_ptr<T>> : manycontact::python::KeepingCaster<T> {}; \
+  }

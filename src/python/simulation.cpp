@@ -1,0 +1,201 @@
+// A scene through time: floor simulation.
+
+#include "data.hpp"
+#include "manycontact/simulation/gains.hpp"
+#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+struct Simulation {
+  Simulation(const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
+             const Options& options)
+      : data(std::make_shared<SimulationData>(scene, q, v, integrator, h, options)),
+        dynamics(std::make_shared<Data>(std::shared_ptr<SceneData>(data, &data->dynamics))) {}
+  const SimulationData& at_rest() const {
+    (void)dynamics->at_rest();
+    return *data;
+  }
+  std::shared_ptr<SimulationData> data;
+  std::shared_ptr<Data> dynamics;
+};
+
+Integrator integrator_of(py::handle given) {
+  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
+                                   ", expected 'semi-implicit-euler' or 'rk4'");
+}
+
+// States every so many steps.
+struct Trajectory {
+  std::vector<double> t;
+  std::vector<Vector> q, v;
+  StepStatus status = StepStatus::kOk;
+};
+
+py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
+  py::array_t<double> out({static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(cols)});
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    std::copy_n(rows[i].data(), cols, out.mutable_data(static_cast<py::ssize_t>(i), 0));
+  return out;
+}
+
+constexpr long kStepsBetweenSignals = 64;
+
+// Steps until steps are done, one is not kOk, or Ctrl-C. u: (nu), or a row per step.
+Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, long steps, long every) {
+  if (steps < 0 || every < 1) throw py::value_error("simulate: steps >= 0 and every >= 1 are expected");
+  const Doubles U = as_doubles(u, true);
+  if (!U || U.ndim() > 2 || U.shape(U.ndim() - 1) != scene.nu || (U.ndim() == 2 && U.shape(0) != steps))
+    throw py::value_error("simulate: u has to have the shape (nu,) or (steps, nu), here (" + std::to_string(scene.nu) +
+                          ",) or (" + std::to_string(steps) + ", " + std::to_string(scene.nu) + ")");
+  check_numbers("u", U.data(), U.size());
+  const py::ssize_t stride = U.ndim() == 2 ? scene.nu : 0;
+  Trajectory out;
+  simulation.dynamics->use([&](SceneData&) {
+    SimulationData& sim = *simulation.data;
+    const auto record = [&] {
+      out.t.push_back(sim.time());
+      out.q.push_back(sim.q);
+      out.v.push_back(sim.v);
+    };
+    record();
+    long recorded = 0;
+    for (long k = 0; k < steps; ++k) {
+      out.status = step(scene, Eigen::Map<const Vector>(U.data() + k * stride, scene.nu), sim);
+      if (out.status != StepStatus::kOk) break;
+      if ((k + 1) % every == 0) record(), recorded = k + 1;
+      if (k % kStepsBetweenSignals == 0) {
+        const py::gil_scoped_acquire gil;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      }
+      if (k + 1 == steps && recorded != steps) record();
+    }
+  });
+  return out;
+}
+
+void add_steps(py::module_& m) {
+  py::enum_<Integrator>(m, "Integrator", "Both on the manifold of configurations.")
+      .value("kSemiImplicitEuler", Integrator::kSemiImplicitEuler)
+      .value("kRk4", Integrator::kRk4)
+      .def(
+          "__str__", [](Integrator i) { return to_string(i); }, py::prepend());
+  py::enum_<StepStatus>(m, "StepStatus", "What became of a step.")
+      .value("kOk", StepStatus::kOk)
+      .value("kSolverFailed", StepStatus::kSolverFailed)
+      .value("kNotFinite", StepStatus::kNotFinite)
+      .value("kTooFast", StepStatus::kTooFast);
+
+  py::class_<Simulation>(m, "SimulationData", "A scene on its way through time, contacts held as the scene says.")
+      .def(py::init(
+               [](const Scene& scene, const Vector& q, const Vector& v, py::handle integrator, double h,
+                  const Options& options) { return Simulation(scene, q, v, integrator_of(integrator), h, options); }),
+           py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("integrator"), py::arg("h"),
+           py::arg_v("options", Options(), "Options()"),
+           "Starts at q (nq), v (nv). integrator: an Integrator or 'semi-implicit-euler', 'rk4'; h: step [s].")
+      .def_property_readonly(
+          "q", [](const Simulation& s) { return s.at_rest().q; }, "Configuration (nq); a copy.")
+      .def_property_readonly(
+          "v", [](const Simulation& s) { return s.at_rest().v; }, "Velocity (nv); a copy.")
+      .def_property_readonly("steps", [](const Simulation& s) { return s.at_rest().steps; })
+      .def_property_readonly(
+          "time", [](const Simulation& s) { return s.at_rest().time(); }, "[s]")
+      .def_property_readonly(
+          "h", [](const Simulation& s) { return s.at_rest().h; }, "[s]")
+      .def_property_readonly(
+          "worst", [](const Simulation& s) { return s.at_rest().worst; }, "Status of all solves.")
+      .def_property(
+          "velocity_limit", [](const Simulation& s) { return s.at_rest().velocity_limit; },
+          [](Simulation& s, double limit) {
+            (void)s.at_rest();
+            s.data->velocity_limit = limit;
+          },
+          "[m/s, rad/s]; a step beyond it is kTooFast.")
+      .def_property_readonly(
+          "dynamics", [](const Simulation& s) { return s.dynamics; },
+          "SceneData of the last solve; dynamics.active may be switched between steps.");
+
+  py::class_<Trajectory>(m, "Trajectory", "States at the start and after every so many steps, by simulate.")
+      .def_property_readonly(
+          "t", [](const Trajectory& x) { return py::array_t<double>(x.t.size(), x.t.data()); }, "Times (n) [s].")
+      .def_property_readonly(
+          "q", [](const Trajectory& x) { return stack(x.q, x.q.front().size()); }, "Configurations (n, nq).")
+      .def_property_readonly(
+          "v", [](const Trajectory& x) { return stack(x.v, x.v.front().size()); }, "Velocities (n, nv).")
+      .def_readonly("status", &Trajectory::status, "StepStatus of the last step; not kOk: it stopped there.");
+
+  m.def(
+      "step",
+      [](const Scene& scene, const Raw& u, const Simulation& simulation) {
+        check_numbers("u", u.array.data(), u.array.size());
+        const auto U = u.vector();
+        return simulation.dynamics->use([&](SceneData&) { return step(scene, U, *simulation.data); });
+      },
+      py::arg("scene"), py::arg("u"), py::arg("data"),
+      "One step with torques u (nu). Where it is not StepStatus.kOk the state stays what it was: see failure().");
+  m.def("simulate", &simulate, py::arg("scene"), py::arg("u"), py::arg("data"), py::arg("steps"), py::arg("every") = 1,
+        "Steps on from data's state with torques u, (nu) or (steps, nu), until a step is not kOk; returns the\n"
+        "Trajectory, which has the start, every `every`-th state and the last. Ctrl-C ends it.");
+  m.def(
+      "failure",
+      [](const Scene& scene, const Simulation& simulation, StepStatus status) {
+        if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data are of another scene");
+        return failure(scene, simulation.at_rest(), status);
+      },
+      py::arg("scene"), py::arg("data"), py::arg("status"), "Why a step was not kOk, in words.");
+}
+
+void add_invariants(py::module_& m) {
+  py::class_<Invariants>(m, "Invariants", "What exact motion keeps.")
+      .def_readonly("position_drift", &Invariants::position_drift, "Largest error of active contacts [m, rad].")
+      .def_readonly("velocity_drift", &Invariants::velocity_drift, "max |J v| [m/s, rad/s].")
+      .def_readonly("kinetic", &Invariants::kinetic, "[J]")
+      .def_readonly("potential", &Invariants::potential, "[J], zero at the world's origin.")
+      .def_property_readonly("energy", &Invariants::energy, "[J]")
+      .def_readonly("momentum", &Invariants::momentum, "About the world's origin (6): linear [N s], angular [N m s].");
+  m.def(
+      "invariants",
+      [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
+        if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
+          throw py::value_error("invariants: active, q or v do not fit the scene");
+        InvariantsData data(scene);
+        return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);
+      },
+      py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"),
+      "Drift, energy and momentum at q (nq), v (nv), with the contacts flagged active (one bool each).");
+
+  py::class_<Gains>(m, "Gains")
+      .def(py::init([](double alpha, double beta) {
+             return Gains{alpha, beta};
+           }),
+           py::arg("alpha") = 0.0, py::arg("beta") = 0.0)
+      .def_readwrite("alpha", &Gains::alpha, "[1/s^2]")
+      .def_readwrite("beta", &Gains::beta, "[1/s]")
+      .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })
+      .def("__repr__", [](const Gains& g) {
+        return "Gains(" + std::string(py::str(py::float_(g.alpha))) + ", " + std::string(py::str(py::float_(g.beta))) +
+               ")";
+      });
+  m.def(
+      "recommended_gains", [](py::handle i, double h) { return recommended_gains(integrator_of(i), h); },
+      py::arg("integrator"), py::arg("h"), "Gains for steps of h [s].");
+  m.def(
+      "error_growth", [](py::handle i, const Gains& g, double h) { return error_growth(integrator_of(i), g, h); },
+      py::arg("integrator"), py::arg("gains"), py::arg("h"), "What a contact's error is multiplied by per step.");
+  m.def(
+      "largest_stable_step", [](py::handle i, const Gains& g) { return largest_stable_step(integrator_of(i), g); },
+      py::arg("integrator"), py::arg("gains"), "[s]");
+}
+
+}  // namespace
+
+void add_simulation(py::module_& m) {
+  add_steps(m);
+  add_invariants(m);
+}
+
+}  // namespace manycontact::python

@@ -1,0 +1,226 @@
+// Shooting problems, solvers, callbacks: floor control.
+
+#include "action.hpp"
+#include "manycontact/control/augmented_lagrangian.hpp"
+#include "manycontact/control/box_solvers.hpp"
+#include "manycontact/control/callbacks.hpp"
+#include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/sparse.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+using Problem = std::shared_ptr<ShootingProblem>;
+
+void add_problem(py::module_& m) {
+  using P = ShootingProblem;
+  using Model = std::shared_ptr<ActionModelAbstract>;
+  py::class_<P, Problem>(
+      m, "ShootingProblem",
+      "Minimise the sum of the nodes' costs, x_0 given, x_(t+1) = f_t(x_t, u_t); T running nodes and\n"
+      "a terminal one. Nodes are evaluated in `nthreads` threads; those written in Python take turns.")
+      .def(py::init<const Eigen::VectorXd&, const P::Models&, Model>(), py::arg("x0"), py::arg("runningModels"),
+           py::arg("terminalModel").none(false), Unlocked())
+      .def("calc", &P::calc, py::arg("xs"), py::arg("us"), Unlocked(),
+           "Every node at xs (T + 1 of nx), us (T of nu); returns the total cost.")
+      .def("calcDiff", &P::calcDiff, py::arg("xs"), py::arg("us"), Unlocked(),
+           "Derivatives at the last calc; returns the total cost.")
+      .def("rollout", &P::rollout_us, py::arg("us"), Unlocked(), "xs (T + 1) from x0 on.")
+      .def("quasiStatic", &P::quasiStatic_xs, py::arg("xs"), Unlocked(), "Controls that keep each of T states still.")
+      .def("circularAppend", py::overload_cast<Model>(&P::circularAppend), py::arg("model").none(false), Unlocked(),
+           "Drops the first running node and appends one at the end.")
+      .def("updateModel", &P::updateModel, py::arg("i"), py::arg("model").none(false), Unlocked(),
+           "Replaces node i; i = T: the terminal one.")
+      .def_property_readonly("T", &P::get_T)
+      .def_property("x0", &P::get_x0, &P::set_x0, "(nx)")
+      .def_property_readonly("runningModels", &P::get_runningModels)
+      .def_property_readonly("terminalModel", &P::get_terminalModel)
+      .def_property_readonly("runningDatas", &P::get_runningDatas)
+      .def_property_readonly("terminalData", &P::get_terminalData)
+      .def_property_readonly("nx", &P::get_nx)
+      .def_property_readonly("ndx", &P::get_ndx)
+      .def_property_readonly("nu_max", &P::get_nu_max)
+      .def_property("nthreads", &P::get_nthreads, [](P& p, int n) { p.set_nthreads(checked_threads(n)); })
+      .def("__str__", &text_of<P>);
+}
+
+struct PyCallback : CallbackAbstract {
+  void operator()(SolverAbstract& solver) override {
+    const py::gil_scoped_acquire gil;
+    const py::function call = py::get_override(static_cast<const CallbackAbstract*>(this), "__call__");
+    if (!call) throw py::value_error("CallbackAbstract: __call__(self, solver) is to be defined");
+    call(py::cast(&solver, py::return_value_policy::reference));
+  }
+};
+
+// After each iteration: Ctrl-C ends the solve.
+struct Signals : CallbackAbstract {
+  void operator()(SolverAbstract&) override {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+};
+
+bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us, std::size_t maxiter, bool feasible,
+                   double init_reg) {
+  const auto callbacks = solver.getCallbacks();
+  auto with_signals = callbacks;
+  with_signals.push_back(std::make_shared<Signals>());
+  solver.setCallbacks(with_signals);
+  struct Restore {
+    SolverAbstract& solver;
+    const std::vector<std::shared_ptr<CallbackAbstract>>& callbacks;
+    ~Restore() { solver.setCallbacks(callbacks); }
+  } const restore{solver, callbacks};
+  return solver.solve(xs, us, maxiter, feasible, init_reg);
+}
+
+void add_base(py::module_& m) {
+  py::enum_<StopReason>(m, "StopReason", "Why solve() stopped.")
+      .value("kNone", StopReason::kNone)
+      .value("kConverged", StopReason::kConverged)
+      .value("kIterations", StopReason::kIterations)
+      .value("kNoDirection", StopReason::kNoDirection)
+      .value("kNoStep", StopReason::kNoStep)
+      .value("kInterrupted", StopReason::kInterrupted)
+      .value("kInfeasible", StopReason::kInfeasible)
+      .def(
+          "__str__", [](StopReason r) { return to_string(r); }, py::prepend());
+
+  using S = SolverAbstract;
+  py::class_<CallbackAbstract, PyCallback, std::shared_ptr<CallbackAbstract>> callback(
+      m, "CallbackAbstract", "Derive from it: __call__(self, solver) is called after each iteration.");
+  py::class_<S, std::shared_ptr<S>> solver(m, "SolverAbstract", "What solvers of a ShootingProblem have in common.");
+  callback.def(py::init<>())
+      .def(
+          "__call__", [](CallbackAbstract& c, SolverAbstract& of) { c(of); }, py::arg("solver"));
+  solver
+      .def("solve", &solve_problem, py::arg("init_xs") = Vectors(), py::arg("init_us") = Vectors(),
+           py::arg("maxiter") = 100, py::arg("isFeasible") = false, py::arg_v("init_reg", NAN, "float('nan')"),
+           Unlocked(),
+           "From the candidate init_xs (T + 1 of nx; empty: the states' zeros), init_us (T of nu; empty: zeros); True\n"
+           "when converged. isFeasible: init_xs is what init_us lead to. Ctrl-C ends it.")
+      .def("computeDirection", &S::computeDirection, py::arg("recalc") = true, Unlocked())
+      .def("tryStep", &S::tryStep, py::arg("stepLength") = 1.0, Unlocked())
+      .def("stoppingCriteria", &S::stoppingCriteria, Unlocked())
+      .def("expectedImprovement", &S::expectedImprovement, Unlocked())
+      .def("setCandidate", &S::setCandidate, py::arg("xs") = Vectors(), py::arg("us") = Vectors(),
+           py::arg("isFeasible") = false)
+      .def("setCallbacks", &S::setCallbacks, py::arg("callbacks"))
+      .def("getCallbacks", &S::getCallbacks)
+      .def("interrupt", &S::interrupt, "Ends solve() after the iteration at hand; for callbacks.")
+      .def_property_readonly("reason", &S::reason)
+      .def_property_readonly("problem", &S::get_problem)
+      .def_property("xs", &S::get_xs, &S::set_xs, "T + 1 states; a copy.")
+      .def_property("us", &S::get_us, &S::set_us, "T controls; a copy.")
+      .def_property_readonly("fs", &S::get_fs, "T + 1 gaps; a copy.")
+      .def_property_readonly("isFeasible", &S::get_is_feasible)
+      .def_property_readonly("cost", &S::get_cost)
+      .def_property_readonly("merit", &S::get_merit)
+      .def_property_readonly("stop", &S::get_stop)
+      .def_property_readonly("d", &S::get_d)
+      .def_property_readonly("dV", &S::get_dV)
+      .def_property_readonly("dV_exp", &S::get_dVexp)
+      .def_property_readonly("ffeas", &S::get_ffeas)
+      .def_property_readonly("gfeas", &S::get_gfeas)
+      .def_property_readonly("hfeas", &S::get_hfeas)
+      .def_property_readonly("stepLength", &S::get_steplength)
+      .def_property_readonly("iter", &S::get_iter)
+      .def_property("preg", &S::get_preg, &S::set_preg)
+      .def_property("th_acceptStep", &S::get_th_acceptstep, &S::set_th_acceptstep)
+      .def_property("th_stop", &S::get_th_stop, &S::set_th_stop)
+      .def_property("th_gapTol", &S::get_th_gaptol, &S::set_th_gaptol);
+}
+
+void add_solver_classes(py::module_& m) {
+  using D = SolverDDP;
+  py::class_<D, SolverAbstract, std::shared_ptr<D>>(m, "SolverDDP", "Differential dynamic programming.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def("calcDiff", &D::calcDiff, Unlocked())
+      .def("backwardPass", &D::backwardPass, Unlocked())
+      .def("forwardPass", &D::forwardPass, py::arg("stepLength") = 1.0, Unlocked())
+      .def_property_readonly("Vxx", &D::get_Vxx, "T + 1 matrices (ndx, ndx); a copy, as all of these.")
+      .def_property_readonly("Vx", &D::get_Vx)
+      .def_property_readonly("Qxx", &D::get_Qxx)
+      .def_property_readonly("Qxu", &D::get_Qxu)
+      .def_property_readonly("Quu", &D::get_Quu)
+      .def_property_readonly("Qx", &D::get_Qx)
+      .def_property_readonly("Qu", &D::get_Qu)
+      .def_property_readonly("K", &D::get_K, "T feedback gains (nu, ndx).")
+      .def_property_readonly("k", &D::get_k, "T feed-forward terms (nu).")
+      .def_property("alphas", &D::get_alphas, &D::set_alphas)
+      .def_property("reg_min", &D::get_reg_min, &D::set_reg_min)
+      .def_property("reg_max", &D::get_reg_max, &D::set_reg_max)
+      .def_property("th_grad", &D::get_th_grad, &D::set_th_grad);
+  py::class_<SolverFDDP, D, std::shared_ptr<SolverFDDP>>(m, "SolverFDDP", "Feasibility-driven DDP.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def_property("th_acceptNegStep", &SolverFDDP::get_th_acceptnegstep, &SolverFDDP::set_th_acceptnegstep);
+  py::class_<SolverBoxDDP, D, std::shared_ptr<SolverBoxDDP>>(m, "SolverBoxDDP", "DDP with the models' control limits.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
+  py::class_<SolverBoxFDDP, SolverFDDP, std::shared_ptr<SolverBoxFDDP>>(m, "SolverBoxFDDP",
+                                                                        "FDDP with the models' control limits.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
+  py::class_<SolverSparse, SolverFDDP, std::shared_ptr<SolverSparse>>(m, "SolverSparse",
+                                                                      "FDDP by parts of robots that never meet.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def("blocks", &SolverSparse::blocks, "Controls of each part.");
+  using A = SolverAugmentedLagrangian;
+  py::class_<A, SolverAbstract, std::shared_ptr<A>>(m, "SolverAugmentedLagrangian",
+                                                    "Problems with constraints, by the method of multipliers.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def("reset", &A::reset, "Forgets multipliers and penalty.")
+      .def_property("multipliers", &A::get_multipliers, &A::set_multipliers, "T + 1 vectors, of [g; h].")
+      .def_property_readonly("violation", &A::get_violation)
+      .def_property_readonly("kkt_residual", &A::get_kkt_residual)
+      .def_property_readonly("outer_iter", &A::get_outer_iter)
+      .def_property("penalty", &A::get_penalty, &A::set_penalty)
+      .def_property("penalty_init", &A::get_penalty_init, &A::set_penalty_init)
+      .def_property("th_constraint", &A::get_th_constraint, &A::set_th_constraint)
+      .def_property("th_kkt", &A::get_th_kkt, &A::set_th_kkt);
+  m.def("kkt_residual", &kkt_residual, py::arg("problem"), py::arg("xs"), py::arg("us"), py::arg("multipliers"),
+        py::arg("limits"), py::arg("constraint_multipliers") = Vectors(), Unlocked(),
+        "The largest violation of the optimality conditions at xs, us with multipliers of the dynamics (T + 1).");
+}
+
+void add_callbacks(py::module_& m) {
+  py::enum_<VerboseLevel>(m, "VerboseLevel")
+      .value("_0", _0)
+      .value("_1", _1)
+      .value("_2", _2)
+      .value("_3", _3)
+      .value("_4", _4);
+  py::class_<CallbackVerbose, CallbackAbstract, std::shared_ptr<CallbackVerbose>>(
+      m, "CallbackVerbose", "One line on standard output for each iteration.")
+      .def(py::init<VerboseLevel, int>(), py::arg_v("level", _4, "VerboseLevel._4"), py::arg("precision") = 3)
+      .def_property("level", &CallbackVerbose::get_level, &CallbackVerbose::set_level)
+      .def_property("precision", &CallbackVerbose::get_precision, &CallbackVerbose::set_precision);
+  using L = CallbackLogger;
+  py::class_<L, CallbackAbstract, std::shared_ptr<L>>(m, "CallbackLogger", "Keeps what each iteration reports; copies.")
+      .def(py::init<>())
+      .def_readonly("xs", &L::xs, "Of the last iteration.")
+      .def_readonly("us", &L::us)
+      .def_readonly("fs", &L::fs)
+      .def_readonly("iters", &L::iters)
+      .def_readonly("costs", &L::costs)
+      .def_readonly("stops", &L::stops)
+      .def_readonly("grads", &L::grads)
+      .def_readonly("pregs", &L::pregs)
+      .def_readonly("steps", &L::steps)
+      .def_readonly("ffeass", &L::ffeass)
+      .def_readonly("gfeass", &L::gfeass)
+      .def_readonly("hfeass", &L::hfeass)
+      .def_readonly("feasible", &L::feasible);
+}
+
+}  // namespace
+
+void add_solvers(py::module_& m) {
+  add_problem(m);
+  add_base(m);
+  add_callbacks(m);
+  add_solver_classes(m);
+}
+
+}  // namespace manycontact::python

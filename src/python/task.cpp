@@ -1,0 +1,116 @@
+// Motions of task files: floor task.
+
+#include "action.hpp"
+#include "manycontact/task/optimize.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+std::optional<TaskSolver> solver_from_string(const std::string& name) {
+  for (const TaskSolver s : {TaskSolver::kFddp, TaskSolver::kBoxFddp, TaskSolver::kSparse, TaskSolver::kAuto})
+    if (name == to_string(s)) return s;
+  return std::nullopt;
+}
+
+TaskSolver solver_of(py::handle given) {
+  return value_or_name<TaskSolver>(given, solver_from_string, "solver",
+                                   ", expected one of 'fddp', 'box-fddp', 'sparse', 'auto'");
+}
+
+// each: called with the TaskIteration after each iteration; False ends the solve, None does not.
+TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared_ptr<TaskProblem>>& given,
+                           py::handle solver, int threads, const std::optional<py::function>& each) {
+  TaskOptions options;
+  options.solver = solver_of(solver);
+  options.threads = checked_threads(threads);
+  options.each = [&each](const TaskIteration& iteration) {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!each) return true;
+    const py::object answer = (*each)(iteration);
+    return answer.is_none() || answer.cast<bool>();
+  };
+  const py::gil_scoped_release unlocked;
+  if (given && *given) return optimize(task, **given, options);
+  TaskProblem problem = make_problem(task, options.solver);
+  return optimize(task, problem, options);
+}
+
+}  // namespace
+
+void add_task(py::module_& m) {
+  py::enum_<TaskSolver>(m, "TaskSolver")
+      .value("kFddp", TaskSolver::kFddp)
+      .value("kBoxFddp", TaskSolver::kBoxFddp)
+      .value("kSparse", TaskSolver::kSparse)
+      .value("kAuto", TaskSolver::kAuto)
+      .def(
+          "__str__", [](TaskSolver s) { return to_string(s); }, py::prepend());
+
+  py::class_<TaskFile, std::shared_ptr<TaskFile>>(m, "TaskFile", "An optimal control task from its file.")
+      .def_readonly("path", &TaskFile::path)
+      .def_readonly("name", &TaskFile::name)
+      .def_property_readonly(
+          "scene", [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); },
+          "SceneFile")
+      .def_readonly("step", &TaskFile::step, "[s]")
+      .def_readwrite("iterations", &TaskFile::iterations)
+      .def_readwrite("tolerance", &TaskFile::tolerance)
+      .def_property_readonly("nodes", &TaskFile::nodes, "Running ones.");
+  py::class_<TaskProblem, std::shared_ptr<TaskProblem>>(m, "TaskProblem", "The shooting problem of a task.")
+      .def_readonly("state", &TaskProblem::state)
+      .def_readonly("actuation", &TaskProblem::actuation)
+      .def_readonly("models", &TaskProblem::models, "Per phase, then the terminal node.")
+      .def_readonly("problem", &TaskProblem::problem, "ShootingProblem")
+      .def_readwrite("xs", &TaskProblem::xs, "Initial guess; a copy: assign.")
+      .def_readwrite("us", &TaskProblem::us)
+      .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.");
+  py::class_<TaskIteration>(m, "TaskIteration")
+      .def_readonly("cost", &TaskIteration::cost)
+      .def_readonly("stop", &TaskIteration::stop)
+      .def_readonly("regularisation", &TaskIteration::regularisation)
+      .def_readonly("step_length", &TaskIteration::step_length)
+      .def_readonly("gaps", &TaskIteration::gaps)
+      .def_readonly("feasible", &TaskIteration::feasible);
+  py::class_<TaskViolation>(m, "TaskViolation", "How far a motion is from a constraint.")
+      .def_readonly("constraint", &TaskViolation::constraint)
+      .def_readonly("by", &TaskViolation::by, "Largest distance of a row to its bounds.")
+      .def_readonly("node", &TaskViolation::node);
+  py::class_<TaskSolution>(m, "TaskSolution", "What a solver did.")
+      .def_readonly("converged", &TaskSolution::converged)
+      .def_readonly("cost", &TaskSolution::cost)
+      .def_readonly("reason", &TaskSolution::reason, "Why it stopped.")
+      .def_readonly("iterations", &TaskSolution::iterations, "List of TaskIteration.")
+      .def_readonly("polishing_iterations", &TaskSolution::polishing_iterations, "After these, to the KKT residual.")
+      .def_readonly("xs", &TaskSolution::xs, "nodes + 1 states (nq + nv).")
+      .def_readonly("us", &TaskSolution::us, "Torques (nu) of each node [N m, N].")
+      .def_readonly("solver", &TaskSolution::solver)
+      .def_readonly("blocks", &TaskSolution::blocks)
+      .def_readonly("kkt_residual", &TaskSolution::kkt_residual)
+      .def_readonly("constraint_violation", &TaskSolution::constraint_violation)
+      .def_readonly("violations", &TaskSolution::violations, "List of TaskViolation.")
+      .def_readonly("outer_iterations", &TaskSolution::outer_iterations);
+
+  m.def(
+      "read_task", [](const std::string& path) { return std::make_shared<TaskFile>(read_task(path)); }, py::arg("path"),
+      Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");
+  m.attr("load_task") = m.attr("read_task");
+  m.def(
+      "make_problem",
+      [](const TaskFile& task, py::handle solver) {
+        const TaskSolver type = solver_of(solver);
+        const py::gil_scoped_release unlocked;
+        return std::make_shared<TaskProblem>(make_problem(task, type));
+      },
+      py::arg("task"), py::arg("solver") = "fddp",
+      "The task's ShootingProblem and its initial guess; 'sparse' and 'auto' take parts where robots never meet.");
+  m.def(
+      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = "auto",
+      py::arg("threads") = 0, py::arg("each") = py::none(),
+      "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name. problem:\n"
+      "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
+      "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
+}
+
+}  // namespace manycontact::python

@@ -1,0 +1,159 @@
+#include "manycontact/task/joined.hpp"
+
+#include <algorithm>
+
+#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/kkt/island.hpp"
+#include "manycontact/sparse/union_find.hpp"
+#include "manycontact/task/parts.hpp"
+#include "nodes.hpp"
+#include "terms.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// What the whole of its robots is needed for.
+bool joins_its_robots(const TaskTerm& term) {
+  switch (term.residual) {
+    case TaskResidual::kJointEffort:
+    case TaskResidual::kControlGrav:
+    case TaskResidual::kContactControlGrav:
+      return true;
+    case TaskResidual::kCom:
+    case TaskResidual::kCentroidalMomentum:
+      return term.robots.empty();
+    default:
+      return false;
+  }
+}
+
+void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets) {
+  for (int r = 1; robots.empty() && r < scene.nrobots(); ++r) sets.join(0, r);
+  for (const int r : robots) sets.join(robots.front(), r);
+}
+
+void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind& sets) {
+  const auto join_ends = [&](const Contact& contact) {
+    if (contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
+  };
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
+  }
+  for (const TaskTerm& term : phase.costs) {
+    if (joins_its_robots(term))
+      join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
+    for (const int c : term.contacts) join_ends(scene.contacts[static_cast<std::size_t>(c)]);
+  }
+}
+
+bool has_any_constraint(const TaskFile& task) {
+  bool any = !task.terminal.constraints.empty();
+  for (const TaskPhase& phase : task.phases) any |= !phase.constraints.empty();
+  return any;
+}
+
+// The scene with a phase's contacts.
+Scene scene_with(const TaskFile& task, const std::vector<bool>& active) {
+  Scene scene = task.scene.scene;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) scene.contacts[c].active = active[c];
+  return scene;
+}
+
+// Rows that depend on others, at x0.
+int dependent_rows(const Scene& scene, const Eigen::VectorXd& x0) {
+  SceneData data(scene);
+  const Report& report = solve(scene, x0.head(scene.nq), x0.tail(scene.nv), Eigen::VectorXd::Zero(scene.nu), data);
+  return report.nc - report.rank;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> divide_robots(const TaskFile& task) {
+  const Scene& scene = task.scene.scene;
+  std::vector<int> memory(scene.robots.size());
+  sparse::UnionFind sets(memory);
+  for (const TaskPhase& phase : task.phases) join_of_nodes(scene, phase, sets);
+  join_of_nodes(scene, task.terminal, sets);
+  if (task.integrator != TaskIntegrator::kEuler || has_any_constraint(task)) join_robots(scene, {}, sets);
+  return sets_of(sets, scene.nrobots());
+}
+
+bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
+  const Scene& scene = task.scene.scene;
+  std::vector<int> nx, nu;
+  for (const std::vector<int>& robots : blocks) {
+    const ActionPart at = coordinates_of(scene, robots);
+    nx.push_back(static_cast<int>(at.dx.size()));
+    nu.push_back(static_cast<int>(at.u.size()));
+  }
+  std::vector<std::vector<std::pair<int, int>>> bonds;
+  for (const TaskPhase& phase : task.phases) {
+    std::vector<std::pair<int, int>> of_phase;
+    for (const JoinedBond& bond : bonds_between(scene_with(task, phase.active), blocks))
+      of_phase.emplace_back(bond.part_a, bond.part_b);
+    bonds.insert(bonds.end(), static_cast<std::size_t>(phase.nodes), of_phase);
+  }
+  const JoinedPrediction flops = predict_joined(nx, nu, bonds);
+  return flops.joined < flops.dense;
+}
+
+bool bonds_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
+  const Eigen::VectorXd x0 = task::x0_of(task.scene);
+  for (const TaskPhase& phase : task.phases) {
+    Scene scene = scene_with(task, phase.active);
+    const int of_all = dependent_rows(scene, x0);
+    if (of_all == 0) continue;
+    for (const JoinedBond& bond : bonds_between(scene, blocks))
+      scene.contacts[static_cast<std::size_t>(bond.contact)].active = false;
+    if (dependent_rows(scene, x0) != of_all) return false;
+  }
+  return true;
+}
+
+namespace task {
+
+namespace {
+
+// One block's node of a phase.
+JoinedPart joined_part(const TaskFile& own, const TaskPhase& phase, const std::vector<WrenchEnd>& ends, bool terminal) {
+  auto state = std::make_shared<StateMultibody>(own.scene.scene);
+  auto actuation = std::make_shared<ActuationModelWrenches>(state, actuation_of(state), ends);
+  const auto model = model_of(own, phase, state, actuation, MatrixStorage::kDense);
+  JoinedPart out;
+  out.model = terminal ? terminal_of(model) : integrated(own, model);
+  return out;
+}
+
+}  // namespace
+
+Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups) {
+  const auto state = std::make_shared<StateMultibody>(task.scene.scene);
+  std::vector<TaskFile> own;
+  for (const std::vector<int>& robots : groups) own.push_back(part_of(task, robots));
+  Nodes out;
+  for (std::size_t k = 0; k <= task.phases.size(); ++k) {
+    const bool terminal = k == task.phases.size();
+    const TaskPhase& phase = terminal ? task.terminal : task.phases[k];
+    const Scene scene = scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
+    const std::vector<JoinedBond> bonds = bonds_between(scene, groups);
+    std::vector<JoinedPart> parts;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      parts.push_back(joined_part(own[i], terminal ? own[i].terminal : own[i].phases[k],
+                                  wrench_ends(scene, bonds, groups, static_cast<int>(i)), terminal));
+      const std::shared_ptr<ActionModelAbstract> model = parts.back().model;
+      static_cast<ActionPart&>(parts.back()) = coordinates_of(task.scene.scene, groups[i]);
+      parts.back().model = model;
+      parts.back().robots = groups[i];
+    }
+    auto node = std::make_shared<ActionModelJoined>(state, scene, std::move(parts));
+    node->set_storage(MatrixStorage::kSparse);
+    out.push_back(std::move(node));
+  }
+  return out;
+}
+
+}  // namespace task
+
+}  // namespace manycontact

@@ -1,0 +1,32 @@
+#pragma once
+// What nodes are made of, phase by phase.
+
+#include "manycontact/control/parts.hpp"
+#include "manycontact/task/problem.hpp"
+
+namespace manycontact::task {
+
+using DiffModel = DifferentialActionModelContactFwdDynamics;
+
+/// All but floating bases; every coordinate where no robot has one.
+std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
+
+/// Throws InputError where a term does not fit.
+std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase,
+                                    const std::shared_ptr<StateMultibody>& state,
+                                    const std::shared_ptr<ActuationModelAbstract>& actuation, MatrixStorage storage);
+
+/// By the task's integrator.
+std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
+std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
+
+/// Per phase, then the terminal one.
+using Nodes = std::vector<std::shared_ptr<ActionModelAbstract>>;
+
+/// Torques of each phase: quasi-static at x0 without its velocity, or zero.
+std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
+
+/// ActionModelJoined of these groups of the task's robots.
+Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
+
+}  // namespace manycontact::task

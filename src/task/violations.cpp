@@ -1,0 +1,57 @@
+#include "manycontact/task/violations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace manycontact {
+
+namespace {
+
+using Worst = std::map<std::string, TaskViolation>;
+
+// c - P(c) of rows [first, first + count) of g.
+double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                Eigen::Index first, Eigen::Index count) {
+  double out = 0;
+  for (Eigen::Index i = first; i < first + count; ++i)
+    out = std::max(std::isnan(g[i]) ? INFINITY : out, std::max(lower[i] - g[i], g[i] - upper[i]));
+  return out;
+}
+
+// g and h are stacked in the order of the constraints' names.
+void add_node(std::size_t t, const ConstraintModelManager& constraints, bool terminal, const ActionDataAbstract& data,
+              Worst& worst) {
+  const Eigen::VectorXd& lower = terminal ? constraints.get_lb_T() : constraints.get_lb();
+  const Eigen::VectorXd& upper = terminal ? constraints.get_ub_T() : constraints.get_ub();
+  const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(data.h.size());
+  Eigen::Index g = 0, h = 0;
+  for (const auto& [name, item] : constraints.get_constraints()) {
+    if (!item->active || (terminal && !item->constraint->get_T_constraint())) continue;
+    const Eigen::Index ng = static_cast<Eigen::Index>(item->constraint->get_ng());
+    const Eigen::Index nh = static_cast<Eigen::Index>(item->constraint->get_nh());
+    const double by = std::max(distance(data.g, lower, upper, g, ng), distance(data.h, zeros, zeros, h, nh));
+    g += ng;
+    h += nh;
+    TaskViolation& own = worst.try_emplace(name, TaskViolation{name, -1, t}).first->second;
+    if (by > own.by) own.by = by, own.node = t;
+  }
+}
+
+}  // namespace
+
+std::vector<TaskViolation> violations(const TaskFile& task, const TaskProblem& problem) {
+  const ShootingProblem& shooting = *problem.problem;
+  const std::vector<int> phases = phase_of_node(task);
+  Worst worst;
+  for (std::size_t t = 0; t <= shooting.get_T(); ++t) {
+    const auto& model = t < phases.size() ? problem.models[static_cast<std::size_t>(phases[t])] : problem.models.back();
+    if (model->get_constraints())
+      add_node(t, *model->get_constraints(), shooting.by_state_alone(t), *shooting.data(t), worst);
+  }
+  std::vector<TaskViolation> out;
+  for (const auto& [name, own] : worst) out.push_back(own);
+  return out;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,47 @@
+# Every scene and task is valid by its schema, and mistakes are not.
+#   XMLLINT: the program;  MODELS: the folder models;  MORE: a folder of tasks that need not be there;  BUILD: a folder
+function(judge verdict schema file)  # verdict: valid, or refused
+  execute_process(COMMAND ${XMLLINT} --noout --nonet --schema ${MODELS}/${schema}.xsd ${file}
+                  OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE status)
+  if(verdict STREQUAL valid AND NOT status EQUAL 0 OR verdict STREQUAL refused AND NOT status MATCHES "^[34]$")
+    message(SEND_ERROR "${file} should be ${verdict}, xmllint ended with ${status}: ${said}")
+  endif()
+endfunction()
+
+# mistake(schema FILE TEXT OTHER): FILE with TEXT replaced, which it must have.
+set(mistakes 0)
+function(mistake schema file text other)
+  file(READ ${MODELS}/${file} good)
+  string(REPLACE "${text}" "${other}" bad "${good}")
+  if(bad STREQUAL good)
+    message(SEND_ERROR "${file} has no ${text}")
+  endif()
+  math(EXPR mistakes "${mistakes} + 1")
+  set(mistakes ${mistakes} PARENT_SCOPE)
+  file(WRITE ${BUILD}/mistake_${mistakes}.xml "${bad}")
+  judge(refused ${schema} ${BUILD}/mistake_${mistakes}.xml)
+endfunction()
+
+file(GLOB files ${MODELS}/*.xml ${MODELS}/tasks/*.xml ${MORE}/*.xml)
+foreach(file IN LISTS files)
+  file(READ ${file} text)
+  if(text MATCHES "<task")
+    judge(valid task ${file})
+  else()
+    judge(valid scene ${file})
+  endif()
+endforeach()
+
+mistake(scene humanoid_standing.xml "<contact" "<kontact")
+mistake(scene humanoid_standing.xml "type=\"6d\"" "type=\"7d\"")
+mistake(scene humanoid_standing.xml "type=\"6d\"" "")
+mistake(scene humanoid_standing.xml "type=\"6d\"" "type=\"6d\" stiffness=\"1\"")
+mistake(scene humanoid_standing.xml "base=\"floating\"" "base=\"free\"")
+mistake(scene humanoid_standing.xml "name=\"right\"" "name=\"left\"")
+mistake(scene humanoid_standing.xml "xyz=\"0 0 0.7884\"" "xyz=\"0 0\"")
+mistake(scene humanoid_standing.xml "base=\"floating\"" "base=\"floating\" rpy=\"0 0 nan\"")
+mistake(scene herd.xml "copies=\"64\"" "copies=\"0\"")
+mistake(task tasks/quadruped_trots.xml "weight=\"1e-3\"" "weight=\"-1\"")
+mistake(task tasks/quadruped_trots.xml "nodes=" "knots=")
+mistake(task tasks/quadruped_trots.xml "type=\"friction_cone\"" "type=\"cone\"")
+mistake(task tasks/quadruped_trots.xml "<terminal" "<terminal nodes=\"1\"")

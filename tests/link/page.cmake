@@ -1,0 +1,11 @@
+# The page must contain the consumer's program, letter by letter.
+foreach(file IN ITEMS PAGE CODE)
+  if(NOT EXISTS ${${file}})
+    message(FATAL_ERROR "there is no ${${file}}")
+  endif()
+  file(READ ${${file}} text_${file})
+endforeach()
+string(FIND "${text_PAGE}" "${text_CODE}" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "${PAGE} does not contain the text of ${CODE}")
+endif()

@@ -1,0 +1,350 @@
+// Robots that hold each other, taken apart at their contacts: nodes, directions and motions against those of the whole
+// scene.
+
+#include "manycontact/task/joined.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/task/forces.hpp"
+#include "manycontact/task/optimize.hpp"
+#include "spatial/compare.hpp"
+#include "support/allocations.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
+
+TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task,
+                 const std::string& integrator = "euler") {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("manycontact_bonds_" + name);
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "scene.xml") << scene;
+  std::ofstream(folder / "task.xml") << "<task name='" << name << "' scene='scene.xml' step='0.01' integrator='"
+                                     << integrator << "'>" << task << "</task>";
+  return read_task((folder / "task.xml").string());
+}
+
+std::string repeated(const std::string& number, int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += number + " ";
+  return out;
+}
+
+// Quadrupeds in a line, each with a front foot on the trunk of the next: bonds in one frame or the other.
+std::string chain_scene(int robots, const std::string& frame = "local", const std::string& damping = "0",
+                        const std::string& type = "6d") {
+  std::string out = "<scene name='chain' damping='" + damping + "'><robot name='q' urdf='" + kModels +
+                    "quadruped.urdf' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
+                    "' arrange='line' spacing='1'>";
+  for (const char* leg : {"LF", "RF", "LH", "RH"})
+    out += std::string("<joint name='") + leg + "_hip' q='0.7'/><joint name='" + leg + "_knee' q='-1.4'/>";
+  out += "</robot>";
+  for (const char* leg : {"RF", "LH", "RH"})
+    out += std::string("<contact name='") + leg + "' type='3d' frame='q/" + leg + "_foot' gains='0 20'/>";
+  return out + "<contact name='hold' type='" + type +
+         "' frame='q/LF_foot' to='q+1/trunk' gains='40 15' reference_frame='" + frame + "'/></scene>";
+}
+
+const std::string kCosts =
+    "<cost name='state' type='state' weight='1' robot='q' weights='" + repeated("0.1", 6) + repeated("0.5", 12) +
+    repeated("0.2", 18) +
+    "'/><cost name='control' type='control' weight='1e-3'/>"
+    "<cost name='com' type='com' robot='q' weight='10' reference='0.02 0.01 0.36'/>"
+    "<cost name='acceleration' type='joint_acceleration' robot='q' weight='1e-4'/>"
+    "<cost name='cone' type='friction_cone' contact='RF' mu='0.6' weight='1'/>"
+    "<cost name='turn' type='frame_rotation' frame='q/trunk' weight='5' quat_xyzw='0 0 0.05 0.99875'/>";
+const std::string kTerminal = "<terminal><cost name='state' type='state' weight='10'/></terminal>";
+
+// Joined in the middle alone.
+TaskFile chain(int robots, const std::string& frame = "local", const std::string& damping = "0",
+               const std::string& type = "6d") {
+  return task_of("chain" + std::to_string(robots) + frame + damping + type, chain_scene(robots, frame, damping, type),
+                 "<phase nodes='3' contacts='RF LH RH'>" + kCosts +
+                     "</phase><phase nodes='4' contacts='RF LH RH hold'>" + kCosts + "</phase>" + kTerminal);
+}
+
+TaskFile always(int robots, int nodes) {
+  return task_of(
+      "always" + std::to_string(robots), chain_scene(robots, "local_world_aligned"),
+      "<phase nodes='" + std::to_string(nodes) + "' contacts='RF LH RH hold'>" + kCosts + "</phase>" + kTerminal);
+}
+
+struct Candidate {
+  std::vector<Eigen::VectorXd> xs, us;
+};
+Candidate random_candidate(const TaskProblem& problem, unsigned seed, double size = 0.2) {
+  std::mt19937 rng(seed);
+  Candidate out{problem.xs, problem.us};
+  for (Eigen::VectorXd& x : out.xs)
+    x = problem.state->integrate_x(x, random_vector(static_cast<int>(problem.state->get_ndx()), rng, size));
+  for (Eigen::VectorXd& u : out.us) u += random_vector(static_cast<int>(u.size()), rng, 5);
+  return out;
+}
+
+// ---- nodes ------------------------------------------------------------------------------------------------------
+
+void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
+  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  ASSERT_EQ(joined.parts.size(), 1u);
+  ASSERT_EQ(joined.blocks.size(), blocks);
+  const Candidate at = random_candidate(whole, 1);
+  for (const std::size_t t : {std::size_t(0), whole.us.size() - 1, whole.us.size()}) {
+    SCOPED_TRACE("node " + std::to_string(t));
+    const auto& parts = dynamic_cast<const ActionModelParts&>(*joined.problem->model(t)).get_parts();
+    const auto model = std::dynamic_pointer_cast<ActionModelJoined>(parts.at(0).model);
+    ASSERT_TRUE(model);
+    model->set_storage(MatrixStorage::kDense);
+    const auto data = model->createData(), expected = whole.problem->data(t);
+    EXPECT_TRUE(model->checkData(data));
+    ActionModelAbstract& reference = *whole.problem->model(t);
+    if (t < whole.us.size()) {
+      reference.calc(expected, at.xs[t], at.us[t]);
+      reference.calcDiff(expected, at.xs[t], at.us[t]);
+      model->calc(data, at.xs[t], at.us[t]);
+      model->calcDiff(data, at.xs[t], at.us[t]);
+    } else {
+      reference.calc(expected, at.xs[t]);
+      reference.calcDiff(expected, at.xs[t]);
+      model->calc(data, at.xs[t]);
+      model->calcDiff(data, at.xs[t]);
+    }
+    EXPECT_NEAR(data->cost, expected->cost, 1e-11 * expected->cost);
+    EXPECT_LT(difference_of(data->xnext, expected->xnext), 1e-11);
+    EXPECT_LT(error_of(data->Fx, expected->Fx), 1e-10);
+    EXPECT_LT(error_of(data->Lx, expected->Lx), 1e-10);
+    EXPECT_LT(error_of(data->Lxx, expected->Lxx), 1e-10);
+    if (t == whole.us.size()) continue;
+    EXPECT_LT(error_of(data->Fu, expected->Fu), 1e-10);
+    EXPECT_LT(error_of(data->Lu, expected->Lu), 1e-10);
+    EXPECT_LT(error_of(data->Lxu, expected->Lxu), 1e-10);
+    EXPECT_LT(error_of(data->Luu, expected->Luu), 1e-10);
+  }
+}
+
+TEST(JoinedNodes, AreThoseOfTheWholeScene) { expect_nodes_of_the_whole(chain(3), 3); }
+TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "local_world_aligned"), 2); }
+TEST(JoinedNodes, OfPointContacts) {
+  for (const char* type : {"1d", "2d", "3d"})
+    for (const char* frame : {"local", "local_world_aligned"}) {
+      SCOPED_TRACE(std::string(type) + " " + frame);
+      expect_nodes_of_the_whole(chain(2, frame, "0", type), 2);
+      expect_nodes_of_the_whole(chain(2, frame, "1e-3", type), 2);
+    }
+}
+TEST(JoinedNodes, WithDamping) { expect_nodes_of_the_whole(chain(2, "local", "1e-3"), 2); }
+TEST(JoinedNodes, WithDampingAndFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "world", "1e-3"), 2); }
+
+// ---- directions -------------------------------------------------------------------------------------------------
+
+// The step (dx, du) of SolverFDDP's gains on the linear model.
+struct Step {
+  std::vector<Eigen::VectorXd> x, u;
+};
+Step step_of(const SolverFDDP& solver) {
+  const ShootingProblem& problem = *solver.get_problem();
+  Step out;
+  out.x.push_back(solver.get_fs()[0]);
+  for (std::size_t t = 0; t < problem.get_T(); ++t) {
+    const ActionDataAbstract& data = *problem.data(t);
+    out.u.push_back(-solver.get_k()[t] - solver.get_K()[t] * out.x[t]);
+    out.x.push_back(data.Fx * out.x[t] + data.Fu * out.u[t] + solver.get_fs()[t + 1]);
+  }
+  return out;
+}
+
+void expect_dense_direction(const TaskFile& task, const std::string& way, double size = 0.2) {
+  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  SolverFDDP dense(whole.problem);
+  SolverSparse sparse(joined.problem);
+  const Candidate at = random_candidate(whole, 2, size);
+  for (SolverAbstract* solver : {static_cast<SolverAbstract*>(&dense), static_cast<SolverAbstract*>(&sparse)}) {
+    solver->setCandidate(at.xs, at.us, false);
+    solver->set_preg(1e-9);
+    solver->set_dreg(1e-9);
+    solver->computeDirection(true);
+  }
+  ASSERT_TRUE(dense.direction_is_sound());
+  ASSERT_TRUE(sparse.direction_is_sound());
+  EXPECT_EQ(sparse.direction(), way);
+  // SolverFDDP does not refine: its own error grows with the condition of Quu.
+  double condition = 1;
+  for (const Eigen::MatrixXd& Quu : dense.get_Quu()) {
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Quu, Eigen::EigenvaluesOnly).eigenvalues();
+    condition = std::max(condition, values.maxCoeff() / values.minCoeff());
+  }
+  const double tolerance = std::max(1e-9, kEps * condition);
+  const Step expected = step_of(dense);
+  const auto& part = dynamic_cast<const SolverJoinedPart&>(*sparse.parts().at(0));
+  const lq::Point& z = part.solution_of_direction();
+  const auto& parts = dynamic_cast<const ActionModelJoined&>(*part.part().problem->get_terminalModel()).get_parts();
+  for (std::size_t t = 0; t < z.x.size(); ++t) {
+    Eigen::VectorXd dx(z.x[t].size());
+    Eigen::Index first = 0;
+    for (const JoinedPart& own : parts)
+      for (const int i : own.dx) dx[i] = z.x[t][first++];
+    EXPECT_LT(error_of(dx, expected.x[t]), tolerance) << t;
+    if (t == expected.u.size()) continue;
+    EXPECT_LT(error_of(Eigen::VectorXd(-sparse.get_k()[t]), expected.u[t]), tolerance) << t;
+  }
+
+  lq::Riccati oracle(lq::Join::kAll);
+  oracle.analyse(part.problem_of_direction());
+  ASSERT_EQ(oracle.factorize(part.problem_of_direction(), {1e-9, 1e-9, 0}).status, lq::Status::kOk);
+  lq::Point refined;
+  ASSERT_EQ(oracle.solve(part.problem_of_direction(), refined).status, lq::Status::kOk);
+  for (std::size_t t = 0; t < expected.u.size(); ++t) {
+    EXPECT_LT(error_of(z.x[t + 1], refined.x[t + 1]), 1e-9) << t;
+    EXPECT_LT(error_of(z.u[t], refined.u[t]), 1e-9) << t;
+    if (z.w[t].size() > 0) {
+      EXPECT_LT(error_of(z.w[t], refined.w[t]), 1e-9) << t;
+    }
+  }
+}
+
+TEST(JoinedDirections, OfAChainBySchurComplement) { expect_dense_direction(chain(5), "Schur complement of bonds"); }
+TEST(JoinedDirections, OfPointContacts) {
+  for (const char* type : {"1d", "2d", "3d"}) {
+    SCOPED_TRACE(type);
+    expect_dense_direction(chain(5, "local", "0", type), "Schur complement of bonds");
+    expect_dense_direction(chain(2, "local", "0", type), "Riccati by islands");
+  }
+}
+TEST(JoinedDirections, OfAChainByIslands) { expect_dense_direction(always(2, 5), "Riccati by islands"); }
+
+// Humanoids hand in hand, as in models/ring_of_humanoids.xml.
+TaskFile humanoids(int robots, bool closed, int nodes) {
+  std::ifstream file(kModels + "ring_of_humanoids.xml");
+  std::string scene((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = scene.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    scene.replace(at, from.size(), to);
+  };
+  replace("urdf=\"humanoid.urdf\"", "urdf=\"" + kModels + "humanoid.urdf\"");
+  replace("copies=\"16\"", "copies=\"" + std::to_string(robots) + "\"");
+  if (!closed) replace(" wrap=\"true\"", "");
+  const std::string costs =
+      "<cost name='state' type='state' robot='ring'/><cost name='control' type='control' weight='1e-3'/>"
+      "<cost name='com' type='com' robot='ring' weight='100' reference='0.02 0 0.7'/>"
+      "<cost name='sole' type='wrench_cone' contact='left' mu='0.6' box='0.2 0.09'/>";
+  return task_of("humanoids" + std::to_string(robots) + (closed ? "ring" : "chain"), scene,
+                 "<phase nodes='" + std::to_string(nodes) + "' contacts='left right hold'>" + costs +
+                     "</phase><terminal><cost name='state' type='state' robot='ring' weight='10'/></terminal>"
+                     "<solver tolerance='1e-13'/>");
+}
+
+// Two humanoids and a beam, in four bonds.
+TaskFile beam(int nodes) {
+  TaskFile task = read_task(kModels + "tasks/two_humanoids_lift_beam.xml");
+  task.phases.resize(1);
+  task.phases[0].nodes = nodes;
+  for (TaskTerm& term : task.phases[0].costs)
+    if (term.name == "beam") term.placement.p.z() -= 0.09;
+  task.tolerance = 1e-13;
+  return task;
+}
+
+TEST(JoinedDirections, OfARing) { expect_dense_direction(humanoids(4, true, 4), "Schur complement of bonds", 0.05); }
+TEST(JoinedDirections, OfABeamCarriedByTwo) { expect_dense_direction(beam(4), "Schur complement of bonds", 0.05); }
+
+// ---- motions ----------------------------------------------------------------------------------------------------
+
+void expect_dense_optimum(const TaskFile& task, std::size_t blocks) {
+  TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  ASSERT_EQ(joined.blocks.size(), blocks);
+  for (std::size_t t = 0; t < whole.us.size(); ++t) EXPECT_LT(difference_of(joined.us[t], whole.us[t]), 1e-9);
+  const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
+  const TaskSolution ours = optimize(task, joined, {TaskSolver::kSparse, 1, {}});
+  ASSERT_TRUE(dense.converged) << dense.reason;
+  ASSERT_TRUE(ours.converged) << ours.reason;
+  EXPECT_GE(ours.iterations.size(), 3u);
+  EXPECT_NEAR(ours.cost, dense.cost, 1e-10 * dense.cost);
+  EXPECT_LT(ours.kkt_residual, 1e-6);
+  for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(ours.xs[t], dense.xs[t]), 1e-5) << t;
+  for (std::size_t t = 0; t < dense.us.size(); ++t) EXPECT_LT(error_of(ours.us[t], dense.us[t]), 1e-5) << t;
+  const std::size_t last = dense.us.size() - 1;
+  const std::vector<Eigen::VectorXd> f = contact_forces(task, joined, last),
+                                     expected = contact_forces(task, whole, last);
+  for (std::size_t c = 0; c < f.size(); ++c) {
+    ASSERT_EQ(f[c].size(), expected[c].size()) << c;
+    if (f[c].size() == 0) continue;
+    EXPECT_LT(difference_of(f[c], expected[c]), 1e-2) << c;
+  }
+}
+
+TEST(JoinedTask, OptimumOfAChainThatForms) { expect_dense_optimum(chain(3), 3); }
+TEST(JoinedTask, OptimumOfARing) { expect_dense_optimum(humanoids(3, true, 6), 3); }
+TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3); }
+
+TEST(JoinedTask, AutoTakesBlocksWhereTheyCostLess) {
+  const TaskFile task = humanoids(6, false, 3);
+  TaskProblem problem = make_problem(task, TaskSolver::kAuto);
+  EXPECT_EQ(problem.blocks.size(), 6u);
+  const TaskSolution solution = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
+  EXPECT_EQ(solution.solver, "sparse");
+  EXPECT_EQ(solution.direction, "Schur complement of bonds");
+  EXPECT_EQ(solution.blocks.size(), 6u);
+  const TaskFile carried = beam(60);
+  EXPECT_FALSE(blocks_are_cheaper(carried, divide_robots(carried)));
+}
+
+TEST(JoinedTask, RobotsThatBondsCannotJoinAreOneBlock) {
+  using Blocks = std::vector<std::vector<int>>;
+  const auto of = [](const std::string& name, const std::string& scene, const std::string& costs,
+                     const std::string& integrator = "euler") {
+    return divide_robots(task_of(
+        name, scene, "<phase nodes='2' contacts='RF LH RH hold'>" + costs + "</phase>" + kTerminal, integrator));
+  };
+  EXPECT_EQ(of("bonds", chain_scene(3), kCosts), (Blocks{{0}, {1}, {2}}));
+  EXPECT_EQ(of("rk4", chain_scene(2), kCosts, "rk4"), (Blocks{{0, 1}}));
+  EXPECT_EQ(of("force", chain_scene(3), "<cost name='f' type='contact_force' contact='hold0'/>"),
+            (Blocks{{0, 1}, {2}}));
+  EXPECT_EQ(of("com_of_all", chain_scene(2), "<cost name='c' type='com' reference='0 0 0.3'/>"), (Blocks{{0, 1}}));
+  EXPECT_EQ(of("torques", chain_scene(2), "<cost name='c' type='contact_control_grav'/>"), (Blocks{{0, 1}}));
+}
+
+// Two trunks held to each other twice.
+TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
+  std::string scene = chain_scene(2);
+  scene.insert(scene.find("</scene>"),
+               "<contact name='once' type='6d' frame='q0/trunk' to='q1/trunk'/>"
+               "<contact name='again' type='6d' frame='q0/trunk' to='q1/trunk'/>");
+  const TaskFile task =
+      task_of("twice", scene, "<phase nodes='2' contacts='RF LH RH once again'>" + kCosts + "</phase>" + kTerminal);
+  const std::vector<std::vector<int>> blocks = divide_robots(task);
+  EXPECT_EQ(blocks.size(), 2u);
+  EXPECT_FALSE(bonds_are_independent(task, blocks));
+  EXPECT_EQ(make_problem(task, TaskSolver::kSparse).blocks.size(), 1u);
+}
+
+TEST(JoinedTask, GivesTheSameBitsForAnyNumberOfThreads) {
+  const TaskFile task = chain(3);
+  std::vector<TaskSolution> solutions;
+  for (const int threads : {1, 2}) {
+    TaskProblem problem = make_problem(task, TaskSolver::kSparse);
+    solutions.push_back(optimize(task, problem, {TaskSolver::kSparse, threads, {}}));
+  }
+  EXPECT_TRUE(solutions[0].xs == solutions[1].xs);
+  EXPECT_TRUE(solutions[0].us == solutions[1].us);
+}
+
+TEST(JoinedTask, IterationsTakeNoMemory) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  TaskProblem problem = make_problem(chain(3), TaskSolver::kSparse);
+  problem.problem->set_nthreads(1);
+  SolverSparse solver(problem.problem);
+  solver.solve(problem.xs, problem.us, 3);
+  EXPECT_EQ(allocations([&] { solver.solve(problem.xs, problem.us, 3); }), 0u);
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,55 @@
+// An optimized motion in simulation, and its contact forces.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/action/cones.hpp"
+#include "manycontact/task/forces.hpp"
+#include "manycontact/task/simulate.hpp"
+
+namespace manycontact {
+namespace {
+
+const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
+
+// Soles neither slip nor tip, in every row of the cones that the task's costs are barriers of.
+void expect_within_cones(const TaskFile& task, const TaskProblem& problem, const TaskSolution& s) {
+  problem.problem->calc(s.xs, s.us);
+  const WrenchCone cone(Eigen::Matrix3d::Identity(), 0.6, {0.2, 0.09});
+  for (std::size_t t = 0; t < s.us.size(); ++t) {
+    const std::vector<Eigen::VectorXd> forces = contact_forces(task, problem, t);
+    for (const char* foot : {"a_left_foot", "a_right_foot", "b_left_foot", "b_right_foot"}) {
+      const Eigen::VectorXd& f = forces[static_cast<std::size_t>(task.scene.scene.contact_index.at(foot))];
+      const Eigen::VectorXd rows = cone.get_A() * f;
+      EXPECT_GT(f[2], 50) << foot << t;
+      EXPECT_LE((rows - cone.get_ub()).maxCoeff(), 0) << foot << t;
+      EXPECT_LE((cone.get_lb() - rows).maxCoeff(), 0) << foot << t;
+    }
+  }
+}
+
+// The task's nodes are 20 ms apart; on steps of 1 ms, with the solver's feedback at the nodes, the closed loops hold
+// and the beam follows the plan. Torques alone would let the humanoids fall.
+TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
+  const TaskFile task = read_task(kTasks + "two_humanoids_lift_beam.xml");
+  TaskProblem problem = make_problem(task);
+  TaskSolution s = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
+  ASSERT_TRUE(s.converged) << s.reason;
+  const Scene& scene = task.scene.scene;
+  const int z = scene.robots[static_cast<std::size_t>(scene.robot_index.at("beam"))].idx_q + 2;
+  for (const Integrator integrator : {Integrator::kRk4, Integrator::kSemiImplicitEuler}) {
+    const SimulatedMotion motion = simulate(task, problem, s, integrator, 20);
+    EXPECT_EQ(motion.stopped, StepStatus::kOk);
+    EXPECT_LT(motion.position_drift, 1e-6);
+    EXPECT_LT(motion.distance, 0.2);  // velocities among them
+    double highest = 0;
+    for (const Eigen::VectorXd& x : motion.xs) highest = std::max(highest, x[z] - task.scene.q[z]);
+    EXPECT_NEAR(highest, 0.2, 0.01);
+    EXPECT_NEAR(motion.xs.back()[z], task.scene.q[z], 0.01);
+  }
+  expect_within_cones(task, problem, s);
+  s.gains.clear();
+  EXPECT_GT(simulate(task, problem, s, Integrator::kRk4, 5).distance, 1);
+}
+
+}  // namespace
+}  // namespace manycontact
