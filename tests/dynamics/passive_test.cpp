@@ -19,6 +19,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// As they are: add_contact would normalise their axes once more, which may change a last bit.
+void take_contacts(const Scene& from, Scene& to) {
+  to.contacts = from.contacts;
+  to.contact_index = from.contact_index;
+}
+
 // A scene, the same with some joints passive, and for each torque of the second its number in the first.
 struct Pair {
   RandomScene all, some;
@@ -39,7 +45,7 @@ Pair pair_of(int seed) {
                                         robot.model->actuated.begin()));
     add_robot(p.some.scene, robot.name, model, robot.base);
   }
-  for (const Contact& contact : p.all.scene.contacts) add_contact(p.some.scene, contact);
+  take_contacts(p.all.scene, p.some.scene);
   p.some.q = p.all.q;
   p.some.v = p.all.v;
   p.some.u = p.all.u(p.kept);
@@ -58,8 +64,8 @@ TEST(Passive, SameDynamicsFewerTorques) {
     SceneData all(p.all.scene, one_by_one), some(p.some.scene, one_by_one);
     (void)solve(p.all.scene, p.all.q, p.all.v, p.all.u, all);
     (void)solve(p.some.scene, p.some.q, p.some.v, p.some.u, some);
-    EXPECT_LE(error_of(some.a, all.a), 1e-12);
-    EXPECT_LE(error_of(some.f, all.f), 1e-12);
+    EXPECT_TRUE(some.a == all.a);
+    EXPECT_TRUE(some.f == all.f);
     (void)differentiate(p.all.scene, all);
     (void)differentiate(p.some.scene, some);
     const SceneDerivatives a = dense_derivatives(p.all.scene, all), s = dense_derivatives(p.some.scene, some);
@@ -114,13 +120,13 @@ TEST(Friction, IsATorque) {
     model->damping = model->friction = VectorXd();
     add_robot(bare, robot.name, model, robot.base);
   }
-  for (const Contact& contact : s.scene.contacts) add_contact(bare, contact);
+  take_contacts(s.scene, bare);
   EXPECT_LT(tau.dot(s.v), 0);  // it takes energy
   const Options one_by_one{Method::kAuto, {}, Lanes::kOff};
   SceneData with(s.scene, one_by_one), of_torques(bare, one_by_one);
   (void)solve_tau(s.scene, s.q, s.v, without, with);
   (void)solve_tau(bare, s.q, s.v, tau, of_torques);
-  EXPECT_LE(error_of(with.a, of_torques.a), 1e-12);
+  EXPECT_TRUE(with.a == of_torques.a);
   EXPECT_NE(with.a.norm(), 0);
 }
 
