@@ -8,6 +8,7 @@
 
 namespace manycontact {
 
+/// Whether any joint of the model has damping or friction.
 inline bool has_friction(const Model& model) { return model.damping.size() + model.friction.size() > 0; }
 
 /// tau += scale tau_f on a robot's nv coordinates.

@@ -26,11 +26,12 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const std::vect
 
 /// What a unilateral contact with friction cannot do.
 enum class Violating { kPulls, kSlips, kTips, kTurns };
-/// "pulls", "slips", "tips", "turns"; and the unit of Violation::by: "N", "N", "m", "N m".
+/// "pulls", "slips", "tips", "turns".
 std::string to_string(Violating kind);
+/// Of Violation::by: "N", "N", "m", "N m".
 std::string unit_of(Violating kind);
 
-struct Violation {
+struct Violation {  // A force that no unilateral contact bears, and how far beyond.
   int contact = 0;
   Violating kind = Violating::kPulls;
   double by = 0;     // above 0, how far beyond what it bears: N of pull; N of tangential force; m from the centre of

@@ -46,7 +46,7 @@ enum class StepStatus {
 /// The scene at rest, of which semi-implicit Euler and impacts ask for a velocity in the place of an acceleration: no
 /// gravity, no bias, and a contact's error e is to be answered by a velocity. With the memory for that.
 struct SceneAtRest {
-  explicit SceneAtRest(const Scene& scene);
+  explicit SceneAtRest(const Scene& scene);  // a copy of it, without gravity
   /// Takes over what may change in `of`. alpha becomes (1 - error_growth) / h [1/s], 0 where h is 0; beta 0.
   void follow(const Scene& of, Integrator integrator, double h);
   /// tau = ID(q, v, a), without contacts. q: nq; v, a, tau: nv.

@@ -11,7 +11,7 @@
 
 namespace manycontact {
 
-struct VelocityJump {
+struct VelocityJump {           // What an impact did.
   Status status = Status::kOk;  // of its solve; kFailed: nothing was changed but the set of contacts
   double energy_lost = 0;       // J
   Eigen::VectorXd impulse;      // rows of the active contacts, as Solution::f: on A [N s, N m s]

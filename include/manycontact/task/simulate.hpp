@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-struct SimulatedMotion {
+struct SimulatedMotion {                 // What a simulation made of a solution.
   StepStatus stopped = StepStatus::kOk;  // anything else: the simulation ended there
   std::vector<Eigen::VectorXd> xs;       // at the nodes
   double position_drift = 0;             // largest of the active contacts, after any step [m, rad]
