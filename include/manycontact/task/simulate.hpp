@@ -6,6 +6,7 @@
 
 namespace manycontact {
 
+/// Where the simulation went, and how far from the solution and off its contacts.
 struct SimulatedMotion {
   StepStatus stopped = StepStatus::kOk;  // anything else: the simulation ended there
   std::vector<Eigen::VectorXd> xs;       // at the nodes
