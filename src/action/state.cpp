@@ -73,7 +73,9 @@ void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, Matri
 }
 
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
-    : StateAbstract(internal::given("StateMultibody", model)->nq + model->nv, 2 * model->nv), model_(std::move(model)) {
+    : StateAbstract(internal::given("StateMultibody", model)->nq + internal::given("StateMultibody", model)->nv,
+                    2 * internal::given("StateMultibody", model)->nv),
+      model_(std::move(model)) {
   each_joint(model_->scene(), [&](const Joint& joint, int iq, int iv) {
     const int n = joint.nv();
     if (joint.type != JointType::kFloating && joint.lower.size() == n && joint.upper.size() == n) {

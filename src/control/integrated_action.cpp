@@ -9,14 +9,20 @@ namespace {
 
 constexpr const char* kIntegratedActionModel = "IntegratedActionModel";
 
+// Each argument of a constructor may be evaluated first.
+const DifferentialActionModelAbstract& checked(const std::shared_ptr<DifferentialActionModelAbstract>& model) {
+  return *internal::given(kIntegratedActionModel, model, "a differential action model");
+}
+
 }  // namespace
 
 IntegratedActionModelAbstract::IntegratedActionModelAbstract(
     std::shared_ptr<DifferentialActionModelAbstract> model,
     std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step, bool with_cost_residual)
-    : ActionModelAbstract(internal::given(kIntegratedActionModel, model, "a differential action model")->get_state(),
+    : ActionModelAbstract(checked(model).get_state(),
                           internal::given(kIntegratedActionModel, control, "a control parametrization")->get_nu(),
-                          model->get_nr(), model->get_ng(), model->get_nh(), model->get_ng_T(), model->get_nh_T()),
+                          checked(model).get_nr(), checked(model).get_ng(), checked(model).get_nh(),
+                          checked(model).get_ng_T(), checked(model).get_nh_T()),
       differential_(std::move(model)),
       control_(std::move(control)),
       with_cost_residual_(with_cost_residual) {
@@ -30,11 +36,9 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(
 
 IntegratedActionModelAbstract::IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                              double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(
-          model,
-          std::make_shared<ControlParametrizationModelPolyZero>(
-              internal::given(kIntegratedActionModel, model, "a differential action model")->get_nu()),
-          time_step, with_cost_residual) {}
+    : IntegratedActionModelAbstract(model,
+                                    std::make_shared<ControlParametrizationModelPolyZero>(checked(model).get_nu()),
+                                    time_step, with_cost_residual) {}
 
 void IntegratedActionModelAbstract::set_dt(double dt) {
   require(dt >= 0 && std::isfinite(dt), kIntegratedActionModel,

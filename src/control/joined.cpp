@@ -4,6 +4,7 @@
 
 #include <ostream>
 
+#include "coordinates.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/kkt/island.hpp"
 
@@ -93,15 +94,6 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedB
   return out;
 }
 
-namespace {
-
-// part = whole(index), and back. (Eigen's indexed views copy the index.)
-void take_numbers(const ConstVectorRef& whole, const std::vector<int>& index, VectorRef part) {
-  for (std::size_t i = 0; i < index.size(); ++i) part[static_cast<Index>(i)] = whole[index[i]];
-}
-
-}  // namespace
-
 // ---- data -------------------------------------------------------------------------------------------------------
 
 ActionDataJoined::ActionDataJoined(const ActionModelJoined* model)
@@ -161,7 +153,6 @@ ActionModelJoined::ActionModelJoined(std::shared_ptr<StateMultibody> state, Scen
 
 void ActionModelJoined::check_parts() const {
   const std::vector<std::vector<int>> robots = robots_of(parts_);
-  std::size_t nx = 0, ndx = 0, nu = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const JoinedPart& part = parts_[i];
     require(part.model != nullptr, kActionModelJoined, "a part's model is a null pointer");
@@ -177,10 +168,10 @@ void ActionModelJoined::check_parts() const {
     check_size(kActionModelJoined, "a part's u", static_cast<Index>(part.u.size()), actuation->nu_own());
     require(part.model->get_ng() + part.model->get_nh() + part.model->get_ng_T() + part.model->get_nh_T() == 0,
             kActionModelJoined, "constraints are not supported");
-    nx += part.x.size(), ndx += part.dx.size(), nu += part.u.size();
   }
-  require(nx == state_->get_nx() && ndx == state_->get_ndx() && nu == nu_, kActionModelJoined,
-          "the parts' coordinates are not the node's");
+  internal::check_cover(kActionModelJoined, "x", state_->get_nx(), parts_, &ActionPart::x);
+  internal::check_cover(kActionModelJoined, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
+  internal::check_cover(kActionModelJoined, "u", nu_, parts_, &ActionPart::u);
 }
 
 void ActionModelJoined::set_storage(MatrixStorage storage) {
@@ -241,8 +232,8 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x, const
   d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& part = parts_[i];
-    take_numbers(x, part.x, d.x[i]);
-    take_numbers(u, part.u, d.u[i].head(static_cast<Index>(part.u.size())));
+    internal::take(x, part.x, d.x[i]);
+    internal::take(u, part.u, d.u[i].head(static_cast<Index>(part.u.size())));
     part.model->calc(d.parts[i], d.x[i], d.u[i]);
     d.cost += d.parts[i]->cost;
     scatter(d.parts[i]->xnext, part.x, d.xnext);
@@ -254,7 +245,7 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calc", data);
   d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    take_numbers(x, parts_[i].x, d.x[i]);
+    internal::take(x, parts_[i].x, d.x[i]);
     parts_[i].model->calc(d.parts[i], d.x[i]);
     d.cost += d.parts[i]->cost;
   }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "coordinates.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
@@ -170,8 +171,7 @@ void SolverJoinedPart::fill() {
   const std::vector<JoinedPart>& parts = as_joined(*problem_, T)->get_parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::size_t t = 0; t < T; ++t) gather(fs_[t + 1], parts[i].dx, lq_.knots[t].groups[i].f);
-    for (std::size_t j = 0; j < parts[i].dx.size(); ++j)
-      lq_.x0[layout_.x[i] + static_cast<Index>(j)] = fs_[0][parts[i].dx[j]];
+    internal::take(fs_[0], parts[i].dx, lq_.x0.segment(layout_.x[i], lq_.nx[i]));
   }
 }
 
@@ -190,10 +190,8 @@ void SolverJoinedPart::backwardPass() {
   const std::vector<JoinedPart>& parts = as_joined(*problem_, problem_->get_T())->get_parts();
   for (std::size_t t = 0; t < Vx_.size(); ++t)
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      for (std::size_t j = 0; j < parts[i].dx.size(); ++j)
-        Vx_[t][parts[i].dx[j]] = z_.lambda[t][layout_.x[i] + static_cast<Index>(j)];
-      for (std::size_t j = 0; t < k_.size() && j < parts[i].u.size(); ++j)
-        k_[t][parts[i].u[j]] = -z_.u[t][layout_.u[i] + static_cast<Index>(j)];
+      internal::put(z_.lambda[t].segment(layout_.x[i], lq_.nx[i]), parts[i].dx, Vx_[t]);
+      if (t < k_.size()) internal::put(-z_.u[t].segment(layout_.u[i], lq_.nu[i]), parts[i].u, k_[t]);
     }
 }
 

@@ -2,48 +2,20 @@
 
 #include <ostream>
 
+#include "coordinates.hpp"
+
 namespace manycontact {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
+using internal::put;
+using internal::take;
 
 namespace {
 
 constexpr const char* kActionModelParts = "ActionModelParts";
-
-template <class Whole>
-void take(const Whole& whole, const std::vector<int>& index, VectorXd& part) {
-  part.resize(static_cast<Index>(index.size()));
-  for (std::size_t i = 0; i < index.size(); ++i) part[static_cast<Index>(i)] = whole[index[i]];
-}
-
-template <class Whole>
-void put(const VectorXd& part, const std::vector<int>& index, Whole&& whole) {
-  for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[static_cast<Index>(i)];
-}
-
-void put(const MatrixXd& part, const std::vector<int>& rows, const std::vector<int>& cols, MatrixXd& whole) {
-  for (std::size_t j = 0; j < cols.size(); ++j)
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      whole(rows[i], cols[j]) = part(static_cast<Index>(i), static_cast<Index>(j));
-}
-
-// Throws unless each of 0 ... size - 1 is in one of the lists.
-void check_cover(const char* what, std::size_t size, const std::vector<ActionPart>& parts,
-                 std::vector<int> ActionPart::*list) {
-  std::vector<bool> taken(size);
-  std::size_t count = 0;
-  for (const ActionPart& part : parts)
-    for (const int i : part.*list) {
-      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[static_cast<std::size_t>(i)], kActionModelParts,
-              std::string("a coordinate of ") + what + " that does not exist or is another's, one part's is expected");
-      taken[static_cast<std::size_t>(i)] = true;
-      ++count;
-    }
-  require(count == size, kActionModelParts, std::string("a coordinate of ") + what + " is no part's");
-}
 
 // The sum of a size over the parts.
 template <class Size>
@@ -88,7 +60,10 @@ void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*c
 
 }  // namespace
 
-void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) { take(whole, index, part); }
+void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) {
+  part.resize(static_cast<Index>(index.size()));
+  take(whole, index, part);
+}
 void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
@@ -97,9 +72,9 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
                           total(parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)) {
   require(!parts_.empty(), kActionModelParts, "there is no part, one at least is expected");
-  check_cover("x", state_->get_nx(), parts_, &ActionPart::x);
-  check_cover("dx", state_->get_ndx(), parts_, &ActionPart::dx);
-  check_cover("u", nu, parts_, &ActionPart::u);
+  internal::check_cover(kActionModelParts, "x", state_->get_nx(), parts_, &ActionPart::x);
+  internal::check_cover(kActionModelParts, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
+  internal::check_cover(kActionModelParts, "u", nu, parts_, &ActionPart::u);
   for (const ActionPart& part : parts_) {
     const ActionModelAbstract& model = *part.model;
     check_size(kActionModelParts, "a part's x", part.x.size(), model.get_state()->get_nx());

@@ -15,27 +15,27 @@ namespace manycontact::python {
 
 namespace {
 
-using Abstract = ActionModelAbstract;
-using AbstractData = ActionDataAbstract;
+using Node = ActionModelAbstract;
+using NodeData = ActionDataAbstract;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-void add_base(py::module_& m) {
-  py::class_<AbstractData, std::shared_ptr<AbstractData>> data(m, "ActionDataAbstract");
-  py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(
+void add_node_base(py::module_& m) {
+  py::class_<NodeData, std::shared_ptr<NodeData>> data(m, "ActionDataAbstract");
+  py::class_<Node, PyActionModel<Node, NodeData>, std::shared_ptr<Node>> model(
       m, "ActionModelAbstract",
       "A node in discrete time. Derive from it: calc(self, data, x, u=None) sets data.xnext and data.cost;\n"
       "calcDiff(self, data, x, u=None) sets data.Fx, Fu, Lx, Lu, Lxx, Lxu, Luu; without u the node is terminal.\n"
       "createData(self) may return data of a class derived from ActionDataAbstract.");
-  data.def(py::init<const Abstract*>(), py::arg("model").none(false));
+  data.def(py::init<const Node*>(), py::arg("model").none(false));
   add_action_data(data);
-  member_view(data, "xnext", &AbstractData::xnext, "Next state (nx): by calc.");
+  member_view(data, "xnext", &NodeData::xnext, "Next state (nx): by calc.");
 
   model.def(py::init<std::shared_ptr<StateAbstract>, std::size_t, std::size_t, std::size_t, std::size_t, std::size_t,
                      std::size_t>(),
             py::arg("state"), py::arg("nu"), py::arg("nr") = 0, py::arg("ng") = 0, py::arg("nh") = 0,
             py::arg("ng_T") = 0, py::arg("nh_T") = 0);
-  add_action_model<AbstractData>(model);
+  add_action_model<NodeData>(model);
 
   py::class_<StateVector, StateAbstract, std::shared_ptr<StateVector>>(m, "StateVector", "x (+) dx = x + dx.")
       .def(py::init<std::size_t>(), py::arg("nx"));
@@ -43,7 +43,7 @@ void add_base(py::module_& m) {
 
 template <class T>
 auto action(py::module_& m, const char* name, const char* doc) {
-  return py::class_<T, Abstract, std::shared_ptr<T>>(m, name, doc);
+  return py::class_<T, Node, std::shared_ptr<T>>(m, name, doc);
 }
 
 void add_integrators(py::module_& m) {
@@ -84,11 +84,11 @@ void add_integrators(py::module_& m) {
            py::arg("withCostResidual") = true);
 
   using Differential = std::shared_ptr<DifferentialActionDataAbstract>;
-  py::class_<IntegratedActionDataEuler, AbstractData, std::shared_ptr<IntegratedActionDataEuler>>(
+  py::class_<IntegratedActionDataEuler, NodeData, std::shared_ptr<IntegratedActionDataEuler>>(
       m, "IntegratedActionDataEuler")
       .def_property_readonly("differential",
                              [](const IntegratedActionDataEuler& d) -> Differential { return d.differential; });
-  py::class_<IntegratedActionDataRK, AbstractData, std::shared_ptr<IntegratedActionDataRK>>(m, "IntegratedActionDataRK")
+  py::class_<IntegratedActionDataRK, NodeData, std::shared_ptr<IntegratedActionDataRK>>(m, "IntegratedActionDataRK")
       .def_property_readonly(
           "differential", [](const IntegratedActionDataRK& d) { return d.differential; }, "Of each stage.");
 }
@@ -111,7 +111,7 @@ void add_impulse(py::module_& m) {
       .def_property_readonly("constraints", &Model::get_constraints)
       .def_property("r_coeff", &Model::get_restitution_coefficient, &Model::set_restitution_coefficient);
   using Data = ActionDataImpulseFwdDynamics;
-  py::class_<Data, AbstractData, std::shared_ptr<Data>>(m, "ActionDataImpulseFwdDynamics")
+  py::class_<Data, NodeData, std::shared_ptr<Data>>(m, "ActionDataImpulseFwdDynamics")
       .def_property_readonly(
           "report", [](const Data& d) { return d.report(); }, "Report of the last calc; a copy.")
       .def_property_readonly(
@@ -140,7 +140,7 @@ void add_examples(py::module_& m) {
       .def_property("dt", &Unicycle::get_dt, &Unicycle::set_dt, "[s]");
   using NumDiff = ActionModelNumDiff;
   action<NumDiff>(m, "ActionModelNumDiff", "A model with derivatives by central differences.")
-      .def(py::init<std::shared_ptr<Abstract>, bool>(), py::arg("model").none(false),
+      .def(py::init<std::shared_ptr<Node>, bool>(), py::arg("model").none(false),
            py::arg("with_gauss_approx") = false)
       .def_property_readonly("model", &NumDiff::get_model)
       .def_property("disturbance", &NumDiff::get_disturbance, &NumDiff::set_disturbance);
@@ -153,7 +153,7 @@ void add_examples(py::module_& m) {
 }  // namespace
 
 void add_control(py::module_& m) {
-  add_base(m);
+  add_node_base(m);
   add_integrators(m);
   add_impulse(m);
   add_examples(m);

@@ -39,56 +39,44 @@ void Data::let_go_of_panels() const {
 
 namespace {
 
-// ---- names of enumerations -----------------------------------------------------------------------------------------
-
-template <class E>
-void with_text(py::enum_<E>& e) {
-  e.def(
-      "__str__", [](E x) { return to_string(x); }, py::prepend());
-}
+// ---- enumerations --------------------------------------------------------------------------------------------------
 
 void add_enumerations(py::module_& m) {
-  py::enum_<Status> status(m, "Status", "What an answer is worth, from good to bad; int(status) is 0 ... 4.");
-  status.value("kOk", Status::kOk)
-      .value("kRedundant", Status::kRedundant)
-      .value("kInconsistent", Status::kInconsistent)
-      .value("kRegularised", Status::kRegularised)
-      .value("kFailed", Status::kFailed);
-  with_text(status);
-  py::enum_<Method> method(m, "Method", "Ways of solving an island's system.");
-  method.value("kDense", Method::kDense)
-      .value("kDenseSchur", Method::kDenseSchur)
-      .value("kSparseLdl", Method::kSparseLdl)
-      .value("kSuiteSparseLdl", Method::kSuiteSparseLdl)
-      .value("kSparseCholmod", Method::kSparseCholmod)
-      .value("kSparseSupernodal", Method::kSparseSupernodal)
-      .value("kSparseBodies", Method::kSparseBodies)
-      .value("kAuto", Method::kAuto);
-  with_text(method);
-  py::enum_<Order> order(m, "Order", "Where the contact rows go among the joints.");
-  order.value("kLeafToRoot", Order::kLeafToRoot)
-      .value("kContactsEarly", Order::kContactsEarly)
-      .value("kCamd", Order::kCamd);
-  with_text(order);
-  py::enum_<Lanes> lanes(m, "Lanes", "Instructions for robots side by side in SIMD lanes.");
-  lanes.value("kAuto", Lanes::kAuto)
-      .value("kOff", Lanes::kOff)
-      .value("kBaseline", Lanes::kBaseline)
-      .value("kAvx2", Lanes::kAvx2)
-      .value("kAvx512", Lanes::kAvx512);
-  with_text(lanes);
-  py::enum_<Reason> reason(m, "Reason", "Why an island was answered otherwise than asked for, or not at all.");
-  reason.value("kNone", Reason::kNone)
-      .value("kZeroPivot", Reason::kZeroPivot)
-      .value("kWrongInertia", Reason::kWrongInertia)
-      .value("kSmallPivot", Reason::kSmallPivot)
-      .value("kLargeResidual", Reason::kLargeResidual)
-      .value("kNotFinite", Reason::kNotFinite)
-      .value("kDampingLost", Reason::kDampingLost)
-      .value("kBadDamping", Reason::kBadDamping)
-      .value("kBadQuaternion", Reason::kBadQuaternion)
-      .value("kSingularInertia", Reason::kSingularInertia);
-  with_text(reason);
+  add_enumeration<Status>(m, "Status", "What an answer is worth, from good to bad; int(status) is 0 ... 4.",
+                          {{"kOk", Status::kOk},
+                           {"kRedundant", Status::kRedundant},
+                           {"kInconsistent", Status::kInconsistent},
+                           {"kRegularised", Status::kRegularised},
+                           {"kFailed", Status::kFailed}});
+  add_enumeration<Method>(m, "Method", "Ways of solving an island's system.",
+                          {{"kDense", Method::kDense},
+                           {"kDenseSchur", Method::kDenseSchur},
+                           {"kSparseLdl", Method::kSparseLdl},
+                           {"kSuiteSparseLdl", Method::kSuiteSparseLdl},
+                           {"kSparseCholmod", Method::kSparseCholmod},
+                           {"kSparseSupernodal", Method::kSparseSupernodal},
+                           {"kSparseBodies", Method::kSparseBodies},
+                           {"kAuto", Method::kAuto}});
+  add_enumeration<Order>(
+      m, "Order", "Where the contact rows go among the joints.",
+      {{"kLeafToRoot", Order::kLeafToRoot}, {"kContactsEarly", Order::kContactsEarly}, {"kCamd", Order::kCamd}});
+  add_enumeration<Lanes>(m, "Lanes", "Instructions for robots side by side in SIMD lanes.",
+                         {{"kAuto", Lanes::kAuto},
+                          {"kOff", Lanes::kOff},
+                          {"kBaseline", Lanes::kBaseline},
+                          {"kAvx2", Lanes::kAvx2},
+                          {"kAvx512", Lanes::kAvx512}});
+  add_enumeration<Reason>(m, "Reason", "Why an island was answered otherwise than asked for, or not at all.",
+                          {{"kNone", Reason::kNone},
+                           {"kZeroPivot", Reason::kZeroPivot},
+                           {"kWrongInertia", Reason::kWrongInertia},
+                           {"kSmallPivot", Reason::kSmallPivot},
+                           {"kLargeResidual", Reason::kLargeResidual},
+                           {"kNotFinite", Reason::kNotFinite},
+                           {"kDampingLost", Reason::kDampingLost},
+                           {"kBadDamping", Reason::kBadDamping},
+                           {"kBadQuaternion", Reason::kBadQuaternion},
+                           {"kSingularInertia", Reason::kSingularInertia}});
 
   py::class_<Options>(m, "Options", "How to solve.")
       .def(py::init(&options_of), py::arg("method") = "auto", py::arg("order") = py::none(), py::arg("lanes") = "auto",

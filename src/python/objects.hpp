@@ -21,6 +21,16 @@ std::shared_ptr<void> keep(py::handle object);
 /// A number of threads that a machine can start; 0: OpenMP's.
 int checked_threads(int threads);
 
+/// An enumeration whose members print as C++ prints them.
+template <class E>
+void add_enumeration(py::module_& m, const char* name, const char* doc,
+                     std::initializer_list<std::pair<const char*, E>> members) {
+  py::enum_<E> e(m, name, doc);
+  for (const auto& [member, value] : members) e.value(member, value);
+  e.def(
+      "__str__", [](E x) { return to_string(x); }, py::prepend());
+}
+
 /// A value of an enumeration, given as such or by its name.
 template <class E, class Find>
 E value_or_name(py::handle given, const Find& find, const char* what, const char* names = "") {

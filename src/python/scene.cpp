@@ -161,14 +161,12 @@ Contact make_contact(const std::string& name, ContactType type, ReferenceFrame f
 }
 
 void add_contacts(py::module_& m) {
-  py::enum_<ContactType>(m, "ContactType")
-      .value("k1D", ContactType::k1D)
-      .value("k2D", ContactType::k2D)
-      .value("k3D", ContactType::k3D)
-      .value("k5D", ContactType::k5D)
-      .value("k6D", ContactType::k6D)
-      .def(
-          "__str__", [](ContactType t) { return to_string(t); }, py::prepend());
+  add_enumeration<ContactType>(m, "ContactType", "Which motions of frame A a contact holds.",
+                               {{"k1D", ContactType::k1D},
+                                {"k2D", ContactType::k2D},
+                                {"k3D", ContactType::k3D},
+                                {"k5D", ContactType::k5D},
+                                {"k6D", ContactType::k6D}});
   py::enum_<ReferenceFrame>(m, "ReferenceFrame")
       .value("kLocal", ReferenceFrame::kLocal)
       .value("kWorld", ReferenceFrame::kWorld)

@@ -77,7 +77,7 @@ bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us,
   return solver.solve(xs, us, maxiter, feasible, init_reg);
 }
 
-void add_base(py::module_& m) {
+void add_solver_base(py::module_& m) {
   py::enum_<StopReason>(m, "StopReason", "Why solve() stopped.")
       .value("kNone", StopReason::kNone)
       .value("kConverged", StopReason::kConverged)
@@ -218,7 +218,7 @@ void add_callbacks(py::module_& m) {
 
 void add_solvers(py::module_& m) {
   add_problem(m);
-  add_base(m);
+  add_solver_base(m);
   add_callbacks(m);
   add_solver_classes(m);
 }

@@ -7,6 +7,7 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
 
@@ -31,6 +32,11 @@ void watch_condition(const Scene& scene, SimulationData& data) {
   data.condition = data.dynamics.report.condition;
 }
 
+void keep_forces(SimulationData& data) {
+  data.f = data.dynamics.f;
+  data.f_offset = data.dynamics.f_offset;
+}
+
 }  // namespace internal
 
 SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const ConstVector& v_, Integrator integrator_,
@@ -53,6 +59,27 @@ StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) 
   data.v.swap(data.next_v);
   ++data.steps;
   return StepStatus::kOk;
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
+                                                        const std::string& contact) {
+  const auto found = scene.contact_index.find(contact);
+  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, contact));
+  return contact_force(scene, data, found->second);
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact) {
+  const int count = static_cast<int>(scene.contacts.size());
+  if (contact < 0 || contact >= count)
+    throw std::invalid_argument("contact_force: there is no contact " + std::to_string(contact) + " of " +
+                                std::to_string(count));
+  if (data.f_offset.empty()) throw std::logic_error("contact_force: step first");
+  if (data.f_offset.size() != scene.contacts.size())
+    throw std::invalid_argument("contact_force: the data are of another scene");
+  const std::string& name = scene.contacts[contact].name;
+  if (data.f_offset[contact] < 0)
+    throw std::logic_error("contact_force: contact " + quote(name) + " was not active in the last step");
+  return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
 }
 
 std::string failure(const Scene& scene, const SimulationData& data, StepStatus status) {

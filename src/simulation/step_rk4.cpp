@@ -18,7 +18,7 @@ bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
     }
     if (!solve_stage(scene, d.stage_q, d.stage_v, u, d)) return false;
     if (s == 0) {
-      d.f = d.dynamics.f;
+      keep_forces(d);
       watch_condition(scene, d);
     }
     dexp_inverse(scene, d.w, d.stage_v, d.w_rate);

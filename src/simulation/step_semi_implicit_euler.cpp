@@ -24,7 +24,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.dynamics.a = (d.next_v - d.v) / h;
   d.dynamics.f /= h;
   d.dynamics.serial = 0;  // what it was solved at is not the state
-  d.f = d.dynamics.f;
+  keep_forces(d);
   d.w = h * d.next_v;
   integrate_scene(scene, d.q, d.w, d.next_q);
   return true;

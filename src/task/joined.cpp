@@ -48,19 +48,6 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
   }
 }
 
-bool has_any_constraint(const TaskFile& task) {
-  bool any = !task.terminal.constraints.empty();
-  for (const TaskPhase& phase : task.phases) any |= !phase.constraints.empty();
-  return any;
-}
-
-// The scene with a phase's contacts.
-Scene scene_with(const TaskFile& task, const std::vector<bool>& active) {
-  Scene scene = task.scene.scene;
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) scene.contacts[c].active = active[c];
-  return scene;
-}
-
 // Rows that depend on others, at x0.
 int dependent_rows(const Scene& scene, const Eigen::VectorXd& x0) {
   SceneData data(scene);
@@ -76,7 +63,7 @@ std::vector<std::vector<int>> divide_robots(const TaskFile& task) {
   sparse::UnionFind sets(memory);
   for (const TaskPhase& phase : task.phases) join_of_nodes(scene, phase, sets);
   join_of_nodes(scene, task.terminal, sets);
-  if (task.integrator != TaskIntegrator::kEuler || has_any_constraint(task)) join_robots(scene, {}, sets);
+  if (task.integrator != TaskIntegrator::kEuler || has_constraints(task)) join_robots(scene, {}, sets);
   return sets_of(sets, scene.nrobots());
 }
 
@@ -91,7 +78,7 @@ bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>
   std::vector<std::vector<std::pair<int, int>>> bonds;
   for (const TaskPhase& phase : task.phases) {
     std::vector<std::pair<int, int>> of_phase;
-    for (const JoinedBond& bond : bonds_between(scene_with(task, phase.active), blocks))
+    for (const JoinedBond& bond : bonds_between(task::scene_with(task, phase.active), blocks))
       of_phase.emplace_back(bond.part_a, bond.part_b);
     bonds.insert(bonds.end(), static_cast<std::size_t>(phase.nodes), of_phase);
   }
@@ -102,7 +89,7 @@ bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>
 bool bonds_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
   const Eigen::VectorXd x0 = task::x0_of(task.scene);
   for (const TaskPhase& phase : task.phases) {
-    Scene scene = scene_with(task, phase.active);
+    Scene scene = task::scene_with(task, phase.active);
     const int of_all = dependent_rows(scene, x0);
     if (of_all == 0) continue;
     for (const JoinedBond& bond : bonds_between(scene, blocks))
@@ -136,7 +123,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
   for (std::size_t k = 0; k <= task.phases.size(); ++k) {
     const bool terminal = k == task.phases.size();
     const TaskPhase& phase = terminal ? task.terminal : task.phases[k];
-    const Scene scene = scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
+    const Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
     const std::vector<JoinedBond> bonds = bonds_between(scene, groups);
     std::vector<JoinedPart> parts;
     for (std::size_t i = 0; i < groups.size(); ++i) {

@@ -23,6 +23,9 @@ std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel
 /// Per phase, then the terminal one.
 using Nodes = std::vector<std::shared_ptr<ActionModelAbstract>>;
 
+/// The scene with a phase's contacts.
+Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
+
 /// Torques of each phase: quasi-static at x0 without its velocity, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 

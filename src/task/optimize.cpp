@@ -1,7 +1,6 @@
 #include "manycontact/task/optimize.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/fddp.hpp"
 #include "manycontact/control/sparse.hpp"
+#include "manycontact/control/timer.hpp"
 
 namespace manycontact {
 
@@ -17,12 +17,6 @@ namespace {
 
 // Of tasks that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
-
-using Clock = std::chrono::steady_clock;
-
-double us_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 double median(std::vector<double> x) {
   if (x.empty()) return 0;
@@ -42,20 +36,20 @@ class Timed : public Base {
   Timed(std::shared_ptr<ShootingProblem> problem, Passes& passes) : Base(std::move(problem)), passes_(passes) {}
 
   double calcDiff() override {
-    const auto start = Clock::now();
+    const Timer timer;
     const double cost = Base::calcDiff();
-    if (this->iter_ > 0) passes_.derivatives.push_back(us_since(start));  // the first evaluates the nodes too
+    if (this->iter_ > 0) passes_.derivatives.push_back(timer.get_us_duration());  // the first evaluates the nodes too
     return cost;
   }
   void backwardPass() override {
-    const auto start = Clock::now();
+    const Timer timer;
     Base::backwardPass();
-    passes_.backward.push_back(us_since(start));
+    passes_.backward.push_back(timer.get_us_duration());
   }
   void forwardPass(double steplength) override {
-    const auto start = Clock::now();
+    const Timer timer;
     Base::forwardPass(steplength);
-    passes_.forward.push_back(us_since(start));
+    passes_.forward.push_back(timer.get_us_duration());
   }
 
  private:
@@ -145,10 +139,10 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   const auto solve = [&](SolverAbstract& solver) {
     solver.set_th_stop(task.tolerance);
     solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
-    const auto start = Clock::now();
+    const Timer timer;
     out.converged = solver.solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
     out.times = times_of(passes, problem.problem->get_T());
-    out.times.total = us_since(start);
+    out.times.total = timer.get_us_duration();
     out.reason = to_string(solver.reason());
     out.xs = solver.get_xs();
     out.us = solver.get_us();

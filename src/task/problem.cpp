@@ -82,14 +82,19 @@ std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel
   return std::make_shared<IntegratedActionModelEuler>(model, 0);
 }
 
-std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
+Scene scene_with(const TaskFile& task, const std::vector<bool>& active) {
   Scene scene = task.scene.scene;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) scene.contacts[c].active = active[c];
+  return scene;
+}
+
+std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
+  const int nu = task.scene.scene.nu;
   std::vector<Eigen::VectorXd> us;
   for (const TaskPhase& phase : task.phases) {
-    us.emplace_back(Eigen::VectorXd::Zero(scene.nu));
-    if (task.guess != TaskGuess::kQuasiStatic || scene.nu == 0) continue;
-    for (std::size_t c = 0; c < scene.contacts.size(); ++c) scene.contacts[c].active = phase.active[c];
-    us.back() = quasi_static(scene, task.scene.q);
+    us.emplace_back(Eigen::VectorXd::Zero(nu));
+    if (task.guess != TaskGuess::kQuasiStatic || nu == 0) continue;
+    us.back() = quasi_static(scene_with(task, phase.active), task.scene.q);
   }
   return us;
 }

@@ -29,7 +29,7 @@ struct FailingAllocations : testing::Test {
   }
   void solve_at(SceneData& data) const { (void)solve(file.scene, file.q, file.v, file.u, data); }
 
-  SceneFile file = load_small(kModels + "two_humanoids_carry_beam.xml");
+  SceneFile file = load_small(kModels + "arm_pushes_box.xml");
 };
 
 // A sample of the thousands, which are mostly of the libraries that read XML: these may say that a file cannot be read.

@@ -28,7 +28,7 @@ grep -q 'scenes and tasks to try' "$root/usr/share/man/man1/manycontact.1"
 # The shared library shows nothing but ours, and programs find it by pkg-config.
 nm -DC --defined-only "$root/usr/lib/libmanycontact.so" | grep -v manycontact:: && exit 1
 export PKG_CONFIG_PATH="$root/usr/lib/pkgconfig"
-for program in main action; do
+for program in main; do
   # shellcheck disable=SC2046
   "$cxx" -std=c++20 "$sources/tests/link/consumer/$program.cpp" -o "$root/$program" \
     $(pkg-config --cflags --libs manycontact)

@@ -76,7 +76,8 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   Status worst = Status::kOk;  // of all solves so far
   SceneData dynamics;          // a, f, report: of the last solve; by semi-implicit Euler a mean acceleration, and
                                // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp)
-  Eigen::VectorXd f;           // by step: contact forces at the state it started from (dynamics.f_offset)
+  Eigen::VectorXd f;           // by step: contact forces at the state it started from, rows as in Solution::f
+  std::vector<int> f_offset;   // by step: per contact its first row in f, -1 where it was not active
   Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
 
   SceneAtRest at_rest;
@@ -90,6 +91,13 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
 /// One step with torques u (nu). Where it is not kOk, q, v and steps stay what they were. Allocates what solve does:
 /// nothing after the first with sparse-ldl. Throws std::invalid_argument when u's size does not fit the scene.
 [[nodiscard]] StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data);
+
+/// The rows of data.f that are a contact's, by its name or number: what it exerted on A in the last step, in its
+/// reference frame [N, N m]. Valid until the next step. Throws std::invalid_argument for a contact that does not exist,
+/// with the nearest name, std::logic_error for one that was not active and before the first step.
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
+                                                        const std::string& contact);
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact);
 
 /// Why a step was not kOk, for people: "the solver failed: singular inertia", "r0/knee moves at 3e+05".
 std::string failure(const Scene& scene, const SimulationData& data, StepStatus status);

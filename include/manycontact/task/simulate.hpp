@@ -6,7 +6,8 @@
 
 namespace manycontact {
 
-struct SimulatedMotion {                 // What a simulation made of a solution.
+/// Where the simulation went, and how far from the solution and off its contacts.
+struct SimulatedMotion {
   StepStatus stopped = StepStatus::kOk;  // anything else: the simulation ended there
   std::vector<Eigen::VectorXd> xs;       // at the nodes
   double position_drift = 0;             // largest of the active contacts, after any step [m, rad]

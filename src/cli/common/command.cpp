@@ -1,7 +1,9 @@
 #include "command.hpp"
 
+#include <fstream>
 #include <sstream>
 
+#include "manycontact/io/input_error.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
@@ -11,6 +13,11 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
   if (arguments.rest().size() > 1)
     throw UsageError("one " + name + " is expected, '" + arguments.rest()[1] + "' is a second");
   return arguments.rest()[0];
+}
+
+void check_writable(const std::string& path, const std::string& option) {
+  if (path != "-" && !std::ofstream(path, std::ios::app))
+    throw InputError(path, 1, "cannot be written, expected a file that " + option + " may create");
 }
 
 std::string usage(const Command& command) {

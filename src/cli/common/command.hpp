@@ -38,6 +38,9 @@ int run_stability(const Arguments& arguments);
 /// The one operand, SCENE unless it has another name. Throws UsageError.
 std::string scene_operand(const Arguments& arguments, const std::string& name = "SCENE");
 
+/// Before hours of work: the file that an option names can be written, or is standard output (-). Throws InputError.
+void check_writable(const std::string& path, const std::string& option);
+
 /// --method and --order, and what they mean. Throws UsageError.
 Option method_option();
 Option order_option();

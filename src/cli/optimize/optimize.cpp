@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 
@@ -54,12 +53,6 @@ void show(std::size_t k, const TaskIteration& i) {
        << std::setw(11) << scientific(i.stop) << std::setw(8) << number(i.step_length) << std::setw(16)
        << scientific(i.regularisation) << "\n";
   std::cerr << line.str();
-}
-
-// Before hours of work: the file can be written.
-void check_writable(const std::string& path, const char* option) {
-  if (path != "-" && !std::ofstream(path, std::ios::app))
-    throw InputError(path, 1, std::string("cannot be written, expected a file that ") + option + " may create");
 }
 
 // Before hours of work: there is a folder for charts, and what draws them.

@@ -28,7 +28,7 @@ double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
 void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                  const Eigen::VectorXd& u, const SimulationData& sim) {
   work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
-  for (const Violation& x : violations(scene, sim.f, sim.dynamics.f_offset)) {
+  for (const Violation& x : violations(scene, sim.f, sim.f_offset)) {
     const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
     if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
   }

@@ -1,7 +1,6 @@
 #include "view.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "../common/table.hpp"
@@ -56,8 +55,7 @@ std::optional<Recording> recording_of(const Arguments& arguments, const Scene& s
   if (!path) return std::nullopt;
   if (*path == "-") throw UsageError("--view is standard output, expected a file");
   std::optional<Recording> recording(std::in_place, scene);
-  if (!std::ofstream(*path, std::ios::app))
-    throw InputError(*path, 1, "cannot be written, expected a file that --view may create");
+  check_writable(*path, "--view");
   return recording;
 }
 
