@@ -15,8 +15,7 @@ void write_forces_header(const Scene& scene, CsvFile& csv) {
 void write_forces_row(double t, const Scene& scene, const SimulationData& sim, CsvFile& csv) {
   csv << t;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    for (int k = 0; k < scene.contacts[c].rows(); ++k)
-      csv << (sim.f_offset[c] < 0 ? 0.0 : sim.f[sim.f_offset[c] + k]);
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) csv << (sim.f_offset[c] < 0 ? 0.0 : sim.f[sim.f_offset[c] + k]);
   csv.end_row();
 }
 
