@@ -77,11 +77,12 @@ void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {
 
 namespace {
 
-std::vector<int> coordinates(const StateMultibody* state, bool bases) {
+std::vector<int> coordinates(const StateMultibody* state, bool all) {
   require(state, "ActuationModel", "a state is expected, not a null pointer");
   std::vector<int> out;
   for (const Robot& robot : state->get_model()->scene().robots)
-    for (int i = bases ? 0 : robot.model->first_actuated(); i < robot.model->nv; ++i) out.push_back(robot.idx_v + i);
+    for (int i = 0; i < (all ? robot.model->nv : robot.model->nu()); ++i)
+      out.push_back(robot.idx_v + (all ? i : robot.model->actuated[i]));
   return out;
 }
 
@@ -93,7 +94,7 @@ ActuationModelFull::ActuationModelFull(std::shared_ptr<StateMultibody> state)
 ActuationModelFloatingBase::ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state)
     : ActuationModelSelection(state, coordinates(state.get(), false), "ActuationModelFloatingBase") {
   require(nu_ < state_->get_nv(), "ActuationModelFloatingBase",
-          "no robot has a floating base, at least one is expected; use ActuationModelFull");
+          "no robot has a floating base or a passive joint, at least one is expected; use ActuationModelFull");
 }
 
 }  // namespace manycontact

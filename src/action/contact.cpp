@@ -16,7 +16,8 @@ Attachment attachment(const StateMultibody& state, FrameIndex id, const SE3<doub
 }
 
 const char* class_name(ContactType type) {
-  constexpr const char* names[] = {"ContactModel1D", "ContactModel2D", "ContactModel3D", "ContactModel6D"};
+  constexpr const char* names[] = {"ContactModel1D", "ContactModel2D", "ContactModel3D", "ContactModel5D",
+                                   "ContactModel6D"};
   return names[static_cast<int>(type)];
 }
 
@@ -45,6 +46,12 @@ void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
   gains_ = gains;
   contact_.alpha = gains[0];
   contact_.beta = gains[1];
+}
+
+void ContactModelAbstract::keep_axis(const char* where, const Eigen::Vector3d& axis) {
+  require(axis.allFinite() && axis.stableNorm() >= kZeroDirection, where,
+          "an axis that is finite and not zero is expected");
+  contact_.axis = axis.stableNormalized();
 }
 
 void ContactModelAbstract::set_id(FrameIndex id) {
@@ -156,6 +163,19 @@ ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex
                                std::size_t nu, const Eigen::Vector2d& gains)
     : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
 
+// ---- 5D
+
+ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                               const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains)
+    : ContactModelAbstract(std::move(state), ContactType::k5D, id, LOCAL, nu, gains) {
+  keep_axis("ContactModel5D", axis);
+  set_reference(pref);
+}
+
+ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                               const Eigen::Vector3d& axis, const Eigen::Vector2d& gains)
+    : ContactModel5D(state, id, pref, axis, default_nu(state), gains) {}
+
 // ---- between bodies, and of a scene
 
 ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
@@ -166,9 +186,9 @@ ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultib
   set_offset(offset);
   require(contact_.A.robot != contact_.B.robot || contact_.A.joint != contact_.B.joint, "ContactModelBetweenBodies",
           "both frames are on the same body, two different bodies are expected");
-  require(axis.allFinite() && axis.stableNorm() >= kZeroDirection, "ContactModelBetweenBodies",
-          "an axis that is finite and not zero is expected");
-  contact_.axis = axis.stableNormalized();
+  require(contact_type != ContactType::k5D || type == LOCAL, "ContactModelBetweenBodies",
+          "a 5D contact has its axis in both bodies, LOCAL is expected");
+  keep_axis("ContactModelBetweenBodies", axis);
 }
 
 void ContactModelBetweenBodies::set_offset(const SE3<double>& offset) {

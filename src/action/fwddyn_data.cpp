@@ -98,11 +98,11 @@ bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMulti
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene) {
   const std::vector<int>& selection = actuation.selection();
   if (selection.size() != actuation.get_nu()) return Actuation::kCustom;
-  const auto is = [&](bool bases) {
+  const auto is = [&](bool all) {
     std::size_t k = 0;
     for (const Robot& robot : scene.robots)
-      for (int i = bases ? 0 : robot.model->first_actuated(); i < robot.model->nv; ++i, ++k)
-        if (k >= selection.size() || selection[k] != robot.idx_v + i) return false;
+      for (int i = 0; i < (all ? robot.model->nv : robot.model->nu()); ++i, ++k)
+        if (k >= selection.size() || selection[k] != robot.idx_v + (all ? i : robot.model->actuated[i])) return false;
     return k == selection.size();
   };
   if (is(false)) return Actuation::kActuated;

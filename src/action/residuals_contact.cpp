@@ -30,6 +30,10 @@ void unit_wrenches(const Contact& contact, Wrenches& P) {
     case ContactType::k2D:
       P(0, 0) = P(2, 1) = 1;
       break;
+    case ContactType::k5D:
+      P.template topLeftCorner<3, 3>().setIdentity();
+      P.template bottomRightCorner<3, 2>() = across(contact.axis).transpose();
+      break;
     case ContactType::k3D:
     case ContactType::k6D:
       P.setIdentity();
@@ -127,7 +131,8 @@ ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultib
                                                      const Vec6<double>& fref, std::size_t nc, std::size_t nu,
                                                      bool fwddyn)
     : ContactResidual("ResidualModelContactForce", std::move(state), id, nc, nu, fwddyn), fref_(fref) {
-  require(nc == 1 || nc == 2 || nc == 3 || nc == 6, name_, "nc is " + std::to_string(nc) + ", 1, 2, 3 or 6 expected");
+  require(nc == 1 || nc == 2 || nc == 3 || nc == 5 || nc == 6, name_,
+          "nc is " + std::to_string(nc) + ", 1, 2, 3, 5 or 6 expected");
 }
 
 ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,

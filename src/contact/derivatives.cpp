@@ -24,7 +24,7 @@ struct Column {
   const ContactData<S>& d;
   const S alpha, beta;
   Mat6<S> Jlog;
-  V3 e, lin, ang;
+  V3 e, lin, ang, n, m;
 
   Column(const Contact& contact, const ContactData<S>& data)
       : c(contact), d(data), alpha(contact.alpha), beta(contact.beta) {
@@ -32,6 +32,8 @@ struct Column {
     e = d.G.R.transpose() * d.G.p;
     lin = d.nu.template head<3>();
     ang = d.nu.template tail<3>();
+    n = c.axis.template cast<S>();
+    m = d.G.R.transpose() * n;
   }
 
   V6 dq(const V6& s, const V6& P1, const V6& P2) const {
@@ -43,6 +45,11 @@ struct Column {
     V6 out = V6::Zero();
     out.template head<3>() =
         dnudot.template head<3>() + point_terms(dnu) + alpha * (s.template head<3>() - s.template tail<3>().cross(e));
+    if (c.type == ContactType::k5D) {
+      const V3 w = s.template tail<3>();  // dm = m x w
+      out.template tail<3>() =
+          dnudot.template tail<3>() + beta * dnu.template tail<3>() + alpha * (m.dot(n) * w - w.dot(n) * m);
+    }
     return out;
   }
   V6 dv(const V6& s, const V6& P3) const {
@@ -50,6 +57,7 @@ struct Column {
     if (c.type == ContactType::k6D) return dnudot + beta * s;
     V6 out = V6::Zero();
     out.template head<3>() = dnudot.template head<3>() + point_terms(s);
+    if (c.type == ContactType::k5D) out.template tail<3>() = dnudot.template tail<3>() + beta * s.template tail<3>();
     return out;
   }
 
@@ -67,7 +75,7 @@ void contact_derivatives(const Contact& c, const ContactSupport& support, const 
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,
                          const RneaDerivativesOf<S>* termsB, const ConstVecRef<S>& f, const ContactData<S>& data,
                          ContactDerivativesOf<S>& d) {
-  d.turns = c.reference_frame != ReferenceFrame::kLocal;
+  d.turns = rows_turn(c);
   d.x = data.x;
   d.F.noalias() = data.W.transpose() * f;
   using V6 = Vec6<S>;

@@ -5,12 +5,6 @@
 
 namespace manycontact {
 
-namespace {
-
-bool turns(const Contact& c) { return c.reference_frame != ReferenceFrame::kLocal; }
-
-}  // namespace
-
 template <class S>
 void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF) {
@@ -32,10 +26,15 @@ void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariat
     dx.template head<3>() = dnudot.template head<3>() + dnu.template tail<3>().cross(lin) +
                             ang.cross(dnu.template head<3>()) + S(c.beta) * dnu.template head<3>() +
                             S(c.alpha) * (relative.template head<3>() - relative.template tail<3>().cross(e));
+    if (c.type == ContactType::k5D) {
+      const V3 n = c.axis.cast<S>(), m = d.G.R.transpose() * n, w = relative.template tail<3>();
+      dx.template tail<3>() =
+          dnudot.template tail<3>() + S(c.beta) * dnu.template tail<3>() + S(c.alpha) * (m.dot(n) * w - w.dot(n) * m);
+    }
   }
   const V6 F = d.W.transpose() * f;
   dF = cross_force(xi, F);
-  if (turns(c)) {
+  if (rows_turn(c)) {
     dx += turned<S>(xi.template tail<3>(), d.x);
     dF -= turned<S>(xi.template tail<3>(), F);
   }
@@ -54,16 +53,21 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
     gnu = S(c.beta) * N;
     relative.setZero();
     if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);
-  } else {  // N has no angular part: W has none
+  } else {  // N has no angular part but for 5D: W has none
     const V3 n = N.template head<3>(), e = d.G.R.transpose() * d.G.p;
     gnu << S(c.beta) * n + n.cross(d.nu.template tail<3>()), d.nu.template head<3>().cross(n);
     relative << S(c.alpha) * n, -S(c.alpha) * e.cross(n);
+    if (c.type == ContactType::k5D) {
+      const V3 t = N.template tail<3>(), axis = c.axis.cast<S>(), m = d.G.R.transpose() * axis;
+      gnu.template tail<3>() += S(c.beta) * t;
+      relative.template tail<3>() += S(c.alpha) * (m.dot(axis) * t - m.dot(t) * axis);
+    }
   }
   gnu += cross_force(d.vA, N);
   const V6 gvA = gnu - cross_force(d.nu, N);
   V6 xi = relative - cross_force(d.vA, gvA) + cross_force(d.vB, gnu) - cross_force(d.aA, N) + cross_force(d.aB, N) +
           cross_force(uA, F) - cross_force(uB, F);
-  if (turns(c)) {
+  if (rows_turn(c)) {
     const V6 U = uA - uB;
     xi.template tail<3>() +=
         F.template head<3>().cross(U.template head<3>()) + F.template tail<3>().cross(U.template tail<3>()) -

@@ -54,7 +54,7 @@ void place_and_move(const Vec3<double>& gravity, const Contact& c, const Kinemat
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
   Mat3<S> axes = Mat3<S>::Identity();
-  if (c.reference_frame != ReferenceFrame::kLocal) axes = R;
+  if (rows_turn(c)) axes = R;
   switch (c.type) {
     case ContactType::k1D:
       d.W.template block<1, 3>(0, 0) = c.axis.cast<S>().transpose() * axes;
@@ -65,6 +65,10 @@ void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
       break;
     case ContactType::k3D:
       d.W.template block<3, 3>(0, 0) = axes;
+      break;
+    case ContactType::k5D:
+      d.W.template block<3, 3>(0, 0) = axes;
+      d.W.template block<2, 3>(3, 3) = across(c.axis).cast<S>();
       break;
     case ContactType::k6D:
       d.W.template block<3, 3>(0, 0) = axes;
@@ -87,6 +91,11 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
     const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
     if (c.alpha != 0) d.x.template head<3>() += alpha * (d.G.R.transpose() * d.G.p);
+    if (c.type == ContactType::k5D) d.x.template tail<3>() = d.nudot.template tail<3>() + beta * ang;
+    if (c.type == ContactType::k5D && c.alpha != 0) {
+      const Vec3<S> n = c.axis.cast<S>();
+      d.x.template tail<3>() += alpha * Vec3<S>(d.G.R.transpose() * n).cross(n);
+    }
   }
   if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
     d.W.setIdentity();

@@ -1,8 +1,19 @@
 #include <algorithm>
+#include <cmath>
 
 #include "manycontact/contact/rows.hpp"
 
 namespace manycontact {
+
+Eigen::Matrix<double, 2, 3> across(const Vec3<double>& axis) {
+  int least = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::abs(axis[k]) < std::abs(axis[least])) least = k;
+  const Vec3<double> first = (Vec3<double>::Unit(least) - axis[least] * axis).normalized();
+  Eigen::Matrix<double, 2, 3> out;
+  out << first.transpose(), axis.cross(first).transpose();
+  return out;
+}
 
 std::vector<int> dof_chain(const Model& model, int joint) {
   std::vector<int> dofs;

@@ -1,11 +1,13 @@
 #include "derivative_columns.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "steps.hpp"
 
 // The right-hand sides -dr of an island's derivatives, written into its panel.
 
 namespace manycontact::internal {
 
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& d, IslandDerivatives& out) {
+void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& d,
+                    IslandDerivatives& out) {
   const Island& island = d.island;
   const DerivativeRequest& request = out.request;
   IslandDerivatives::Panel& X = out.X;
@@ -18,9 +20,11 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Island
       robot_columns(model, rnea.dq_lower.data(), rnea.dq_upper.data(), X.block(o, out.q_first + o, nv, nv));
     if (request.v)
       robot_columns(model, rnea.dv_lower.data(), rnea.dv_upper.data(), X.block(o, out.v_first + o, nv, nv));
-    if (request.u)
-      for (int i = request.tau ? 0 : model.first_actuated(), u = out.u_offset[k]; i < nv; ++i)
-        X(o + i, out.u_first + u++) = 1;
+    for (int i = 0; request.v && has_friction(model) && i < nv; ++i)
+      X(o + i, out.v_first + o + i) -= friction_slope(model, i, v[scene.robots[island.robots[k]].idx_v + i]);
+    const int u = out.u_first + out.u_offset[k];
+    for (int i = 0; request.u && i < (request.tau ? nv : model.nu()); ++i)
+      X(o + (request.tau ? i : model.actuated[i]), u + i) = 1;
   }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k], row = island.nv + island.row_offset[k];

@@ -45,7 +45,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
   }
   const AtSolution at(scene, data, d.island);
   derivative_terms(scene, data, d.island, data.f);
-  derivative_rhs(scene, *w.linearisation, d, out);
+  derivative_rhs(scene, *w.linearisation, data.v, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
   if (deficient && !d.rows) d.rows = std::make_unique<DependentDerivatives>();
   if (deficient && d.contradiction) add_contradiction(scene, data, d, out);
@@ -57,7 +57,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  internal::check_solved(scene, data, "differentiate");
+  internal::check_unasked(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);

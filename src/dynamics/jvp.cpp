@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "bodies.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/products.hpp"
 #include "steps.hpp"
 
@@ -67,9 +68,11 @@ void tangent_rhs(const Scene& scene, const SceneData& data, const IslandWork& d,
     ProductWork::OfRobot& p = pd.robots[d.island.robots[k]];
     const RobotData& rd = w.robots[d.island.robots[k]];
     tangent_torques(model, rd.kin, p.body, p.fext, p.dfext, p.f, p.df, p.w.data());
-    const int first = model.first_actuated();
-    for (int i = 0; i < model.nv; ++i)
-      b[iperm[d.island.dof_offset[k] + i]] = (i < first ? 0.0 : du[robot.idx_u + i - first]) - p.w[i];
+    const int* at = iperm + d.island.dof_offset[k];
+    for (int i = 0; i < model.nv; ++i) b[at[i]] = -p.w[i];
+    for (int i = 0; has_friction(model) && i < model.nv; ++i)
+      b[at[i]] -= friction_slope(model, i, data.v[robot.idx_v + i]) * dv[robot.idx_v + i];
+    for (int i = 0; i < model.nu(); ++i) b[at[model.actuated[i]]] += du[robot.idx_u + i];
   }
 }
 
@@ -85,7 +88,7 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
     ProductWork::OfRobot& p = pd.robots[d.island.robots[k]];
     const RobotData& rd = w.robots[d.island.robots[k]];
     for (int i = 0; i < model.nv; ++i) p.w[i] = x[iperm[d.island.dof_offset[k] + i]];
-    for (int i = model.first_actuated(); i < model.nv; ++i) wu[robot.idx_u + i - model.first_actuated()] = p.w[i];
+    for (int i = 0; i < model.nu(); ++i) wu[robot.idx_u + i] = p.w[model.actuated[i]];
     virtual_velocities(model, rd.kin, p.w.data(), p.u);
     std::fill(p.body.begin(), p.body.end(), kRest);
     add_body_adjoints(model, rd.kin, p.u, p.body);
@@ -112,6 +115,8 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
               wv.data() + robot.idx_v);
     wq.segment(robot.idx_v, robot.model->nv) *= -1;  // w = -(dr)^T l
     wv.segment(robot.idx_v, robot.model->nv) *= -1;
+    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
+      wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * p.w[i];
   }
 }
 
@@ -163,7 +168,7 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 }
 
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
-  internal::check_solved(scene, data, function);
+  internal::check_unasked(scene, data, function);
   Workspace& w = *data.workspace;
   (void)internal::linearisation_of(scene, data);
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);

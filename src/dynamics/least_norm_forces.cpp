@@ -95,7 +95,7 @@ void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, Islan
   for (int c : d.island.contacts)
     w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
   derivative_terms(scene, data, d.island, w.with);
-  derivative_rhs(scene, lin, d, rho);
+  derivative_rhs(scene, lin, data.v, d, rho);
   derivative_terms(scene, data, d.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
   rho.X.bottomRows(rho.nc).setZero();

@@ -2,6 +2,7 @@
 // and forces' changes left to the body-space system, which has them as unknowns.
 
 #include "bodies.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/contact/products.hpp"
 #include "steps.hpp"
@@ -182,8 +183,10 @@ void jvp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const Con
   tangent_contacts(scene, data, d, form);
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
-    const int nu = robot.model->nu();
-    w.b.joints.segment(d.island.dof_offset[k] + robot.model->first_actuated(), nu) += du.segment(robot.idx_u, nu);
+    const int o = d.island.dof_offset[k];
+    for (int i = 0; i < robot.model->nu(); ++i) w.b.joints[o + robot.model->actuated[i]] += du[robot.idx_u + i];
+    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
+      w.b.joints[o + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * dv[robot.idx_v + i];
   }
   (void)solve_refined(form.factor.system, form.factor.ldl, w, 1);
   each_velocity_block(scene, d.island,
@@ -212,8 +215,10 @@ void vjp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const Con
   });
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
-    const int nu = robot.model->nu();
-    wu.segment(robot.idx_u, nu) = w.x.joints.segment(d.island.dof_offset[k] + robot.model->first_actuated(), nu);
+    const double* l = w.x.joints.data() + d.island.dof_offset[k];
+    for (int i = 0; i < robot.model->nu(); ++i) wu[robot.idx_u + i] = l[robot.model->actuated[i]];
+    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
+      wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * l[i];
   }
 }
 

@@ -54,8 +54,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
   Eigen::SparseMatrix<double> S(scene.nv, scene.nu);
   for (const Robot& robot : scene.robots)
-    for (int k = 0; k < robot.model->nu(); ++k)
-      S.insert(robot.idx_v + robot.model->first_actuated() + k, robot.idx_u + k) = 1;
+    for (int k = 0; k < robot.model->nu(); ++k) S.insert(robot.idx_v + robot.model->actuated[k], robot.idx_u + k) = 1;
   return quasi_static(scene, q, Eigen::VectorXd::Zero(scene.nv), S, data);
 }
 

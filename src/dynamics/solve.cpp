@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "bodies.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
@@ -111,9 +113,8 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
   internal::give_up_solution(data);
   internal::remake(data.tau, scene.nv);
   for (const Robot& robot : scene.robots) {
-    const int first = robot.model->first_actuated();
-    data.tau.segment(robot.idx_v, first).setZero();
-    data.tau.segment(robot.idx_v + first, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
+    data.tau.segment(robot.idx_v, robot.model->nv).setZero();
+    for (int k = 0; k < robot.model->nu(); ++k) data.tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
   }
   return internal::solve_checked(scene, q, v, data.tau, data);
 }
@@ -129,13 +130,30 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   return solve_checked(scene, q, v, tau, data);
 }
 
+const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                        const ConstVector& wanted, SceneData& data) {
+  using namespace internal;
+  check_scene(scene, data, "solve_tau");
+  check_size("solve_tau", "q", q.size(), scene.nq);
+  check_size("solve_tau", "v", v.size(), scene.nv);
+  check_size("solve_tau", "tau", tau.size(), scene.nv);
+  give_up_solution(data);
+  prepare_checked(scene, data);
+  check_size("solve_tau", "wanted", wanted.size(), data.f.size());
+  return solve_checked(scene, q, v, tau, data, wanted.data());
+}
+
 const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, SceneData& data) {
+                                      const ConstVector& tau, SceneData& data, const double* wanted) {
   prepare_checked(scene, data);
   Workspace& w = *data.workspace;
+  w.wanted = wanted;
+  w.asked = wanted != nullptr;
   remake(data.a, scene.nv);
   data.v = v;
   data.tau = tau;
+  for (const Robot& robot : scene.robots)
+    add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
   data.report.method = data.options.method;
   w.q = q;
   w.kinematics_known = false;
@@ -150,6 +168,7 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   }
   w.kinematics_known = known;
   summarise(data.report);
+  w.wanted = nullptr;
   data.serial = w.current = ++w.solves;
   return data.report;
 }

@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 /// solve_tau and prepare, of a scene and sizes already checked.
 const Report& solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                            SceneData& data);
+                            SceneData& data, const double* wanted = nullptr);
 void prepare_checked(const Scene& scene, SceneData& data);
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
@@ -33,7 +33,12 @@ void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector&
 void evaluate_contact(const Scene& scene, Workspace& work, int contact);
 /// The same for all islands that have terms_in_lanes, at w.q, data.v. What a lane cannot do is done alone.
 void evaluate_in_lanes(const Scene& scene, SceneData& data);
-/// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.
+/// What row i of a contact is asked for, as accelerations.
+inline double wanted_in(const SceneData& data, int contact, Eigen::Index i) {
+  const double* wanted = data.workspace->wanted;
+  return wanted ? wanted[data.f_offset[static_cast<std::size_t>(contact)] + i] : 0;
+}
+/// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& island);
 /// After evaluate: factorizes and solves by the first way that gives a sound answer. island.v.x, island.factor and the
 /// report are that answer's; false where there is none.
@@ -49,7 +54,8 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
 void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
 /// -dr into the panel out.X, which has its size. After derivative_terms.
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const IslandWork& island, IslandDerivatives& out);
+void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
+                    IslandDerivatives& out);
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
 void solve_panel(const Scene& scene, IslandWork& island, IslandDerivatives& out, PanelWork& work);
 /// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.

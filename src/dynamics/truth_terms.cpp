@@ -1,6 +1,7 @@
 #include "truth_terms.hpp"
 
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 
 namespace manycontact::internal {
@@ -16,6 +17,9 @@ TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, c
     forward_kinematics<S>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
     forward_accelerations<S>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
     inverse_dynamics<S>(model, kin, nullptr, {}, f, t.h.emplace_back(model.nv));
+    VecX<S> friction = VecX<S>::Zero(model.nv);
+    add_friction<S>(model, v.data() + robot.idx_v, friction.data());
+    t.h.back() -= friction;
     crba<S>(model, kin, Yc, t.M.emplace_back(packed_size(model)).data());
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
@@ -33,7 +37,7 @@ template <class S>
 VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u) {
   const Model& model = *scene.robots[robot].model;
   VecX<S> out = -t.h[robot];
-  out.tail(model.nu()) += u.segment(scene.robots[robot].idx_u, model.nu());
+  for (int k = 0; k < model.nu(); ++k) out[model.actuated[k]] += u[scene.robots[robot].idx_u + k];
   return out;
 }
 

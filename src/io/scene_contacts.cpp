@@ -22,10 +22,10 @@ class ContactReader {
   void add(const Element& e) {
     const ContactElement c = read(e);
     ContactGroup group{c.contact.name, c.A.copied, static_cast<int>(out_.scene.contacts.size()), 0, e.line()};
-    const auto [at, is_new] = names_.emplace(group.name, group.line);
+    const auto [at, is_new] = names_.emplace(group.name, e.where());
     if (!is_new)
-      e.where("name").fail("a contact named " + quote(group.name) + " exists already on line " +
-                           std::to_string(at->second) + ", expected names used once");
+      e.where("name").fail("a contact named " + quote(group.name) + " exists already on " +
+                           line_of(at->second, e.where()) + ", expected names used once");
     for (int i = 0; i < c.A.count; ++i) {
       long long target = c.B.first;  // robot
       if (c.to_robot && c.B.copied) {
@@ -45,17 +45,19 @@ class ContactReader {
 
   ContactElement read(const Element& e) {
     e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
-                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap"});
+                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap", "mu", "box"});
     e.allow_children({});
     ContactElement c;
     c.contact.name = e.required("name");
     if (c.contact.name.empty()) e.where("name").fail("name of <contact> is empty, expected a name");
-    c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "6d"}, -1));
+    c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "5d", "6d"}, -1));
     c.contact.reference_frame =
         static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
     c.contact.active = e.choice("active", {"false", "true"}, 1) == 1;
     if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
     read_axis(e, c.contact);
+    if (e.has("mu")) c.contact.mu = e.required_number("mu");
+    if (const auto box = e.numbers<2>("box")) c.contact.box = Eigen::Vector2d(box->data());
     c.A = ends_.read(e, "frame");
     if (c.A.shifted)
       e.where("frame").fail("frame of <contact> is " + quote(e.required("frame")) +
@@ -69,8 +71,8 @@ class ContactReader {
   static void read_axis(const Element& e, Contact& contact) {
     const auto axis = e.numbers<3>("axis");
     if (!axis) return;
-    if (contact.type != ContactType::k1D)
-      e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d only");
+    if (!has_axis(contact.type))
+      e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d or 5d only");
     contact.axis = Vec3<double>(axis->data());
   }
 
@@ -129,14 +131,14 @@ class ContactReader {
   SceneFile& out_;
   ReferenceResolver references_;
   EndReader ends_;
-  std::unordered_map<std::string, int> names_;  // of <contact> elements, with their lines
+  std::unordered_map<std::string, Where> names_;  // of <contact> elements
 };
 
 }  // namespace
 
-void add_contacts(const Element& scene, SceneFile& out) {
+void add_contacts(const std::vector<Element>& elements, SceneFile& out) {
   ContactReader reader(out);
-  for (auto e = scene.child("contact"); e; e = e->next("contact")) reader.add(*e);
+  for (const Element& e : elements) reader.add(e);
 }
 
 }  // namespace manycontact::io

@@ -1,10 +1,83 @@
 #include "manycontact/io/scene_file.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "scene_parts.hpp"
 
 namespace manycontact {
+
+namespace io {
+namespace {
+
+constexpr std::size_t kDeepestInclude = 16, kMostFiles = 1000;
+
+Vec3<double> gravity_of(const Element& root) {
+  const auto g = root.numbers<3>("gravity");
+  return g ? Vec3<double>(g->data()) : Scene().gravity;
+}
+
+// Reads a scene file and those it includes, each in the place of its <include>.
+class IncludeReader {
+ public:
+  explicit IncludeReader(SceneElements& out) : out_(out) {}
+
+  Element read(const std::string& path, const std::string& text) {
+    out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
+    const Element root = out_.files.back()->root();
+    root.allow_attributes({"name", "gravity", "damping"});
+    root.allow_children({"robot", "contact", "include"});
+    if (root.number("damping", 0) < 0)
+      root.where("damping").fail("damping of <scene> is " + show(root.number("damping", 0)) + ", expected 0 or more");
+    open_.push_back(canonical(path));
+    for (auto e = root.child(); e; e = e->next(nullptr)) {
+      if (e->name() == "include")
+        include(*e, root);
+      else
+        (e->name() == "robot" ? out_.robots : out_.contacts).push_back(*e);
+    }
+    open_.pop_back();
+    return root;
+  }
+
+ private:
+  static std::string canonical(const std::string& path) {
+    std::error_code failed;
+    const auto found = std::filesystem::weakly_canonical(path, failed);
+    return failed ? path : found.string();
+  }
+
+  void include(const Element& e, const Element& into) {
+    e.allow_attributes({"file"});
+    e.allow_children({});
+    const Where here = e.where("file");
+    const std::filesystem::path written = e.required("file");
+    if (written.empty()) here.fail("file of <include> is empty, expected a scene file");
+    const std::string path =
+        written.is_absolute() ? written.string() : (std::filesystem::path(*here.file).parent_path() / written).string();
+    if (std::count(open_.begin(), open_.end(), canonical(path)))
+      here.fail("the scene file " + quote(path) + " includes itself, expected no circle");
+    if (open_.size() > kDeepestInclude)
+      here.fail("scene files are included more than " + std::to_string(kDeepestInclude) + " deep, expected fewer");
+    if (out_.files.size() >= kMostFiles)
+      here.fail("more than " + std::to_string(kMostFiles) + " scene files are included, expected fewer");
+    std::string problem = file_problem(path, true);
+    const std::string text = problem.empty() ? read_file(path, problem) : "";
+    if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
+    const Element root = read(path, text);
+    // what an included scene says of the whole must be what holds
+    if (root.has("gravity") && gravity_of(root) != gravity_of(into))
+      root.where("gravity").fail("gravity is another one in the scene that includes this, expected the same");
+    if (root.has("damping") && root.number("damping", 0) != into.number("damping", 0))
+      root.where("damping").fail("damping is another one in the scene that includes this, expected the same");
+  }
+
+  SceneElements& out_;
+  std::vector<std::string> open_;
+};
+
+}  // namespace
+}  // namespace io
 
 SceneFile read_scene(const std::string& path) {
   std::string problem;
@@ -14,21 +87,16 @@ SceneFile read_scene(const std::string& path) {
 }
 
 SceneFile read_scene_text(const std::string& text, const std::string& path) {
-  const io::XmlFile file(path, text, "scene");
-  const io::Element root = file.root();
-  root.allow_attributes({"name", "gravity", "damping"});
-  root.allow_children({"robot", "contact"});
+  io::SceneElements elements;
+  const io::Element root = io::IncludeReader(elements).read(path, text);
 
   SceneFile out;
   out.path = path;
   out.scene.name = root.optional("name", std::filesystem::path(path).stem().string());
-  if (const auto g = root.numbers<3>("gravity")) out.scene.gravity = Vec3<double>(g->data());
+  out.scene.gravity = io::gravity_of(root);
   out.scene.damping = root.number("damping", 0);
-  if (out.scene.damping < 0)
-    root.where("damping").fail("damping of <scene> is " + io::show(out.scene.damping) + ", expected 0 or more");
-
-  io::add_robots(root, out);
-  io::add_contacts(root, out);
+  io::add_robots(elements.robots, out);
+  io::add_contacts(elements.contacts, out);
   return out;
 }
 

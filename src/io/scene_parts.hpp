@@ -13,6 +13,15 @@
 
 namespace manycontact::io {
 
+/// The elements of a scene file and of those it includes, in the order in which they are met.
+struct SceneElements {
+  std::vector<std::unique_ptr<XmlFile>> files;
+  std::vector<Element> robots, contacts;
+};
+
+/// "line 3", or "line 3 of other.xml": where a name was given, seen from a place in a file.
+std::string line_of(const Where& given, const Where& seen_from);
+
 /// A <robot> element as written.
 struct RobotElement {
   explicit RobotElement(const Element& e) : element(e) {}
@@ -39,8 +48,8 @@ class ModelCache {
   std::map<std::string, std::shared_ptr<const Model>> models_;
 };
 
-/// `scene_folder`: relative URDF paths start there.
-RobotElement read_robot(const Element& element, const std::string& scene_folder);
+/// Relative URDF paths start in the folder of the element's file.
+RobotElement read_robot(const Element& element);
 
 /// State from xyz, rpy, <q>, <v>, <u>, <joint>, u="gravity".
 RobotState read_state(const RobotElement& robot, const Model& model);
@@ -58,7 +67,7 @@ struct Arrangement {
 };
 
 /// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
-void add_robots(const Element& scene, SceneFile& out);
+void add_robots(const std::vector<Element>& elements, SceneFile& out);
 
 /// "robot/link" as written, looked up. A copied robot's name stands for all its copies.
 struct End {
@@ -90,7 +99,7 @@ class EndReader {
 };
 
 /// Adds all contacts; out.q must be complete.
-void add_contacts(const Element& scene, SceneFile& out);
+void add_contacts(const std::vector<Element>& elements, SceneFile& out);
 
 /// The quaternion x, y, z, w made unit; refuses one that is not within 1e-6 of it.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);

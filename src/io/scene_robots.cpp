@@ -49,11 +49,13 @@ void read_options(const Element& e, RobotElement& robot) {
   UrdfOptions& options = robot.options;
   options.floating_base = e.choice("base", {"floating", "fixed"}, 1) == 0;
   options.refuse_mimic = e.choice("mimic", {"ignore", "refuse"}, 0) == 1;
+  options.model_dynamics = e.choice("dynamics", {"ignore", "model"}, 0) == 1;
   options.armature = e.number("armature", 0);
   check_armature(e.where("armature"), e.label("armature"), options.armature);
   robot.joints = by_joint(e, "joint", "name");
   for (const auto& [name, joint] : robot.joints) {
-    joint.allow_attributes({"name", "q", "v", "u", "armature"});
+    joint.allow_attributes({"name", "q", "v", "u", "armature", "actuated"});
+    if (joint.choice("actuated", {"false", "true"}, 1) == 0) options.passive.insert(name);
     if (!joint.has("armature")) continue;
     const std::string what = "armature of joint " + quote(name);
     const auto values = parse_numbers(joint.where("armature"), what, joint.required("armature"));
@@ -69,14 +71,15 @@ void read_options(const Element& e, RobotElement& robot) {
 
 }  // namespace
 
-RobotElement read_robot(const Element& e, const std::string& scene_folder) {
-  e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "u", "copies", "arrange", "spacing"});
+RobotElement read_robot(const Element& e) {
+  e.allow_attributes(
+      {"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "dynamics", "u", "copies", "arrange", "spacing"});
   e.allow_children({"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
   const std::filesystem::path urdf = e.required("urdf");
   if (urdf.empty()) e.where("urdf").fail("urdf of <robot> is empty, expected a path");
-  robot.group.urdf = (std::filesystem::path(scene_folder) / urdf).string();
+  robot.group.urdf = (std::filesystem::path(*e.where().file).parent_path() / urdf).string();
   read_options(e, robot);
   for (const char* vector : {"q", "v", "u"})
     if (const auto first = e.child(vector)) {
@@ -101,11 +104,13 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
   std::error_code failed;
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
   std::string key = failed ? robot.group.urdf : canonical.string();
-  key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") + show(o.armature);
+  key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") +
+         (o.model_dynamics ? "d" : "-") + show(o.armature);
   for (const auto& [name, values] : o.joint_armature) {
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);
   }
+  for (const auto& name : o.passive) key += std::string(1, '\0') + "p" + name;
   for (const auto& [name, at] : o.locked) key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
   std::shared_ptr<const Model>& model = models_[key];
   if (model) return model;
@@ -210,27 +215,29 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
 
 }  // namespace
 
-void add_robots(const Element& scene, SceneFile& out) {
-  const std::string folder = std::filesystem::path(out.path).parent_path().string();
+std::string line_of(const Where& given, const Where& seen_from) {
+  const std::string line = "line " + std::to_string(given.line);
+  return *given.file == *seen_from.file ? line : line + " of " + *given.file;
+}
+
+void add_robots(const std::vector<Element>& elements, SceneFile& out) {
   ModelCache models;
   Growing all;
-  std::unordered_map<std::string, int> names;  // as written, with their lines
-  for (auto e = scene.child("robot"); e; e = e->next("robot")) {
-    RobotElement robot = read_robot(*e, folder);
-    const auto [at, is_new] = names.emplace(robot.group.name, robot.group.line);
+  std::unordered_map<std::string, Where> names;  // as written
+  for (const Element& e : elements) {
+    RobotElement robot = read_robot(e);
+    const auto [at, is_new] = names.emplace(robot.group.name, e.where());
     if (!is_new)
-      e->where("name").fail("a robot named " + quote(robot.group.name) + " exists already on line " +
-                            std::to_string(at->second) + ", expected names used once");
+      e.where("name").fail("a robot named " + quote(robot.group.name) + " exists already on " +
+                           line_of(at->second, e.where()) + ", expected names used once");
     robot.group.first = out.scene.nrobots();
     add_copies(robot, models.get(robot), out, all);
     out.robot_groups.push_back(robot.group);
   }
   for (const RobotGroup& group : out.robot_groups)
-    if (group.copied && out.scene.robot_index.count(group.name)) {
-      Where here = scene.where();
-      here.line = group.line;
-      here.fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
-    }
+    if (group.copied && out.scene.robot_index.count(group.name))
+      names.at(group.name)
+          .fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
   out.q = Growing::done(all.q);
   out.v = Growing::done(all.v);
   out.u = Growing::done(all.u);

@@ -43,7 +43,7 @@ struct Quantity {
 const Quantity kQ{"q", [](const Joint& j) { return j.nq(); }, [](const Model&, const Joint& j) { return j.idx_q; }};
 const Quantity kV{"v", [](const Joint& j) { return j.nv(); }, [](const Model&, const Joint& j) { return j.idx_v; }};
 const Quantity kU{"u", [](const Joint& j) { return j.nv(); },
-                  [](const Model& m, const Joint& j) { return j.idx_v - m.first_actuated(); }};
+                  [](const Model& m, const Joint& j) { return m.torque_of(j); }};
 
 class StateReader {
  public:
@@ -94,6 +94,8 @@ class StateReader {
       const bool base = floating && j.idx_v == 0;
       if (base && what.letter == kU.letter)
         here.fail("joint " + quote(name) + " is the floating base, expected u of an actuated joint");
+      if (!j.actuated && what.letter == kU.letter)
+        here.fail("joint " + quote(name) + " is passive, expected u of an actuated joint");
       const std::string label = std::string(what.letter) + " of joint " + quote(name);
       const auto values =
           parse_numbers(here, label, element.required(what.letter), static_cast<std::size_t>(what.count(j)));

@@ -132,12 +132,14 @@ class Builder {
         stack.push_back({c->get(), place});
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
+    set_passive();
     try {
       finalize(model_);
     } catch (const std::invalid_argument& e) {
       throw InputError(path_, lines_.robot, std::string(e.what()) + ", expected a shallower one");
     }
     set_armature();
+    if (options_.model_dynamics) set_dynamics();
     return std::move(model_);
   }
 
@@ -213,8 +215,13 @@ class Builder {
                              ", expected none, for mimic=\"refuse\"");
       model_.notes.mimic.push_back(joint.name);
     }
-    if (joint.dynamics && (joint.dynamics->damping != 0 || joint.dynamics->friction != 0))
-      model_.notes.dynamics.push_back(joint.name);
+    if (!joint.dynamics || (joint.dynamics->damping == 0 && joint.dynamics->friction == 0)) return;
+    if (!options_.model_dynamics) return model_.notes.dynamics.push_back(joint.name);
+    for (const double x : {joint.dynamics->damping, joint.dynamics->friction})
+      if (!(x >= 0) || !std::isfinite(x))
+        throw InputError(path_, lines_.joint.at(joint.name),
+                         "joint " + quote(joint.name) + " has the damping or friction " + io::show(x) +
+                             ", expected 0 or more, for dynamics=\"model\"");
   }
 
   // The inertia of joint i's body: no negative mass; about the centre of mass no negative principal moment, and none
@@ -270,6 +277,17 @@ class Builder {
     }
   }
 
+  void set_passive() {
+    for (const std::string& name : options_.passive) {
+      const int i = model_.find_joint(name);
+      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+      if (model_.floating_base && i == 0)
+        throw UrdfOptionError(name, false,
+                              "joint " + quote(name) + " is the floating base, which has no torques, expected another");
+      model_.joints[i].actuated = false;
+    }
+  }
+
   void set_armature() {
     const auto sound = [](double a) { return std::isfinite(a) && a >= 0; };
     if (!sound(options_.armature)) throw UrdfOptionError("", false, "the armature is negative, expected 0 or more");
@@ -290,6 +308,17 @@ class Builder {
                                 "the armature of joint " + quote(name) + " is " + io::show(a) + ", expected 0 or more");
         model_.armature[joint.idx_v + k] = a;
       }
+    }
+  }
+
+  // A joint's damping and friction, on each of its coordinates.
+  void set_dynamics() {
+    model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
+    for (const Joint& joint : model_.joints) {
+      const auto found = robot_.joints_.find(joint.name);
+      if (found == robot_.joints_.end() || !found->second->dynamics) continue;
+      model_.damping.segment(joint.idx_v, joint.nv()).setConstant(found->second->dynamics->damping);
+      model_.friction.segment(joint.idx_v, joint.nv()).setConstant(found->second->dynamics->friction);
     }
   }
 

@@ -32,7 +32,7 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
     to.A = body_A(island, from);
     to.B = body_B(island, from);
     if (place_counts(from)) to.A.placement = from.A.placement;
-    if (from.type == ContactType::k1D) to.axis = from.axis;
+    if (has_axis(from.type)) to.axis = from.axis;
     scene_.contacts.push_back(to);
   }
   island_ = whole_scene(scene_, std::vector<char>(scene_.contacts.size(), 1));
@@ -110,7 +110,7 @@ void add_places(const Scene& scene, const Island& island, Key& key) {
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
-    if (contact.type == ContactType::k1D) add(contact.axis);
+    if (has_axis(contact.type)) add(contact.axis);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "manycontact/model/model.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -15,6 +16,11 @@ int Model::find_joint(const std::string& joint_name) const {
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (joints[i].name == joint_name) return static_cast<int>(i);
   return -1;
+}
+
+int Model::torque_of(const Joint& joint) const {
+  const auto at = std::lower_bound(actuated.begin(), actuated.end(), joint.idx_v);
+  return at != actuated.end() && *at == joint.idx_v ? static_cast<int>(at - actuated.begin()) : -1;
 }
 
 double Model::mass() const {
@@ -49,6 +55,14 @@ void number_subtrees(Model& model) {
   }
 }
 
+// The velocity coordinates with a torque. After idx_v.
+std::vector<int> actuated_coordinates(const Model& model) {
+  std::vector<int> out;
+  for (int i = model.floating_base ? 1 : 0; i < model.njoints(); ++i)
+    for (int k = 0; k < model.joints[i].nv() && model.joints[i].actuated; ++k) out.push_back(model.joints[i].idx_v + k);
+  return out;
+}
+
 }  // namespace
 
 void finalize(Model& model) {
@@ -76,6 +90,7 @@ void finalize(Model& model) {
       model.dof_depth.push_back(parent < 0 ? 0 : model.dof_depth[parent] + 1);
     }
   }
+  model.actuated = actuated_coordinates(model);
   model.M_begin.assign(1, 0);
   for (int i = 0; i < model.nv; ++i) {
     if (model.M_begin[i] > std::numeric_limits<int>::max() - model.dof_depth[i] - 1) {
@@ -85,6 +100,9 @@ void finalize(Model& model) {
     model.M_begin.push_back(model.M_begin[i] + model.dof_depth[i] + 1);
   }
   if (model.armature.size() == 0) model.armature = Eigen::VectorXd::Zero(model.nv);
+  for (const Eigen::VectorXd* x : {&model.damping, &model.friction})
+    if (x->size() != 0 && x->size() != model.nv)
+      throw std::invalid_argument("finalize: damping and friction must have nv entries, or none");
   if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
 }
 
@@ -102,8 +120,9 @@ bool is_finalized(const Model& model) {
     nv += joint.nv();
   }
   const auto n = static_cast<std::size_t>(nv);
-  return model.nq == nq && model.nv == nv && model.dof_parent.size() == n && model.dof_joint.size() == n &&
-         model.dof_depth.size() == n && model.subtree_end.size() == model.joints.size() &&
+  return model.nq == nq && model.nv == nv && model.actuated == actuated_coordinates(model) &&
+         model.dof_parent.size() == n && model.dof_joint.size() == n && model.dof_depth.size() == n &&
+         model.subtree_end.size() == model.joints.size() &&
          (model.M_begin.size() == n + 1 || (model.M_begin.empty() && n > 0)) && model.armature.size() == nv;
 }
 

@@ -9,12 +9,12 @@ namespace manycontact {
 
 namespace {
 
-// The names of count(joint) coordinates of each joint; of actuated joints only: of all but floating bases.
+// The names of count(joint) coordinates of each joint; of actuated joints only: of those with torques.
 std::vector<std::string> names(const Scene& scene, int (*count)(JointType), bool actuated = false) {
   std::vector<std::string> out;
   for (const Robot& robot : scene.robots)
-    for (int j = actuated && robot.model->floating_base; j < robot.model->njoints(); ++j) {
-      const Joint& joint = robot.model->joints[j];
+    for (const Joint& joint : robot.model->joints) {
+      if (actuated && robot.model->torque_of(joint) < 0) continue;
       const int n = count(joint.type);
       for (int k = 0; k < n; ++k)
         out.push_back(robot.name + "/" + joint.name + (n > 1 ? "[" + std::to_string(k) + "]" : ""));
@@ -52,10 +52,11 @@ int v_index(const Scene& scene, const std::string& robot, const std::string& joi
 }
 int u_index(const Scene& scene, const std::string& robot, const std::string& joint) {
   const Place at = find(scene, robot, joint);
-  const int u = at.joint.idx_v - at.robot.model->first_actuated();
+  const int u = at.robot.model->torque_of(at.joint);
   if (u < 0)
-    throw std::invalid_argument("joint " + quote(joint) + " of robot " + quote(robot) +
-                                " is its floating base, which has no torques, expected an actuated joint");
+    throw std::invalid_argument("joint " + quote(joint) + " of robot " + quote(robot) + " is " +
+                                (at.joint.actuated ? "its floating base" : "passive") +
+                                ", which has no torques, expected an actuated joint");
   return at.robot.idx_u + u;
 }
 

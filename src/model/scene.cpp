@@ -73,6 +73,15 @@ std::string problem(const Scene& scene, const Attachment& A, const Attachment& B
   return "";
 }
 
+std::string problem_of_support(const Contact& contact) {
+  if (contact.mu && !(*contact.mu >= 0 && std::isfinite(*contact.mu))) return "has a mu that is not 0 or more";
+  if (contact.mu && contact.type == ContactType::k5D) return "is 5d and has a mu, expected it on other types";
+  if (!contact.box.allFinite() || (contact.box.array() < 0).any()) return "has a box that is not 0 or more";
+  if (contact.box.isZero(0)) return "";
+  if (contact.type != ContactType::k6D) return "is " + to_string(contact.type) + " and has a box, expected it on 6d";
+  return contact.mu ? "" : "has a box and no mu, expected both";
+}
+
 }  // namespace
 
 int add_contact(Scene& scene, Contact contact) {
@@ -84,6 +93,9 @@ int add_contact(Scene& scene, Contact contact) {
   refuse_if(problem(scene, contact.A, contact.B));
   contact.B = world_if_immovable(scene, std::move(contact.B));
   if (!std::isfinite(contact.alpha) || !std::isfinite(contact.beta)) refuse_if("has gains that are not finite");
+  if (contact.type == ContactType::k5D && contact.reference_frame != ReferenceFrame::kLocal)
+    refuse_if("is 5d in the world's axes, expected reference_frame local: its axis is part of both bodies");
+  refuse_if(problem_of_support(contact));
   const double norm = contact.axis.stableNorm();
   if (!std::isfinite(norm)) refuse_if("has an axis that is not finite, expected a direction");
   if (norm < kZeroDirection) refuse_if("has a zero axis, expected a direction");

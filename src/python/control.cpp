@@ -140,8 +140,7 @@ void add_examples(py::module_& m) {
       .def_property("dt", &Unicycle::get_dt, &Unicycle::set_dt, "[s]");
   using NumDiff = ActionModelNumDiff;
   action<NumDiff>(m, "ActionModelNumDiff", "A model with derivatives by central differences.")
-      .def(py::init<std::shared_ptr<Node>, bool>(), py::arg("model").none(false),
-           py::arg("with_gauss_approx") = false)
+      .def(py::init<std::shared_ptr<Node>, bool>(), py::arg("model").none(false), py::arg("with_gauss_approx") = false)
       .def_property_readonly("model", &NumDiff::get_model)
       .def_property("disturbance", &NumDiff::get_disturbance, &NumDiff::set_disturbance);
   // Nodes of the library's own making, with what all have.

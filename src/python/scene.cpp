@@ -106,7 +106,7 @@ void add_models(py::module_& m) {
       .def_readonly("floating_base", &Model::floating_base)
       .def_readonly("nq", &Model::nq)
       .def_readonly("nv", &Model::nv)
-      .def_property_readonly("nu", &Model::nu, "Actuated coordinates: all but a floating base.")
+      .def_property_readonly("nu", &Model::nu, "Actuated coordinates: all but a floating base and passive joints.")
       .def_property_readonly(
           "joints", [](const Model& x) { return x.joints; }, "List of Joint.")
       .def_property_readonly(
@@ -121,17 +121,19 @@ void add_models(py::module_& m) {
       "load_urdf",
       [](const std::string& path, bool floating_base, double armature,
          const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
-         bool refuse_mimic) {
+         bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics) {
         return std::make_shared<Model>(
-            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic}));
+            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, passive, model_dynamics}));
       },
       py::arg("path"), py::kw_only(), py::arg("floating_base") = false, py::arg("armature") = 0.0,
       py::arg("joint_armature") = std::map<std::string, std::vector<double>>(),
       py::arg("locked") = std::map<std::string, double>(), py::arg("refuse_mimic") = false,
+      py::arg("passive") = std::set<std::string>(), py::arg("model_dynamics") = false,
       "A robot from a URDF file.\n\n"
       "floating_base: joint 0 is then 'root', carrying the root link.\n"
       "armature: reflected rotor inertia of every joint [kg m^2; kg for prismatic joints].\n"
       "joint_armature: {joint: [numbers]} overrides it. locked: {joint: position} freezes joints.\n"
+      "passive: joints without torques. model_dynamics: the URDF's damping and friction of joints.\n"
       "Joints are numbered depth first, children in byte order of their names.\n"
       "Raises InputError (a ValueError) for the file, ValueError for options that do not fit.");
 }
@@ -159,9 +161,12 @@ Contact make_contact(const std::string& name, ContactType type, ReferenceFrame f
 }
 
 void add_contacts(py::module_& m) {
-  add_enumeration<ContactType>(
-      m, "ContactType", "Which motions of frame A a contact holds.",
-      {{"k1D", ContactType::k1D}, {"k2D", ContactType::k2D}, {"k3D", ContactType::k3D}, {"k6D", ContactType::k6D}});
+  add_enumeration<ContactType>(m, "ContactType", "Which motions of frame A a contact holds.",
+                               {{"k1D", ContactType::k1D},
+                                {"k2D", ContactType::k2D},
+                                {"k3D", ContactType::k3D},
+                                {"k5D", ContactType::k5D},
+                                {"k6D", ContactType::k6D}});
   py::enum_<ReferenceFrame>(m, "ReferenceFrame")
       .value("kLocal", ReferenceFrame::kLocal)
       .value("kWorld", ReferenceFrame::kWorld)
@@ -193,7 +198,7 @@ void add_contacts(py::module_& m) {
            py::arg_v("B", Attachment(), "Attachment()"), py::arg("axis") = Eigen::Vector3d(Eigen::Vector3d::UnitZ()),
            py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("active") = true,
            "reference_frame: of the force, of 1D's and 2D's components, and of their derivatives.\n"
-           "axis: of 1D contacts, the component held (3), in the reference frame.\n"
+           "axis: of 1D contacts, the component held (3), in the reference frame; of 5D contacts, the hinge's.\n"
            "alpha [1/s^2], beta [1/s]: stabilisation gains.")
       .def_readwrite("name", &Contact::name)
       .def_readwrite("type", &Contact::type)
@@ -207,6 +212,10 @@ void add_contacts(py::module_& m) {
           [](Contact& c, const Eigen::Vector3d& axis) { c.axis = axis; })
       .def_readwrite("alpha", &Contact::alpha, "[1/s^2]")
       .def_readwrite("beta", &Contact::beta, "[1/s]")
+      .def_readwrite("mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.")
+      .def_property(
+          "box", [](const Contact& c) -> Eigen::Vector2d { return c.box; },
+          [](Contact& c, const Eigen::Vector2d& box) { c.box = box; }, "Length and width of the support (2) [m].")
       .def_readwrite("active", &Contact::active, "At the start; SceneData.active may switch it later.")
       .def_property_readonly("rows", &Contact::rows)
       .def("__repr__", [](const Contact& c) { return "<Contact '" + c.name + "', " + to_string(c.type) + ">"; });

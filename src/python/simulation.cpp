@@ -1,5 +1,7 @@
 // A scene through time: floor simulation.
 
+#include <variant>
+
 #include "data.hpp"
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
@@ -140,6 +142,14 @@ void add_steps(py::module_& m) {
   m.def("simulate", &simulate, py::arg("scene"), py::arg("u"), py::arg("data"), py::arg("steps"), py::arg("every") = 1,
         "Steps on from data's state with torques u, (nu) or (steps, nu), until a step is not kOk; returns the\n"
         "Trajectory, which has the start, every `every`-th state and the last. Ctrl-C ends it.");
+  m.def(
+      "contact_force",
+      [](const Scene& scene, const Simulation& simulation, const std::variant<int, std::string>& contact) -> Vector {
+        return std::visit([&](const auto& c) -> Vector { return contact_force(scene, simulation.at_rest(), c); },
+                          contact);
+      },
+      py::arg("scene"), py::arg("data"), py::arg("contact"),
+      "What a contact, by its name or number, exerted on A in the last step, in its reference frame [N, N m]; a copy.");
   m.def(
       "failure",
       [](const Scene& scene, const Simulation& simulation, StepStatus status) {

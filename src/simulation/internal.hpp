@@ -13,6 +13,12 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);
 
+/// After a step's first solve: data.condition, where data.condition_every asks for it.
+void watch_condition(const Scene& scene, SimulationData& data);
+
+/// data.f, f_offset: those of data.dynamics.
+void keep_forces(SimulationData& data);
+
 /// The state after a step into next_q, next_v; false when a solve failed.
 [[nodiscard]] bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& data);
 [[nodiscard]] bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& data);

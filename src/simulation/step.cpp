@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 
 #include "internal.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
 
@@ -25,16 +27,29 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   return status != Status::kFailed;
 }
 
+void watch_condition(const Scene& scene, SimulationData& data) {
+  if (data.condition_every == 0 || data.steps % data.condition_every != 0) return;
+  estimate_condition(scene, data.dynamics);
+  data.condition = data.dynamics.report.condition;
+}
+
+void keep_forces(SimulationData& data) {
+  data.f = data.dynamics.f;
+  data.f_offset = data.dynamics.f_offset;
+}
+
 }  // namespace internal
 
 SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const ConstVector& v_, Integrator integrator_,
                                double h_, const Options& options)
-    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options) {
+    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options), at_rest(scene) {
   if (q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
-  for (Eigen::VectorXd* x : {&next_v, &stage_v, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
+  left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
+  left_v = v;
+  for (Eigen::VectorXd* x : {&next_v, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
 }
 
 StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {
@@ -47,6 +62,27 @@ StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) 
   data.v.swap(data.next_v);
   ++data.steps;
   return StepStatus::kOk;
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
+                                                        const std::string& contact) {
+  const auto found = scene.contact_index.find(contact);
+  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, contact));
+  return contact_force(scene, data, found->second);
+}
+
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact) {
+  const int count = static_cast<int>(scene.contacts.size());
+  if (contact < 0 || contact >= count)
+    throw std::invalid_argument("contact_force: there is no contact " + std::to_string(contact) + " of " +
+                                std::to_string(count));
+  if (data.f_offset.empty()) throw std::logic_error("contact_force: step first");
+  if (data.f_offset.size() != scene.contacts.size())
+    throw std::invalid_argument("contact_force: the data are of another scene");
+  const std::string& name = scene.contacts[contact].name;
+  if (data.f_offset[contact] < 0)
+    throw std::logic_error("contact_force: contact " + quote(name) + " was not active in the last step");
+  return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
 }
 
 std::string failure(const Scene& scene, const SimulationData& data, StepStatus status) {

@@ -17,6 +17,10 @@ bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
       integrate_scene(scene, d.q, d.w, d.stage_q);
     }
     if (!solve_stage(scene, d.stage_q, d.stage_v, u, d)) return false;
+    if (s == 0) {
+      keep_forces(d);
+      watch_condition(scene, d);
+    }
     dexp_inverse(scene, d.w, d.stage_v, d.w_rate);
     d.v_rate = d.dynamics.a;
     d.w_sum += weight[s] * d.h * d.w_rate;

@@ -42,7 +42,7 @@ namespace task {
 
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state) {
   for (const Robot& robot : state->get_model()->scene().robots)
-    if (robot.model->floating_base) return std::make_shared<ActuationModelFloatingBase>(state);
+    if (robot.model->nu() < robot.model->nv) return std::make_shared<ActuationModelFloatingBase>(state);
   return std::make_shared<ActuationModelFull>(state);
 }
 

@@ -141,6 +141,8 @@ Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
         force.head<3>() = term.reference[0] * contact.axis;
       else if (contact.type == ContactType::k2D)
         force[0] = term.reference[0], force[2] = term.reference[1];
+      else if (contact.type == ContactType::k5D)
+        force << term.reference.head<3>(), across(contact.axis).transpose() * term.reference.tail<2>();
       else
         force.head(term.reference.size()) = term.reference;
     }

@@ -52,7 +52,7 @@ TEST(RandomScenes, HoldEveryKindOfContact) {
       base_as_A += c.A.joint < 0;
     }
   }
-  EXPECT_EQ(kinds.size(), 12u);
+  EXPECT_EQ(kinds.size(), 13u);
   EXPECT_GE(world, 10);
   EXPECT_GE(loops, 5);
   EXPECT_GE(pairs, 5);
@@ -94,6 +94,9 @@ TEST_P(Scenes, AccelerationRowsAreTheSecondDerivative) {
       second = (log6<Quad>(G0.inverse() * Gf) + log6<Quad>(G0.inverse() * Gb)) / (h * h);
     else
       second.head<3>() = G0.R.transpose() * Vec3<Quad>((Gf.p - Quad(2) * G0.p + Gb.p) / (h * h));
+    if (c.type == ContactType::k5D)
+      second.tail<3>() =
+          (log3<Quad>(Mat3<Quad>(G0.R.transpose() * Gf.R)) + log3<Quad>(Mat3<Quad>(G0.R.transpose() * Gb.R))) / (h * h);
     const VectorQ actual = now.J(k) * a + now.a0(k);
     EXPECT_LE(difference_of(actual, selected(c, now.A(k), second)), kTight * terms(now, k)) << k;
     EXPECT_GT(size_of(actual), 1e-6 * terms(now, k));
@@ -127,6 +130,10 @@ TEST_P(Scenes, GainsAddPositionAndVelocityErrors) {
       if (position && c.type == ContactType::k6D) error = log6<Quad>(with.G(k));
       if (position && c.type != ContactType::k6D)
         error.head<3>() = with.A(k).R.transpose() * (with.A(k).p - with.B(k).p);
+      if (position && c.type == ContactType::k5D) {
+        const Vec3<Quad> n = c.axis.cast<Quad>();
+        error.tail<3>() = Vec3<Quad>(with.G(k).R.transpose() * n).cross(n);
+      }
       const VectorQ expected = Quad(7) * selected(c, with.A(k), error);
       EXPECT_GT(size_of(expected), 1e-6);
       EXPECT_LE(difference_of(VectorQ(with.a0(k) - without.a0(k)), expected), kTight * size_of(with.a0(k))) << k;

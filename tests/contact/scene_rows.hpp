@@ -69,6 +69,11 @@ VecX<S> selected(const Contact& c, const SE3<S>& oMA, Vec6<S> x) {
       return Eigen::Matrix<S, 2, 1>(x[0], x[2]);
     case ContactType::k3D:
       return x.template head<3>();
+    case ContactType::k5D: {
+      VecX<S> out(5);
+      out << x.template head<3>(), across(c.axis).cast<S>() * x.template tail<3>();
+      return out;
+    }
     case ContactType::k6D:
       return x;
   }

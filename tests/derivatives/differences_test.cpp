@@ -45,7 +45,7 @@ struct Coverage {
   std::map<std::string, int> seen;
 
   void count(const RandomScene& s) {
-    const char* const types[] = {"1D", "2D", "3D", "6D"};
+    const char* const types[] = {"1D", "2D", "3D", "5D", "6D"};
     const char* const frames[] = {"local", "world", "local_world_aligned"};
     const auto is = [&](const std::string& what, bool yes) { seen[what] += yes; };
     is("damped", s.scene.damping > 0);
@@ -74,13 +74,18 @@ struct Coverage {
 };
 
 RandomScene scene_of(int seed) {
-  std::mt19937 rng(500 + seed);
+  std::mt19937 rng(650 + seed);
   SceneOptions options;
   options.nrobots = 1 + seed % 3;
   options.ncontacts = 10;
-  options.types.push_back(ContactType::k6D);
+  options.types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k6D,
+                   seed % 3 == 0 ? ContactType::k5D : ContactType::k6D};
   options.damping = seed % 4 == 0 ? 1e-3 : seed % 10 == 1 ? 0.1 : 0;
-  return random_scene(rng, options);
+  options.passive = seed % 3 == 1 ? 0.3 : 0;
+  options.friction = seed % 5 == 2 ? 0.5 : 0;
+  RandomScene s = random_scene(rng, options);
+  if (options.friction > 0) s.v *= 0.02;  // where friction has a slope
+  return s;
 }
 
 class RandomDifferences : public testing::TestWithParam<int> {};
@@ -93,11 +98,12 @@ TEST_P(RandomDifferences, AllMatricesByEveryMethod) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomDifferences, testing::Range(1, kSeeds + 1));
 
-// The random scenes are as varied as they are meant to be: 13 kinds of things, and each type in each frame.
+// The random scenes are as varied as they are meant to be: 13 kinds of things, and each type in each frame, 5D in its
+// one.
 TEST(RandomScenes, LeaveNothingOut) {
   Coverage coverage;
   for (int seed = 1; seed <= 24; ++seed) coverage.count(scene_of(seed));
-  EXPECT_EQ(coverage.seen.size(), 13u + 12u);
+  EXPECT_EQ(coverage.seen.size(), 13u + 13u);
   for (const auto& [what, times] : coverage.seen) EXPECT_GE(times, 3) << what;
 }
 

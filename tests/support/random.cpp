@@ -95,9 +95,15 @@ Model random_model(std::mt19937& rng, const ModelOptions& options) {
     frame.joint = i;
     model.joints.push_back(std::move(joint));
   }
+  for (Joint& joint : model.joints)
+    if (options.passive > 0) joint.actuated = !chance(rng, options.passive);
   finalize(model);
   for (int i = model.first_actuated(); i < model.nv && options.armature > 0; ++i)
     model.armature[i] = uniform(rng, 0, options.armature);
+  if (options.friction > 0) {
+    model.damping = options.friction * random_vector(model.nv, rng).cwiseAbs();
+    model.friction = options.friction * random_vector(model.nv, rng).cwiseAbs();
+  }
   return model;
 }
 
@@ -158,8 +164,10 @@ bool full_rank(const Eigen::MatrixXd& J) {
   return J.rows() == 0 || diagonal.cwiseAbs().minCoeff() > 0.02 * diagonal.cwiseAbs().maxCoeff();
 }
 
-ModelOptions random_model_options(std::mt19937& rng) {
+ModelOptions random_model_options(std::mt19937& rng, const SceneOptions& scene) {
   ModelOptions options;
+  options.passive = scene.passive;
+  options.friction = scene.friction;
   options.njoints = 4 + pick(rng, 6);
   options.floating_base = chance(rng, 0.6);
   options.armature = chance(rng, 0.5) ? 0.1 : 0;
@@ -171,7 +179,7 @@ void add_robots(std::mt19937& rng, const SceneOptions& options, RandomScene& s) 
   for (int r = 0; r < options.nrobots; ++r) {
     const bool again = model && chance(rng, options.same_model) && options.models.empty();
     const ModelOptions of =
-        options.models.empty() ? random_model_options(rng) : options.models[r % options.models.size()];
+        options.models.empty() ? random_model_options(rng, options) : options.models[r % options.models.size()];
     if (!again) model = std::make_shared<Model>(random_model(rng, of));
     const SE3<double> base{random_rotation(rng), Vec3<double>(2 * r, 0, 1) + random_point(rng, 0.5)};
     const int number = add_robot(s.scene, "r" + std::to_string(r), model, base);
@@ -203,6 +211,7 @@ Contact random_contact(const RandomScene& s, const SceneOptions& options, std::m
   c.name = "contact" + std::to_string(s.scene.contacts.size());
   c.type = pick(rng, options.types);
   c.reference_frame = pick(rng, options.frames);
+  if (c.type == ContactType::k5D) c.reference_frame = ReferenceFrame::kLocal;
   c.axis = random_vector(3, rng).normalized();
   const bool on_body = chance(rng, options.between_bodies);
   c.A = random_attachment(s.scene, pick(rng, s.scene.nrobots()), on_body, rng);

@@ -29,6 +29,8 @@ struct ModelOptions {
   double plain_placements = 0.2;  // chance that a joint's placement does not turn
   double branching = 0.3;         // chance that a joint hangs on an ancestor of the one before, not on itself
   double armature = 0;            // the largest; each coordinate but a floating base's gets one
+  double passive = 0;             // chance that a joint has no torque
+  double friction = 0;            // the largest damping and friction; each coordinate gets some where this is not 0
 };
 
 /// A tree of random joints; frame "link<i>" is the child frame of joint i.
@@ -42,7 +44,8 @@ struct SceneOptions {
   std::vector<ModelOptions> models = {};  // of the robots, in turn; empty: each robot differs
   double same_model = 0.2;                // chance that a robot shares the one before's model, if not given
   int ncontacts = 8;                      // tried; those that depend on the ones before (or nearly) are left out
-  std::vector<ContactType> types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k6D};
+  std::vector<ContactType> types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k5D,
+                                    ContactType::k6D};  // 5D in local axes
   std::vector<ReferenceFrame> frames = {ReferenceFrame::kLocal, ReferenceFrame::kWorld,
                                         ReferenceFrame::kLocalWorldAligned};
   double between_bodies = 0.5;  // chance that B' is on a body: as often of A's own robot (a loop) as of another
@@ -50,6 +53,7 @@ struct SceneOptions {
   bool errors = true;           // A is off B' by up to 0.2 and an angle of up to 1.5
   double gains = 0.6;           // chance that a contact has gains
   double damping = 0;
+  double passive = 0, friction = 0;  // of the models, where these are not given
   // Contacts added at the end that depend on others: repeated ones that agree, and ones that contradict.
   int redundant = 0, contradicting = 0;
 };

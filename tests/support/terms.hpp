@@ -29,7 +29,7 @@ struct Terms {
       const int o = robot.idx_v, nv = robot.model->nv;
       unpack_inertia<double>(*robot.model, inertia_of(data, r).data(), M.block(o, o, nv, nv));
       tau_b.segment(o, nv) = -bias_of(data, r);
-      tau_b.segment(o + robot.model->first_actuated(), robot.model->nu()) += u.segment(robot.idx_u, robot.model->nu());
+      for (int k = 0; k < robot.model->nu(); ++k) tau_b[o + robot.model->actuated[k]] += u[robot.idx_u + k];
     }
     for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
       if (data.f_offset[c] < 0) continue;

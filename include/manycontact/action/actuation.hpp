@@ -81,13 +81,14 @@ class ActuationModelSelection : public ActuationModelAbstract {
   std::string name_;
 };
 
-/// Every coordinate, floating bases included: nu = nv.
+/// Every coordinate, floating bases and passive joints included: nu = nv.
 class ActuationModelFull : public ActuationModelSelection {
  public:
   explicit ActuationModelFull(std::shared_ptr<StateMultibody> state);
 };
 
-/// All but the floating bases, of every robot. Throws std::invalid_argument when no robot has one.
+/// The actuated coordinates of every robot: all but floating bases and passive joints, the u of `solve`. Throws
+/// std::invalid_argument when no robot has either.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
   explicit ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state);

@@ -53,6 +53,7 @@ class ContactModelAbstract {  // what a contact is; the action model evaluates i
  protected:
   ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id, ReferenceFrame frame,
                        std::size_t nu, const Eigen::Vector2d& gains);
+  void keep_axis(const char* where, const Eigen::Vector3d& axis);
   ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
   std::shared_ptr<StateMultibody> state_;
   Contact contact_;
@@ -128,6 +129,19 @@ class ContactModel6D : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   const SE3<double>& get_reference() const { return contact_.B.placement; }
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
+};
+
+/// A frame that turns freely about one axis: a hinge, whose pin is fixed in A and in the world. Crocoddyl has none.
+/// pref: in the world; axis: in both frames.
+class ContactModel5D : public ContactModelAbstract {
+ public:
+  ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                 const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
+                 const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  const SE3<double>& get_reference() const { return contact_.B.placement; }
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
+  const Eigen::Vector3d& get_axis() const { return contact_.axis; }
 };
 
 /// A frame A held to a frame B' = `to` times `offset`, on another body of any robot.

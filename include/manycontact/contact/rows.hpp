@@ -6,9 +6,15 @@
 //   nudot = a_A - X a_B' - v_A x nu
 //   6D:         x = nudot + alpha log6(G) + beta nu
 //   1D, 2D, 3D: x = nudot_lin + nu_ang x nu_lin + alpha R_A^T (p_A - p_B') + beta nu_lin
+//   5D:         x_lin as 3D,  x_ang = nudot_ang + alpha m x n + beta nu_ang
 // clang-format on
 //
-// a0 = W x and J = W J_l with W selecting the rows: of A's axes (local), or of the world's (W turns them by oR_A).
+// with n the axis in A and m = R_AB' n the one in B', seen from A: m x n vanishes when they are in line however far A
+// has turned about them, and changes by nu_ang across n then. (log6(G) would not do: half a turn away from B' its rows
+// across n answer a deviation at a right angle to it.)
+//
+// a0 = W x and J = W J_l with W selecting the rows: of A's axes (local), or of the world's (W turns them by oR_A). The
+// rows of a 5D contact are those of A's axes, the angular ones along two unit vectors across n.
 // Columns of joints above the common ancestor of A and B' are zero exactly and left out.
 
 #include <cmath>
@@ -17,6 +23,14 @@
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {
+
+/// Two unit vectors across a unit axis, as rows; right-handed with it, x and y where it is z.
+Eigen::Matrix<double, 2, 3> across(const Vec3<double>& axis);
+
+/// Whether a contact's rows turn with A against A's axes, being the world's.
+inline bool rows_turn(const Contact& contact) {
+  return contact.reference_frame != ReferenceFrame::kLocal && contact.type != ContactType::k5D;
+}
 
 /// The velocity coordinates that move a joint's body, ascending; none for joint -1.
 std::vector<int> dof_chain(const Model& model, int joint);
@@ -73,7 +87,7 @@ S motion_size(const Contact& contact, const ContactData<S>& data) {
       S& of = i < 3 ? largest : turning;
       of = larger(S(abs(data.Jl(i, j))), of);
     }
-  if (contact.type == ContactType::k6D) return larger(turning, largest);
+  if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());
   if (contact.B.robot >= 0) lever += reach(data.bMA.p) + S(contact.B.placement.p.cwiseAbs().maxCoeff());

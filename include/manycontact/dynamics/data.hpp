@@ -18,7 +18,8 @@ namespace manycontact {
 /// An answer. Written by solve and solve_tau alone; estimate_condition and estimate_errors complete the report.
 struct Solution {
   std::uint64_t serial = 0;   // number of the solve, 1, 2, ...; 0: there is no answer, or it was given up
-  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at [m/s, rad/s; N, N m]
+  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at, friction of joints
+                              // included [m/s, rad/s; N, N m]
   Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
   Eigen::VectorXd f;          // rows of the active contacts, in the scene's order: forces on A in the contact's
                               // reference frame [N, N m]

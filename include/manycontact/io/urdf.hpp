@@ -7,6 +7,7 @@
 // are immovable and dropped.
 
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct UrdfOptions {           // What is said of a robot beside its file.
   std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
   std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
   bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
+  std::set<std::string> passive = {};                              // joints without torques: Joint::actuated is false
+  bool model_dynamics = false;  // <dynamics>: fills Model::damping and friction; else only noted
 
   bool operator==(const UrdfOptions&) const = default;
 };

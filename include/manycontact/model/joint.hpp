@@ -33,6 +33,7 @@ struct Joint {
   /// Limits, one value per velocity coordinate; infinite where the file gives none.
   Eigen::VectorXd lower, upper;  // position (floating: unused)
   Eigen::VectorXd velocity_limit, effort_limit;
+  bool actuated = true;  // has torques in u; false: passive. A floating base never has
 
   int nq() const { return joint_nq(type); }  // numbers in q
   int nv() const { return joint_nv(type); }  // numbers in v

@@ -28,16 +28,24 @@ struct ModelNotes {
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
+/// Below this speed Coulomb friction falls to zero instead of jumping [rad/s, m/s].
+constexpr double kFrictionVelocity = 0.01;
+
 struct Model {  // A robot's tree: joints, frames, inertias.
   std::string name;
   bool floating_base = false;  // joint 0 is the floating base
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Eigen::VectorXd armature;  // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
+  // nv, or empty where not modelled: the torque -damping v - friction tanh(v / kFrictionVelocity) on every coordinate.
+  Eigen::VectorXd damping;   // N m s / rad, N s / m
+  Eigen::VectorXd friction;  // N m, N: Coulomb's, smoothed around standstill so that it has derivatives
   ModelNotes notes;
 
   // Derived by finalize.
   int nq = 0, nv = 0;
+  std::vector<int> actuated;     // velocity coordinates with a torque in u, in its order, ascending: all but a floating
+                                 // base's and passive joints'
   std::vector<int> dof_parent;   // nv: the next dof towards the base, -1 at the base
   std::vector<int> dof_joint;    // nv
   std::vector<int> dof_depth;    // nv: number of ancestors
@@ -46,18 +54,21 @@ struct Model {  // A robot's tree: joints, frames, inertias.
                                  // so deep that this has 2^31 entries or more
 
   int njoints() const { return static_cast<int>(joints.size()); }  // movable ones, the floating base included
-  int nu() const { return floating_base ? nv - 6 : nv; }           // actuated coordinates: all but a floating base
-  int first_actuated() const { return floating_base ? 6 : 0; }     // they are v[first_actuated() ... nv)
+  int nu() const { return static_cast<int>(actuated.size()); }     // coordinates with a torque
+  int first_actuated() const { return floating_base ? 6 : 0; }     // the first coordinate that is not a floating base's
   /// Index of the frame called `name`, -1 if there is none.
   int find_frame(const std::string& frame_name) const;
   /// Index of the joint called `name`, -1 if there is none.
   int find_joint(const std::string& joint_name) const;
+  /// The first of a joint's torques in u, -1 when it has none.
+  int torque_of(const Joint& joint) const;
   /// Total mass, kg.
   double mass() const;
 };
 
 /// Fills idx_q, idx_v and all derived fields from joints, frames and armature (an empty armature becomes zero).
-/// Throws std::invalid_argument when joints are not numbered depth first, parents before children.
+/// Throws std::invalid_argument when joints are not numbered depth first, parents before children, or a vector of
+/// coefficients has another size.
 void finalize(Model& model);
 
 /// Entries of M's packed storage. Throws std::length_error where M_begin is empty.

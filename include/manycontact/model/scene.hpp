@@ -2,6 +2,7 @@
 // A scene: robots (instances of models) and the contacts among them and with the world. Plain data, no mathematics.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -17,7 +18,8 @@ struct Robot {  // One robot of a scene.
   int idx_q = 0, idx_v = 0, idx_u = 0;  // first coordinate in the scene's q, v, u
 };
 
-enum class ContactType { k1D, k2D, k3D, k6D };
+/// Rows of a point (1D, 2D, 3D), of a frame (6D), or of a frame that turns freely about one axis (5D, a hinge).
+enum class ContactType { k1D, k2D, k3D, k5D, k6D };
 enum class ReferenceFrame {
   kLocal,
   kWorld,
@@ -27,9 +29,26 @@ enum class ReferenceFrame {
   LOCAL_WORLD_ALIGNED = kLocalWorldAligned
 };
 
-constexpr int contact_rows(ContactType t) {  // of J: 1, 2, 3, 6
-  return t == ContactType::k1D ? 1 : t == ContactType::k2D ? 2 : t == ContactType::k3D ? 3 : 6;
+constexpr int contact_rows(ContactType t) {  // of J: 1, 2, 3, 5, 6
+  switch (t) {
+    case ContactType::k1D:
+      return 1;
+    case ContactType::k2D:
+      return 2;
+    case ContactType::k3D:
+      return 3;
+    case ContactType::k5D:
+      return 5;
+    case ContactType::k6D:
+      break;
+  }
+  return 6;
 }
+
+/// Whether rows of a contact hold turning.
+constexpr bool holds_turning(ContactType t) { return t == ContactType::k5D || t == ContactType::k6D; }
+/// Whether a contact has an axis.
+constexpr bool has_axis(ContactType t) { return t == ContactType::k1D || t == ContactType::k5D; }
 
 /// "6d", as scene files have it.
 inline std::string to_string(ContactType t) { return std::to_string(contact_rows(t)) + "d"; }
@@ -48,11 +67,15 @@ struct Contact {
   ContactType type = ContactType::k6D;
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
   Attachment A = {}, B = {};
-  Vec3<double> axis = Vec3<double>::UnitZ();  // 1D: the component kept, in the reference frame; unit
+  Vec3<double> axis = Vec3<double>::UnitZ();  // unit; 1D: the component kept, in the reference frame; 5D: about which
+                                              // A turns freely, in A's axes and in those of B'
   double alpha = 0, beta = 0;                 // stabilisation gains [1/s^2], [1/s]
   bool active = true;                         // at the start; data may switch it later
 
-  int rows() const { return contact_rows(type); }  // 1, 2, 3, 6
+  // What a unilateral contact bears: told by analysis/violations.hpp, no part of the equations.
+  std::optional<double> mu = {};                   // friction coefficient; none: the contact may pull
+  Eigen::Vector2d box = Eigen::Vector2d::Zero();   // 6D: length along x and width along y of the support [m]; 0: none
+  int rows() const { return contact_rows(type); }  // 1, 2, 3, 5, 6
 };
 
 struct Scene {  // Constant while it is solved; data.hpp says what may change between solves.
@@ -87,7 +110,8 @@ Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 /// on; returns its number. A may be on a body that cannot move where B' can: the contact is kept as it is, for A's axes
 /// are those of its rows and forces, and with A and B' exchanged it would be another one.
 /// Throws std::invalid_argument: an unknown robot or joint, A in the world, A and B' on one body, neither can move,
-/// numbers that are not finite, an axis below kZeroDirection, a name used twice.
+/// numbers that are not finite, an axis below kZeroDirection, a name used twice, a 5D contact in axes that are not
+/// local, a negative mu or box, a box on a contact that is not 6D.
 int add_contact(Scene& scene, Contact contact);
 
 /// Names of the coordinates of q, v, u: "r0/knee", or "r0/root[0]" of a joint with several.

@@ -6,7 +6,7 @@ namespace manycontact {
 
 /// Time steps of size h of dq/dt = v (in each joint's own frame), dv/dt = a(q, v, u), u constant.
 enum class Integrator {
-  kSemiImplicitEuler,  // v+ = v + h a(q, v), q+ = q (+) h v+; one solve, order 1; symplectic only where M is constant
+  kSemiImplicitEuler,  // v+ from v + h a_free by an impulse of the contacts, q+ = q (+) h v+; one solve, order 1
   kRk4,                // Runge-Kutta-Munthe-Kaas; four solves, order 4
 };
 inline constexpr Integrator kIntegrators[] = {Integrator::kSemiImplicitEuler, Integrator::kRk4};

@@ -12,6 +12,7 @@
 
 #include "../common/choice.hpp"
 #include "../common/command.hpp"
+#include "../common/findings.hpp"
 #include "../common/table.hpp"
 #include "manycontact/analysis/advice.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -29,10 +30,12 @@ int run_inspect(const Arguments& arguments) {
   if (const auto picture = arguments.value("--picture")) write_picture(inspection, *picture);
   print_heading(std::cout, file, inspection.data);
   print_notes(std::cout, file, true);
+  print_joints(std::cout, file);
   print_islands(std::cout, inspection);
   print_contact_groups(std::cout, inspection);
   print_costs(std::cout, inspection);
   print_memory(std::cout, inspection);
+  print_findings(std::cout, file.scene, find(file, inspection.data));
   print_advice(std::cout, inspection);
   return kExitOk;
 }

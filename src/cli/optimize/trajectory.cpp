@@ -38,7 +38,7 @@ void record_motion(const OptimizedTask& motion, Recording& recording) {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     double mu = INFINITY;
     for (const TaskPhase& phase : task.phases) mu = std::min(mu, friction_of(phase, static_cast<int>(c)));
-    recording.friction[c] = std::isfinite(mu) ? mu : 0;
+    recording.friction[c] = std::isfinite(mu) ? mu : scene.contacts[c].mu.value_or(0);
   }
   const TaskSolution& s = motion.solution;
   for (std::size_t t = 0; t < s.xs.size(); ++t) {

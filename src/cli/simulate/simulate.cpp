@@ -5,18 +5,23 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 #include "../common/command.hpp"
 #include "../common/progress.hpp"
 #include "../common/table.hpp"
 #include "../view/view.hpp"
+#include "control.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "switches.hpp"
+#include "watch.hpp"
 
 namespace manycontact::cli {
 
 namespace {
 
 constexpr double kMostSteps = 1e9;
+constexpr int kConditionEvery = 10;  // steps
 
 // What the command line asks for, and what came of it.
 struct Run {
@@ -28,6 +33,7 @@ struct Run {
   StepStatus stopped = StepStatus::kOk;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
+  Findings at_start;  // contacts out of place; joints without mass, where that ended it
   std::optional<Recording> view;
 };
 
@@ -39,7 +45,8 @@ Integrator integrator_of(const Arguments& arguments) {
 }
 
 // "25 10" or "25,10".
-Gains two_numbers(const std::string& text) {
+Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
+                  const std::string& otherwise = "") {
   double x[2];
   const char *at = text.data(), *end = at + text.size();
   for (int k = 0; k < 2; ++k) {
@@ -50,14 +57,15 @@ Gains two_numbers(const std::string& text) {
     at = next;
   }
   if (at != end)
-    throw UsageError("option --gains is '" + text + "', expected 'alpha beta', neither below 0, or 'recommended'");
+    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
   return {x[0], x[1]};
 }
 
 std::optional<Gains> gains_of(const Arguments& arguments, const Run& run) {
   const auto text = arguments.value("--gains");
   if (!text) return std::nullopt;
-  return *text == "recommended" ? recommended_gains(run.integrator, run.h) : two_numbers(*text);
+  return *text == "recommended" ? recommended_gains(run.integrator, run.h)
+                                : two_numbers("--gains", "alpha beta", *text, ", or 'recommended'");
 }
 
 Run run_of(const Arguments& arguments) {
@@ -71,31 +79,72 @@ Run run_of(const Arguments& arguments) {
   return run;
 }
 
+// What moves the scene and what looks on.
+struct Around {
+  Control control;
+  Watch watch;
+  std::optional<Switches> switches;
+  std::unique_ptr<CsvFile> forces;
+};
+
+// The forces at the last state, by a step that is taken back.
+void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
+  const Eigen::VectorXd q = sim.q, v = sim.v;
+  const long steps = sim.steps;
+  const Status worst = sim.worst;
+  const double t = sim.time();
+  if (step(scene, around.control.at(t, q, v), sim) == StepStatus::kOk) write_forces_row(t, scene, sim, *around.forces);
+  sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
+}
+
 // Steps and writes until the end, or until a step is not kOk.
-void simulate(const Scene& scene, const Eigen::VectorXd& u, bool progress_always, SimulationData& sim, CsvFile& csv,
-              Run& run) {
+void simulate(Scene& scene, Around& around, bool progress_always, SimulationData& sim, CsvFile& csv, Run& run) {
   InvariantsData room(scene);
   const auto record = [&] {
     run.end = invariants(scene, sim.dynamics.active, sim.q, sim.v, room);
     run.largest.position_drift = std::max(run.largest.position_drift, run.end.position_drift);
     run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
+    run.largest.kinetic = std::max(run.largest.kinetic, run.end.kinetic);
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
-    if (run.view) add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
+    if (run.view) {
+      const Eigen::VectorXd& u = around.control.at(sim.time(), sim.q, sim.v);
+      add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
+    }
   };
   write_trajectory_header(scene, csv);
+  if (around.forces) write_forces_header(scene, *around.forces);
   record();
   run.start = run.end;
   Progress progress("simulate", static_cast<double>(run.steps), progress_always);
   const auto begin = std::chrono::steady_clock::now();
   long written = 0;
+  Eigen::VectorXd q, v;
   while (sim.steps < run.steps && run.stopped == StepStatus::kOk) {
+    const std::size_t blows = around.switches ? around.switches->blows().size() : 0;
+    const bool switched = !around.switches || around.switches->apply(scene, sim, 1e-6 * sim.h);
+    if (around.switches && around.switches->blows().size() > blows)
+      around.watch.lost(around.switches->blows().back().jump.energy_lost);
+    if (!switched) {
+      run.stopped = StepStatus::kSolverFailed;
+      break;
+    }
+    const double t = sim.time();
+    q = sim.q, v = sim.v;
+    const Eigen::VectorXd& u = around.control.at(t, q, v);
     run.stopped = step(scene, u, sim);
+    if (run.stopped == StepStatus::kOk) {
+      around.watch.look(scene, t, q, v, u, sim);
+      if (around.forces && (sim.steps - 1) % run.every == 0) write_forces_row(t, scene, sim, *around.forces);
+    }
     if (sim.steps % run.every == 0 && sim.steps != written) record(), written = sim.steps;
     progress.update(static_cast<double>(sim.steps));
   }
   if (written != sim.steps) record();
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   csv.close();
+  if (!around.forces) return;
+  if (run.stopped == StepStatus::kOk) write_last_forces(scene, around, sim);
+  around.forces->close();
 }
 
 // The contact whose gains bear the smallest step, if that is below h.
@@ -116,7 +165,17 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-void print_summary(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Run& run) {
+void print_impacts(std::ostream& out, const Around& around) {
+  if (!around.switches) return;
+  for (const Switches::Blow& blow : around.switches->blows())
+    wrap(out,
+         "at t = " + number(blow.t, 4) + " s " + blow.contacts + " closed: the impact took " +
+             number(blow.jump.energy_lost) + " J",
+         2);
+}
+
+void print_summary(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Around& around,
+                   const Run& run) {
   out << printable(file.scene.name) << ": " << count(sim.steps, "step") << " of " << number(sim.h) << " s, "
       << to_string(sim.integrator) << ", to t = " << number(sim.time(), 6) << " s in " << number(run.seconds)
       << " s, status " << to_string(sim.worst) << "\n";
@@ -127,8 +186,43 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   table.add({"drift, velocity", short_of(run.start.velocity_drift), short_of(run.end.velocity_drift),
              short_of(run.largest.velocity_drift), "m/s, rad/s"});
   table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
+  table.add({"work of torques", "", number(around.watch.work(), 6), "", "J, less that of impacts"});
   table.print(out);
+  print_impacts(out, around);
+  print_findings(out, file.scene, run.at_start);
+  around.watch.print(out, file.scene, sim, run.start, run.end, run.largest.kinetic);
   print_advice(out, file.scene, sim);
+}
+
+Json document(const SceneFile& file, const SimulationData& sim, const Around& around, const Run& run) {
+  Json json = {
+      {"scene", file.scene.name},
+      {"integrator", to_string(sim.integrator)},
+      {"step", sim.h},
+      {"steps", sim.steps},
+      {"time", sim.time()},
+      {"status", to_string(sim.worst)},
+      {"stopped", run.stopped == StepStatus::kOk ? Json(nullptr) : Json(failure(file.scene, sim, run.stopped))},
+      {"energy", {run.start.energy(), run.end.energy()}},
+      {"largest_position_drift", run.largest.position_drift}};
+  add_findings(file.scene, run.at_start, json);
+  around.watch.add_to(json, file.scene);
+  return json;
+}
+
+// Torques over time or a PD law, switches, and the file for forces.
+Around around_of(const Arguments& arguments, const SceneFile& file) {
+  Around out{Control(file), Watch(), std::nullopt, nullptr};
+  if (const auto torques = arguments.value("--torques")) out.control.read_torques(*torques);
+  const auto pd = arguments.value("--pd"), reference = arguments.value("--reference");
+  if (reference && !pd) throw UsageError("option --reference needs --pd");
+  if (pd) {
+    const Gains k = two_numbers("--pd", "kp kd", *pd);
+    out.control.follow(k.alpha, k.beta, reference);
+  }
+  if (const auto text = arguments.value("--switch")) out.switches.emplace(*text, file);
+  if (const auto forces = arguments.value("--forces")) out.forces = std::make_unique<CsvFile>(*forces);
+  return out;
 }
 
 int run_simulate(const Arguments& arguments) {
@@ -144,11 +238,17 @@ int run_simulate(const Arguments& arguments) {
   if (gains) set_gains(file.scene, *gains);
   if (damping > 0) file.scene.damping = damping;
   if (arguments.has("--passive")) file.u.setZero();
+  Around around = around_of(arguments, file);
   CsvFile csv(*out);
   run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
-  simulate(file.scene, file.u, arguments.has("--progress"), sim, csv, run);
-  if (*out != "-") print_summary(std::cout, file, sim, run);
+  sim.condition_every = kConditionEvery;
+  run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
+  simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
+  if (run.stopped == StepStatus::kSolverFailed)
+    run.at_start.weightless = weightless_names(file.scene, sim.dynamics, sim.q);
+  if (*out != "-") print_summary(std::cout, file, sim, around, run);
+  if (const auto json = arguments.value("--json")) write_json_file(document(file, sim, around, run), *json);
   finish_view(arguments, file, run.view, *out != "-" ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
@@ -163,8 +263,8 @@ const Command& simulate_command() {
   static const Command command{
       "simulate",
       "SCENE",
-      "The scene through time, its torques constant, its contacts held: trajectory, drift of the contacts, energy, "
-      "momentum.",
+      "The scene through time, its contacts held, its torques constant, over time or by a PD law: trajectory, drift of "
+      "the contacts, energy, momentum.",
       {{"--time", "T", "s; the last step ends at T or just after", true},
        {"--step", "H", "s", true},
        {"--out", "FILE",
@@ -175,6 +275,13 @@ const Command& simulate_command() {
        {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 carries over singular configurations"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
+       {"--torques", "FILE", "CSV: t and columns u:robot/joint, held from row to row; other joints keep the scene's"},
+       {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
+       {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
+       {"--switch", "LIST",
+        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: held where it is then)"},
+       {"--forces", "FILE", "CSV: t, contact forces on A in their reference frames, at the states of --out"},
+       {"--json", "FILE", "JSON: status, energy, what contacts and joints did that they cannot, and when first"},
        view_option(),
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),

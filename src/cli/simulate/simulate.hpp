@@ -17,4 +17,9 @@ void write_trajectory_header(const Scene& scene, CsvFile& csv);
 void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,
                           CsvFile& csv);
 
+/// t and the forces of all contacts in their reference frames, "f:left[0]", 0 where not active: those at the state that
+/// sim's last step started from.
+void write_forces_header(const Scene& scene, CsvFile& csv);
+void write_forces_row(double t, const Scene& scene, const SimulationData& sim, CsvFile& csv);
+
 }  // namespace manycontact::cli

@@ -19,10 +19,8 @@ Names names_of(const Scene& scene, const Island& island) {
   Names names;
   for (int r : island.robots) {
     const Robot& robot = scene.robots[r];
-    for (int i = 0; i < robot.model->nv; ++i) {
-      names.v.push_back(robot.name + "/" + dof_name(*robot.model, i));
-      if (i >= robot.model->first_actuated()) names.u.push_back(names.v.back());
-    }
+    for (int i = 0; i < robot.model->nv; ++i) names.v.push_back(robot.name + "/" + dof_name(*robot.model, i));
+    for (int i : robot.model->actuated) names.u.push_back(robot.name + "/" + dof_name(*robot.model, i));
   }
   for (int c : island.contacts)
     for (int k = 0; k < scene.contacts[c].rows(); ++k) names.f.push_back(row_name(scene.contacts[c], k));

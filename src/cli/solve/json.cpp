@@ -1,6 +1,7 @@
 #include <set>
 
 #include "../common/describe.hpp"
+#include "../common/findings.hpp"
 #include "../common/json_file.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "solve.hpp"
@@ -94,6 +95,7 @@ Json document(const SolvedScene& s) {
     json["dforces_du"] = matrix(d.dforces_du);
   }
   if (s.quasi_static_u) json["quasi_static_u"] = json_of(*s.quasi_static_u);
+  add_findings(s.file.scene, s.findings, json);
   json["report"] = report(s);
   return json;
 }

@@ -94,6 +94,8 @@ int run_solve(const Arguments& arguments) {
   const SceneFile file = load_scene(path);
   if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
+  solved.findings = find(file, solved.data);
+  solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))
     write_json(solved, *json);
@@ -133,6 +135,8 @@ const Command& solve_command() {
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that hold the scene still"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
+       {"--compare", "",
+        "compares with the dense method however long that takes; else up to about a quarter of a second"},
        {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad input.\n",
       run_solve};

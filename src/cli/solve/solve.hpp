@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "../common/findings.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -24,6 +25,8 @@ struct SolvedScene {
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
   bool derivatives = false;  // derivatives(data) are there
+  Findings findings = {};
+  bool compare = false;  // against the dense oracle, however long it takes
 };
 
 /// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and

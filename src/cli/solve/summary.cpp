@@ -196,6 +196,7 @@ void print_summary(std::ostream& out, const SolvedScene& s) {
   print_notes(out, s.file, false);
   out << "\n";
   print_report(out, s);
+  print_findings(out, s.file.scene, s.findings);
   const auto& islands = s.data.report.islands;
   const auto failed = [](const IslandReport& r) { return r.status == Status::kFailed; };
   if (!std::all_of(islands.begin(), islands.end(), failed)) {

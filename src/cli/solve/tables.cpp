@@ -77,6 +77,9 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
     case ContactType::k3D:
       w.head<3>() = f.segment<3>(offset);
       break;
+    case ContactType::k5D:
+      w << f.segment<3>(offset), across(contact.axis).transpose() * f.segment<2>(offset + 3);
+      break;
     case ContactType::k6D:
       w = f.segment<6>(offset);
       break;
@@ -180,7 +183,7 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
     const Vec6<double> w = force_in_axes(contact, s.data.f, s.data.f_offset[c]);
     std::vector<std::string> cells{to_string(contact.type),
                                    contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
-    for (const std::string& cell : components(w.head(contact.type == ContactType::k6D ? 6 : 3))) cells.push_back(cell);
+    for (const std::string& cell : components(w.head(holds_turning(contact.type) ? 6 : 3))) cells.push_back(cell);
     add_line(lines, group[c], contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
   }
   if (lines.empty()) return;
@@ -206,8 +209,8 @@ void print_quasi_static(std::ostream& out, const SolvedScene& s) {
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k) {
       const double torque = (*s.quasi_static_u)[robot.idx_u + k];
-      add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->first_actuated() + k),
-               {decimal(torque, 3)}, std::abs(torque));
+      add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->actuated[k]), {decimal(torque, 3)},
+               std::abs(torque));
     }
   out << "\nQuasi-static torques, which hold the scene still [N m, N]\n";
   if (lines.empty()) out << "  no joint is actuated\n";

@@ -97,8 +97,8 @@ void record(const ViewState& state, Recording& r) {
 
 }  // namespace
 
-Recording::Recording(const Scene& scene_, double rate_)
-    : scene(&scene_), rate(rate_), friction(scene_.contacts.size()), dynamics(scene_), room(scene_) {
+Recording::Recording(const Scene& scene_, double rate_) : scene(&scene_), rate(rate_), dynamics(scene_), room(scene_) {
+  for (const Contact& contact : scene_.contacts) friction.push_back(contact.mu.value_or(0));
   check_page_parts();
 }
 

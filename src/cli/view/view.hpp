@@ -29,7 +29,7 @@ struct Recording {
 
   const Scene* scene;
   double rate;
-  std::vector<double> friction;  // per contact: coefficient of the cone drawn, 0 without; the caller's
+  std::vector<double> friction;  // per contact: coefficient of the cone drawn, the contact's mu; 0: none
 
   // per frame
   std::vector<double> t;                              // s

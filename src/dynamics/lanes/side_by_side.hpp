@@ -78,6 +78,7 @@ class SideBySide {
   void evaluate_rows(const Scene& scene, const Island& island);
   void assemble(double damping);
   void assemble_right_side();
+  void add_wanted(const Job& job, std::span<const Island* const> islands);
   void factor();
   void apply_inverse(std::vector<S>& x) const;
   void correct(Mask open);
@@ -94,6 +95,8 @@ class SideBySide {
   using Panels = Eigen::Map<Columns>;
   void find_reach(const DerivativeJob& job, int ld);
   void right_sides(const DerivativeJob& job, Panels& X);
+  int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
+  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   void solve_panels(Panels& X);
   void store(const Panels& X, std::span<const Panel> panels) const;
   void refine_panel(int lane, const Panels& B, const Panel& panel);
@@ -224,6 +227,7 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   evaluate(scene, first);
   assemble(scene.damping);
   assemble_right_side();
+  if (job.wanted) add_wanted(job, islands);
   factor();
   usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
   refine();
@@ -302,6 +306,17 @@ void SideBySide<S>::assemble_right_side() {
   for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[rows_of(k)[i]] = -contacts_[k].a0[i];
+}
+
+/// The contact rows of b, per lane.
+template <class S>
+void SideBySide<S>::add_wanted(const Job& job, std::span<const Island* const> islands) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
+      S wanted(0);
+      for (int l = 0; l < W; ++l) wanted.set(l, job.wanted[job.f_offset[in_lane(islands, l).contacts[k]] + i]);
+      b_[rows_of(k)[i]] += wanted;
+    }
 }
 
 template <class S>
@@ -520,8 +535,7 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
     if (job.request.q) reach(i, job.q_first + j);
     if (job.request.v) reach(i, job.v_first + j);
   }
-  const int none = job.request.tau ? 0 : model_->first_actuated();
-  for (int i = none; job.request.u && i < model_->nv; ++i) reach(i, job.u_first + i - none);
+  for (int i = 0; job.request.u && i < torques(job); ++i) reach(torque(job, i), job.u_first + i);
   request_ = job.request;
 }
 
@@ -547,8 +561,7 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
   }
-  const int none = job.request.tau ? 0 : model_->first_actuated();
-  for (int i = none; job.request.u && i < nv; ++i) X(i, job.u_first + i - none) = S(1);
+  for (int i = 0; job.request.u && i < torques(job); ++i) X(torque(job, i), job.u_first + i) = S(1);
 }
 
 /// X <- K^-1 X
@@ -623,14 +636,14 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   const Scene& scene = job.scene;
   const Island& first = *islands.front();
   const KktPattern& p = *pattern_;
-  const int nv = model_->nv, none = model_->first_actuated();
+  const int nv = model_->nv;
   linearise(job, islands);
   std::fill(w_.begin(), w_.end(), S(0));
   for (int l = 0; l < W; ++l) {
     const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
     load_lane(l, job.in[0] + robot.idx_v, dq_);
     load_lane(l, job.in[1] + robot.idx_v, dv_);
-    for (int i = none; i < nv; ++i) w_[i].set(l, job.in[2][robot.idx_u + i - none]);
+    for (int i = 0; i < model_->nu(); ++i) w_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
   }
   tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
   std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
@@ -657,7 +670,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
   const Scene& scene = job.scene;
   const Island& first = *islands.front();
   const KktPattern& p = *pattern_;
-  const int nv = model_->nv, none = model_->first_actuated();
+  const int nv = model_->nv;
   linearise(job, islands);
   for (int l = 0; l < W; ++l) {
     const Island& island = in_lane(islands, l);
@@ -688,7 +701,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
     const int lane = static_cast<int>(l);
     for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
     for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
-    for (int i = none; i < nv; ++i) job.out[2][robot.idx_u + i - none] = w_[i][lane];
+    for (int i = 0; i < model_->nu(); ++i) job.out[2][robot.idx_u + i] = w_[model_->actuated[i]][lane];
   }
 }
 

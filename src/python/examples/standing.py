@@ -33,7 +33,7 @@ for _ in range(300):
     if mc.step(scene, u, simulation) != mc.StepStatus.kOk:
         break
     times.append(simulation.time)
-    forces.append([mc.contact_force(scene, simulation.dynamics, c.name)[2] for c in scene.contacts])
+    forces.append([mc.contact_force(scene, simulation, c.name)[2] for c in scene.contacts])
 
 # %% The plot.
 figure, axes = plt.subplots(1, 2, figsize=(10, 4))

@@ -22,7 +22,7 @@ int main(int, char** argv) {  // models/tasks/quadruped_scene.xml: four feet, ea
     std::cout << motion.time() << " s, " << to_string(motion.dynamics.report.status) << ":";
     for (const Contact& contact : scene.contacts)
       if (active[scene.contact_index.at(contact.name)])
-        std::cout << " " << contact.name << " " << contact_force(scene, motion.dynamics, contact.name)[2];
+        std::cout << " " << contact.name << " " << contact_force(scene, motion, contact.name)[2];
     std::cout << " N\n";
   }
 }

@@ -1,0 +1,31 @@
+#pragma once
+// Damping and friction of joints, where a robot's model has them: tau_f = -d v - c tanh(v / v0).
+
+#include <cmath>
+
+#include "manycontact/model/model.hpp"
+#include "manycontact/spatial/scalar.hpp"
+
+namespace manycontact {
+
+/// Whether any joint of the model has damping or friction.
+inline bool has_friction(const Model& model) { return model.damping.size() + model.friction.size() > 0; }
+
+/// tau += scale tau_f on a robot's nv coordinates.
+template <class S>
+void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {
+  using std::tanh;
+  for (Eigen::Index i = 0; i < model.damping.size(); ++i) tau[i] -= S(scale * model.damping[i]) * v[i];
+  for (Eigen::Index i = 0; i < model.friction.size(); ++i)
+    if (model.friction[i] != 0) tau[i] -= S(scale * model.friction[i]) * tanh(v[i] / S(kFrictionVelocity));
+}
+
+/// -d tau_f / dv of coordinate i.
+inline double friction_slope(const Model& model, int i, double v) {
+  double slope = model.damping.size() > 0 ? model.damping[i] : 0;
+  if (model.friction.size() == 0 || model.friction[i] == 0) return slope;
+  const double c = std::cosh(v / kFrictionVelocity);
+  return slope + model.friction[i] / (kFrictionVelocity * c * c);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,49 @@
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr double kMissed = 1e-8;  // of the worst
+
+// J a + a0 + delta f
+Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {
+  const Contact& contact = scene.contacts[c];
+  const ContactData<double>& rows = contact_of(data, c);
+  const ContactSupport& support = support_of(data, c);
+  Eigen::VectorXd r = rows.a0 + scene.damping * data.f.segment(data.f_offset[c], contact.rows());
+  Eigen::Index k = 0;
+  for (int i : support.a) r += rows.J.col(k++) * data.a[scene.robots[contact.A.robot].idx_v + i];
+  for (int i : support.b) r += rows.J.col(k++) * data.a[scene.robots[contact.B.robot].idx_v + i];
+  return r;
+}
+
+}  // namespace
+
+std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data) {
+  std::vector<Contradiction> out;
+  if (data.report.status < Status::kInconsistent) return out;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    if (data.report.islands[i].status != Status::kInconsistent) continue;
+    complete(scene, data);
+    for (int c : island_of(data, i).contacts) {
+      const Eigen::VectorXd r = missed_by(scene, data, c);
+      const Eigen::Index linear = std::min<Eigen::Index>(3, r.size());
+      out.push_back({c, r.head(linear).norm(), r.tail(r.size() - linear).norm()});
+    }
+  }
+  const auto size = [](const Contradiction& c) { return std::max(c.linear, c.angular); };
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const Contradiction& x, const Contradiction& y) { return size(x) > size(y); });
+  if (!out.empty()) {
+    const double least = kMissed * size(out.front());
+    std::erase_if(out, [&](const Contradiction& c) { return size(c) <= least; });
+  }
+  return out;
+}
+
+}  // namespace manycontact

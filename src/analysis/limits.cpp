@@ -1,0 +1,62 @@
+#include <cmath>
+
+#include "manycontact/analysis/findings.hpp"
+
+namespace manycontact {
+
+std::string to_string(Limited quantity) {
+  switch (quantity) {
+    case Limited::kPosition:
+      return "position";
+    case Limited::kVelocity:
+      return "velocity";
+    case Limited::kEffort:
+      break;
+  }
+  return "effort";
+}
+
+namespace {
+
+// Beyond by more than the rounding of a number written at the limit.
+bool beyond(double x, double limit) { return x > limit + 1e-9 * std::abs(limit); }
+
+void look_at(const Joint& joint, int k, Limited quantity, double x, LimitPassed found, std::vector<LimitPassed>& out) {
+  found.quantity = quantity;
+  found.value = x;
+  if (quantity == Limited::kPosition) {
+    if (joint.lower.size() != joint.nv() || joint.upper.size() != joint.nv() || !(joint.lower[k] < joint.upper[k]))
+      return;
+    found.limit =
+        x > 0.5 * (joint.lower[k] + joint.upper[k]) || !std::isfinite(joint.lower[k]) ? joint.upper[k] : joint.lower[k];
+    if (beyond(x, joint.upper[k]) || beyond(-x, -joint.lower[k])) out.push_back(found);
+    return;
+  }
+  const Eigen::VectorXd& limits = quantity == Limited::kVelocity ? joint.velocity_limit : joint.effort_limit;
+  if (limits.size() != joint.nv() || !(limits[k] > 0) || !beyond(std::abs(x), limits[k])) return;
+  found.limit = limits[k];
+  out.push_back(found);
+}
+
+}  // namespace
+
+std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                       const Eigen::Ref<const Eigen::VectorXd>& v,
+                                       const Eigen::Ref<const Eigen::VectorXd>& u) {
+  std::vector<LimitPassed> out;
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    const Robot& robot = scene.robots[r];
+    for (const Joint& joint : robot.model->joints) {
+      const int torque = robot.model->torque_of(joint);
+      for (int k = 0; k < joint.nv() && joint.type != JointType::kFloating; ++k) {
+        const LimitPassed at{r, joint.idx_v + k, Limited::kPosition, 0, 0};
+        look_at(joint, k, Limited::kPosition, q[robot.idx_q + joint.idx_q + k], at, out);
+        look_at(joint, k, Limited::kVelocity, v[robot.idx_v + joint.idx_v + k], at, out);
+        if (torque >= 0) look_at(joint, k, Limited::kEffort, u[robot.idx_u + torque + k], at, out);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace manycontact

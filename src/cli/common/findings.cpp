@@ -1,0 +1,157 @@
+#include "findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostLimits = 6, kMostWeightless = 8;
+
+std::string joint_name(const Scene& scene, const LimitPassed& limit) {
+  const Robot& robot = scene.robots[limit.robot];
+  return robot.name + "/" + dof_name(*robot.model, limit.dof);
+}
+
+// "5 m and 0.1 rad", without what is negligible.
+std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible) {
+  std::string text;
+  if (first >= negligible) text = number(first) + " " + unit;
+  if (second >= negligible) text += (text.empty() ? "" : " and ") + number(second) + " " + unit_of_second;
+  return text;
+}
+
+// "left, right", and the worst apart when there are several.
+template <class List, class Size, class Say>
+void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
+                    Say&& say) {
+  if (list.empty()) return;
+  std::vector<int> contacts;
+  for (const auto& item : list) contacts.push_back(item.contact);
+  std::sort(contacts.begin(), contacts.end());
+  const auto worst =
+      std::max_element(list.begin(), list.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const std::string names = contact_names(scene, contacts), name = scene.contacts[worst->contact].name;
+  wrap(out, list.size() == 1 ? name + " " + say(*worst) : names + "; most of all " + name + " " + say(*worst), 2,
+       title + ": ");
+}
+
+std::string amount(const Scene& scene, const Violation& v) {
+  const Contact& contact = scene.contacts[v.contact];
+  const std::string by = "by " + number(v.by) + " " + unit_of(v.kind);
+  switch (v.kind) {
+    case Violating::kPulls:
+      return by;
+    case Violating::kSlips:
+      return by + " beyond mu " + number(*contact.mu) +
+             (std::isfinite(v.needs) ? ", " + number(v.needs) + " would do" : "");
+    case Violating::kTips:
+      return by + " beyond its box";
+    case Violating::kTurns:
+      break;
+  }
+  return by + " beyond what friction bears";
+}
+
+void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed> limits) {
+  const auto share = [](const LimitPassed& l) {
+    return l.limit == 0 ? std::abs(l.value) : std::abs((l.value - l.limit) / l.limit);
+  };
+  std::stable_sort(limits.begin(), limits.end(),
+                   [&](const LimitPassed& a, const LimitPassed& b) { return share(a) > share(b); });
+  std::vector<std::string> texts;
+  for (const LimitPassed& limit : limits) {
+    texts.push_back(in_words(scene, limit));
+    if (texts.size() > kMostLimits + 1) break;
+  }
+  const std::size_t shown = limits.size() <= kMostLimits + 1 ? limits.size() : kMostLimits;
+  std::string text;
+  for (std::size_t k = 0; k < shown; ++k) text += (k ? "; " : "") + texts[k];
+  if (shown < limits.size()) text += "; and " + std::to_string(limits.size() - shown) + " more";
+  if (!text.empty()) wrap(out, text, 2, "beyond limits: ");
+}
+
+}  // namespace
+
+Findings find(const SceneFile& file, const SceneData& data) {
+  Findings f;
+  f.misplaced = placement_errors(file.scene, data.active, file.q);
+  f.violations = violations(file.scene, data.f, data.f_offset);
+  f.limits = limits_passed(file.scene, file.q, file.v, file.u);
+  f.contradictions = contradictions(file.scene, data);
+  f.weightless = weightless_names(file.scene, data, file.q);
+  return f;
+}
+
+std::string in_words(const Scene& scene, const LimitPassed& limit) {
+  return joint_name(scene, limit) + ": " + to_string(limit.quantity) + " " + number(limit.value, 4) + ", limit " +
+         number(limit.limit, 4);
+}
+
+std::string in_words(const Scene& scene, const Violation& v) {
+  return scene.contacts[v.contact].name + " " + to_string(v.kind) + " " + amount(scene, v);
+}
+
+void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
+  if (f.empty()) return;
+  out << "\nTo look at\n";
+  print_contacts(
+      out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
+      [&](const PlacementError& e) {
+        const Contact& c = scene.contacts[e.contact];
+        return "by " + two_sizes(e.position, "m", e.angle, "rad", kPlacementError) +
+               (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+      });
+  for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
+    std::vector<Violation> alike;
+    for (const Violation& v : f.violations)
+      if (v.kind == kind) alike.push_back(v);
+    print_contacts(
+        out, scene, alike, to_string(kind), [](const Violation& v) { return v.by; },
+        [&](const Violation& v) { return amount(scene, v); });
+  }
+  print_limits(out, scene, f.limits);
+  print_contacts(
+      out, scene, f.contradictions, "contradicted",
+      [](const Contradiction& c) { return std::max(c.linear, c.angular); },
+      [](const Contradiction& c) {
+        return "by " + two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
+      });
+  if (!f.weightless.empty()) wrap(out, join(f.weightless, kMostWeightless), 2, "joints that carry no mass: ");
+}
+
+Json json_of(const Scene& scene, const Violation& v) {
+  Json out = {{"contact", scene.contacts[v.contact].name},
+              {"kind", to_string(v.kind)},
+              {"by", v.by},
+              {"unit", unit_of(v.kind)}};
+  if (v.kind == Violating::kSlips) out["needs_mu"] = v.needs;
+  return out;
+}
+
+Json json_of(const Scene& scene, const LimitPassed& limit) {
+  return {{"joint", joint_name(scene, limit)},
+          {"quantity", to_string(limit.quantity)},
+          {"value", limit.value},
+          {"limit", limit.limit}};
+}
+
+void add_findings(const Scene& scene, const Findings& f, Json& to) {
+  for (const char* key : {"violations", "placement_errors", "limits_passed", "contradictions"}) to[key] = Json::array();
+  for (const Violation& v : f.violations) to["violations"].push_back(json_of(scene, v));
+  for (const PlacementError& e : f.misplaced)
+    to["placement_errors"].push_back(
+        {{"contact", scene.contacts[e.contact].name}, {"position", e.position}, {"angle", e.angle}});
+  for (const LimitPassed& limit : f.limits) to["limits_passed"].push_back(json_of(scene, limit));
+  for (const Contradiction& c : f.contradictions)
+    to["contradictions"].push_back(
+        {{"contact", scene.contacts[c.contact].name}, {"linear", c.linear}, {"angular", c.angular}});
+  to["massless_joints"] = f.weightless;
+}
+
+}  // namespace manycontact::cli

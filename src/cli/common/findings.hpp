@@ -1,0 +1,40 @@
+#pragma once
+// What a careful reader asks of a scene and its answer, in words and in JSON.
+
+#include "json_file.hpp"
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+
+struct Findings {
+  std::vector<PlacementError> misplaced;
+  std::vector<Violation> violations;
+  std::vector<LimitPassed> limits;
+  std::vector<Contradiction> contradictions;
+  std::vector<std::string> weightless;
+
+  bool empty() const {
+    return misplaced.empty() && violations.empty() && limits.empty() && contradictions.empty() && weightless.empty();
+  }
+};
+
+/// Of a scene solved at its own state.
+Findings find(const SceneFile& file, const SceneData& data);
+
+/// "r0/knee: position 3.2, beyond 2.5"
+std::string in_words(const Scene& scene, const LimitPassed& limit);
+/// "left slips by 30 N beyond mu 0.6, 0.82 would do"
+std::string in_words(const Scene& scene, const Violation& violation);
+
+/// "To look at": a line per kind of finding, the worst first; nothing where there are none.
+void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
+
+/// {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" for what slips.
+Json json_of(const Scene& scene, const Violation& violation);
+/// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
+Json json_of(const Scene& scene, const LimitPassed& limit);
+/// Adds the keys violations, placement_errors, limits_passed, contradictions, massless_joints: lists, empty or not.
+void add_findings(const Scene& scene, const Findings& findings, Json& to);
+
+}  // namespace manycontact::cli

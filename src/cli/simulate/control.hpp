@@ -1,0 +1,48 @@
+#pragma once
+// What acts on the joints during a simulation: the scene's torques, torques over time from a file, and a PD law towards
+// a reference over time.
+
+#include <optional>
+
+#include "manycontact/io/scene_file.hpp"
+
+namespace manycontact::cli {
+
+/// Numbers over time from a CSV file: a column t, ascending, and columns called `prefix` + a coordinate's name.
+class TimeTable {
+ public:
+  /// Columns with another prefix are left alone; those with it must be among `names`. Throws InputError.
+  TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
+
+  bool empty() const { return columns_.empty(); }
+  /// Overwrites the coordinates that have a column, with their values at t: those of the last row that is not later
+  /// (the first before it), or on the line between two rows.
+  void at(double t, bool between, Eigen::VectorXd& x) const;
+
+ private:
+  std::vector<int> columns_;  // coordinates
+  std::vector<double> t_, values_;
+};
+
+/// u(t, q, v) = torques(t) + kp (q_ref(t) - q) + kd (v_ref(t) - v)
+class Control {
+ public:
+  explicit Control(const SceneFile& file)
+      : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
+  /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque.
+  void read_torques(const std::string& path);
+  /// Towards columns "q:r0/knee" and "v:r0/knee", in between rows too; what has none: the scene's q, and 0. Throws
+  /// InputError where an actuated joint has several coordinates.
+  void follow(double kp, double kd, const std::optional<std::string>& reference);
+
+  const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+
+ private:
+  const SceneFile& file_;
+  Eigen::VectorXd u_, q_, v_, out_;
+  std::optional<TimeTable> torques_, q_over_time_, v_over_time_;
+  bool follows_ = false;
+  double kp_ = 0, kd_ = 0;
+};
+
+}  // namespace manycontact::cli

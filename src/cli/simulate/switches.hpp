@@ -1,0 +1,40 @@
+#pragma once
+// Contacts that come and go at given times: the option --switch.
+
+#include "manycontact/io/scene_file.hpp"
+#include "manycontact/simulation/switch.hpp"
+
+namespace manycontact::cli {
+
+class Switches {
+ public:
+  /// "0.2 left off, 0.5 left on": times, contacts (or copies, by the name in the file), and `off`, `on` or `here` (on,
+  /// held where frame A is then). Throws UsageError.
+  Switches(const std::string& text, const SceneFile& file);
+
+  struct Event {
+    double t = 0;
+    std::string contact;
+    int first = 0, count = 1;  // contacts
+    enum { kOff, kOn, kHere } what = kOff;
+  };
+  const std::vector<Event>& events() const { return events_; }
+
+  /// What happened to the motion when contacts closed.
+  struct Blow {
+    double t = 0;
+    std::string contacts;
+    VelocityJump jump;
+  };
+  const std::vector<Blow>& blows() const { return blows_; }
+
+  /// Does what is due at the state's time, `tolerance` early at most. False when an impact could not be solved.
+  [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);
+
+ private:
+  std::vector<Event> events_;  // by time
+  std::size_t done_ = 0;
+  std::vector<Blow> blows_;
+};
+
+}  // namespace manycontact::cli

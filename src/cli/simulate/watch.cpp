@@ -1,0 +1,99 @@
+#include "watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../common/table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostShown = 8;
+constexpr double kSingular = 1e4;  // a condition that has grown by this
+constexpr double kGained = 0.01;   // energy out of nothing, of the largest kinetic energy
+
+double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {
+  double power = 0;
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k)
+      power += u[robot.idx_u + k] * v[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+  return power;
+}
+
+double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
+
+}  // namespace
+
+void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                 const Eigen::VectorXd& u, const SimulationData& sim) {
+  work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
+  for (const Violation& x : violations(scene, sim.f, sim.f_offset)) {
+    const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
+    if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
+  }
+  for (const LimitPassed& x : limits_passed(scene, q, v, u)) {
+    const auto [at, fresh] =
+        limits_.try_emplace({x.robot, x.dof, static_cast<int>(x.quantity)}, Seen<LimitPassed>{t, x});
+    if (!fresh && share(x) > share(at->second.worst)) at->second.worst = x;
+  }
+  if (first_condition_ == 0) first_condition_ = sim.condition;
+  if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
+  if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;
+  if (sim.dynamics.report.rank < most_rank_ && rank_time_ < 0) rank_time_ = t;
+  most_rank_ = std::max(most_rank_, sim.dynamics.report.rank);
+}
+
+template <class Finding>
+std::vector<const Watch::Seen<Finding>*> Watch::by_time(const std::map<std::vector<int>, Seen<Finding>>& seen) const {
+  std::vector<const Seen<Finding>*> out;
+  for (const auto& [key, x] : seen) out.push_back(&x);
+  std::stable_sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->first < b->first; });
+  return out;
+}
+
+void Watch::print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+                  const Invariants& end, double most_kinetic) const {
+  const auto list = [&](const auto& seen, const char* most) {
+    std::size_t shown = 0;
+    for (const auto* x : seen) {
+      if (++shown > kMostShown) break;
+      wrap(out, "from t = " + number(x->first, 4) + " s on" + most + in_words(scene, x->worst), 2);
+    }
+    if (seen.size() > kMostShown) out << "  ... and " << seen.size() - kMostShown << " more, later\n";
+  };
+  list(by_time(violations_), ", at most: ");
+  list(by_time(limits_), ", farthest: ");
+  if (rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
+    wrap(out,
+         "near a singular posture at t = " + number(rank_time_ >= 0 ? rank_time_ : condition_time_, 4) + " s: " +
+             (rank_time_ >= 0
+                  ? "contact rows lose rank"
+                  : "condition " + scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
+             "; forces there hang on the step, --damping 1e-8 to 1e-6 carries over",
+         2);
+  const double gained = end.energy() - start.energy() - work_;
+  if (gained > kGained * most_kinetic && gained > 1e-9 * std::abs(start.potential))
+    wrap(out,
+         "energy grew by " + number(gained) + " J more than the torques gave: steps of " + number(sim.h) +
+             " s are too long for this motion, or gains correct contacts that are out of place",
+         2);
+}
+
+void Watch::add_to(Json& json, const Scene& scene) const {
+  const auto list = [&](const char* key, const auto& seen) {
+    json[key] = Json::array();
+    for (const auto* x : seen) {
+      Json entry = json_of(scene, x->worst);
+      entry["first_time"] = x->first;
+      json[key].push_back(entry);
+    }
+  };
+  list("violations", by_time(violations_));
+  list("limits_passed", by_time(limits_));
+  json["work_of_torques"] = work_;
+  json["largest_condition"] = largest_condition_;
+  json["largest_condition_time"] = condition_time_;
+}
+
+}  // namespace manycontact::cli

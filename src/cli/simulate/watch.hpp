@@ -1,0 +1,43 @@
+#pragma once
+// What a simulation passes on its way and its end does not show: contacts that pull, slip or tip, joints beyond limits,
+// singular postures, energy that nothing gave.
+
+#include <map>
+
+#include "../common/findings.hpp"
+#include "simulate.hpp"
+
+namespace manycontact::cli {
+
+class Watch {
+ public:
+  /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
+  void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
+            const SimulationData& sim);
+  void lost(double energy) { work_ -= energy; }  // in an impact
+
+  double work() const { return work_; }  // J, of the torques, less what impacts took
+  void print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+             const Invariants& end, double most_kinetic) const;
+  /// violations and limits_passed, each with first_time [s]; work [J]; largest_condition, at its time.
+  void add_to(Json& json, const Scene& scene) const;
+
+ private:
+  template <class Finding>
+  struct Seen {
+    double first = 0;
+    Finding worst;
+  };
+  template <class Finding>
+  std::vector<const Seen<Finding>*> by_time(const std::map<std::vector<int>, Seen<Finding>>& seen) const;
+
+  std::map<std::vector<int>, Seen<Violation>> violations_;  // by contact and kind
+  std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // by robot, coordinate and quantity
+  double work_ = 0;
+  double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
+  int most_rank_ = -1;
+  double rank_time_ = -1;  // when rows became dependent that were not, -1: never
+  std::vector<char> active_;
+};
+
+}  // namespace manycontact::cli

@@ -1,0 +1,193 @@
+// What is asked of a scene and its answer beside its status: places, pressure, limits, contradictions, masses.
+
+#include "manycontact/analysis/findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "manycontact/dynamics/solve.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const std::string kBox = "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" xyz=\"1 2 3\"/>";
+
+SceneFile held(const std::string& contact) { return load_text("<scene>" + kBox + contact + "</scene>"); }
+
+std::vector<PlacementError> errors_of(const SceneFile& file) {
+  std::vector<char> active;
+  for (const Contact& contact : file.scene.contacts) active.push_back(contact.active);
+  return placement_errors(file.scene, active, file.q);
+}
+
+TEST(PlacementErrors, OfEveryType) {
+  const auto error = [](const std::string& type, const std::string& more) {
+    const auto found = errors_of(held("<contact name=\"c\" type=\"" + type + "\" frame=\"b/crate\" " + more + "/>"));
+    return found.empty() ? PlacementError{-1} : found[0];
+  };
+  const std::string away = "xyz=\"1 2 8\" quat_xyzw=\"0 0 0 1\"";  // 5 m below where it is held
+  EXPECT_NEAR(error("3d", away).position, 5, 1e-12);
+  EXPECT_EQ(error("3d", away).angle, 0);
+  EXPECT_NEAR(error("1d", away + " axis=\"0 3 4\"").position, 4, 1e-12);
+  EXPECT_NEAR(error("2d", away).position, 5, 1e-12);
+  EXPECT_EQ(error("2d", "xyz=\"1 7 3\"").contact, -1);  // y is free
+  EXPECT_EQ(error("1d", "xyz=\"1 2 8\" axis=\"1 0 0\"").contact, -1);
+  // turned by 0.8 about x
+  const std::string turned = "quat_xyzw=\"0.3894183423086505 0 0 0.9210609940028851\"";
+  EXPECT_NEAR(error("6d", turned).angle, 0.8, 1e-12);
+  EXPECT_LT(error("6d", turned).position, 1e-12);
+  EXPECT_NEAR(error("5d", turned + " axis=\"0 1 0\"").angle, 0.8, 1e-12);
+  EXPECT_EQ(error("5d", turned + " axis=\"1 0 0\"").contact, -1);  // about the hinge
+  EXPECT_EQ(error("6d", "").contact, -1);
+  EXPECT_EQ(error("3d", "xyz=\"1 2 3.0000005\"").contact, -1);  // as files round
+  EXPECT_TRUE(
+      errors_of(held("<contact name=\"c\" type=\"3d\" frame=\"b/crate\" xyz=\"0 0 0\" active=\"false\"/>")).empty());
+}
+
+// The distance is that of the frames in the world, whatever robots come between.
+TEST(PlacementErrors, BetweenRobots) {
+  const SceneFile file = load_text(
+      "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" copies=\"3\" spacing=\"2\"/>"
+      "<contact name=\"c\" type=\"3d\" frame=\"b/crate\" to=\"b+1/crate\" to_offset=\"0.5 0 0\"/></scene>");
+  const auto found = errors_of(file);
+  ASSERT_EQ(found.size(), 2u);
+  for (const PlacementError& e : found) EXPECT_NEAR(e.position, 2.5, 1e-12);
+}
+
+Scene one_contact(ContactType type, double mu, const Eigen::Vector2d& box = Eigen::Vector2d::Zero()) {
+  SceneFile file = held("<contact name=\"c\" type=\"6d\" frame=\"b/crate\"/>");
+  file.scene.contacts[0].type = type;
+  file.scene.contacts[0].mu = mu;
+  file.scene.contacts[0].box = box;
+  return file.scene;
+}
+
+std::vector<Violation> judged(const Scene& scene, std::initializer_list<double> force) {
+  const std::vector<double> f(force);
+  return violations(scene, Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())), {0});
+}
+
+TEST(Violations, PullAndSlip) {
+  const Scene point = one_contact(ContactType::k3D, 0.5);
+  EXPECT_TRUE(judged(point, {3, 4, 10}).empty());  // |t| = 5 = mu n
+  auto found = judged(point, {6, 8, 10});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, Violating::kSlips);
+  EXPECT_NEAR(found[0].by, 5, 1e-12);
+  EXPECT_NEAR(found[0].needs, 1, 1e-12);
+  found = judged(point, {6, 8, -10});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, Violating::kPulls);
+  EXPECT_NEAR(found[0].by, 10, 1e-12);
+  EXPECT_TRUE(judged(one_contact(ContactType::k1D, 0), {1}).empty());
+  EXPECT_EQ(judged(one_contact(ContactType::k1D, 0), {-1}).at(0).kind, Violating::kPulls);
+  EXPECT_EQ(judged(one_contact(ContactType::k2D, 0.5), {2, 3}).at(0).kind, Violating::kSlips);
+  EXPECT_TRUE(judged(one_contact(ContactType::k2D, 0.7), {2, 3}).empty());
+  Scene without = point;
+  without.contacts[0].mu.reset();
+  EXPECT_TRUE(judged(without, {6, 8, -10}).empty());
+}
+
+TEST(Violations, TipAndTurn) {
+  const Scene sole = one_contact(ContactType::k6D, 0.5, {0.2, 0.1});
+  EXPECT_TRUE(judged(sole, {0, 0, 100, 4.9, 9.9, 0}).empty());
+  auto found = judged(sole, {0, 0, 100, 0, -13, 0});  // centre of pressure 0.13 m ahead
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, Violating::kTips);
+  EXPECT_NEAR(found[0].by, 0.03, 1e-12);
+  EXPECT_NEAR(judged(sole, {0, 0, 100, 6, 0, 0}).at(0).by, 0.01, 1e-12);
+  // no other force: torque up to mu n (X + Y) = 0.5 * 100 * 0.15
+  EXPECT_TRUE(judged(sole, {0, 0, 100, 0, 0, 7.4}).empty());
+  found = judged(sole, {0, 0, 100, 0, 0, -8});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, Violating::kTurns);
+  EXPECT_NEAR(found[0].by, 0.5, 1e-12);
+}
+
+// Whatever forces within their cones act at the corners, their sum is none of these.
+TEST(Violations, NoneOfForcesAtTheCorners) {
+  const double mu = 0.6, X = 0.1, Y = 0.05;
+  const Scene sole = one_contact(ContactType::k6D, mu, {2 * X, 2 * Y});
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int k = 0; k < 2000; ++k) {
+    Vec6<double> sum = Vec6<double>::Zero();
+    for (const double x : {-X, X})
+      for (const double y : {-Y, Y}) {
+        const double n = unit(rng), t = mu * n * std::sqrt(unit(rng)), angle = 2 * M_PI * unit(rng);
+        const Vec3<double> f(t * std::cos(angle), t * std::sin(angle), n), r(x, y, 0);
+        sum.head<3>() += f;
+        sum.tail<3>() += r.cross(f);
+      }
+    const Eigen::VectorXd f = sum;
+    EXPECT_TRUE(violations(sole, f, {0}).empty()) << f.transpose();
+  }
+}
+
+TEST(Limits, PositionVelocityEffort) {
+  const auto passed = [](const std::string& inside) {
+    const SceneFile file =
+        load_text("<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\">" + inside + "</robot></scene>");
+    return limits_passed(file.scene, file.q, file.v, file.u);
+  };
+  EXPECT_TRUE(passed("").empty());
+  const SceneFile file = load_text("<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
+  const Joint& joint = file.scene.robots[0].model->joints[1];
+  const auto quoted = [](double x) { return "=\"" + std::to_string(x) + "\""; };
+  const std::string begin = "<joint name=\"" + joint.name + "\" ";
+  auto found = passed(begin + "q" + quoted(joint.upper[0] + 0.25) + "/>");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].quantity, Limited::kPosition);
+  EXPECT_EQ(found[0].dof, joint.idx_v);
+  EXPECT_NEAR(found[0].value - found[0].limit, 0.25, 1e-5);
+  found = passed(begin + "q" + quoted(joint.lower[0] - 0.25) + "/>");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].limit, joint.lower[0]);
+  found = passed(begin + "v" + quoted(-2 * joint.velocity_limit[0]) + " u" + quoted(3 * joint.effort_limit[0]) + "/>");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].quantity, Limited::kVelocity);
+  EXPECT_EQ(found[1].quantity, Limited::kEffort);
+  EXPECT_EQ(found[1].limit, joint.effort_limit[0]);
+}
+
+TEST(Contradictions, TellTheirSize) {
+  // held at one point of the world with a velocity that the gains of two contacts want to change differently
+  SceneFile file = load_text(
+      "<scene>" + std::string("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><v>0 0 1 0 0 0</v></robot>") +
+      "<contact name=\"first\" type=\"3d\" frame=\"b/crate\"/>"
+      "<contact name=\"second\" type=\"3d\" frame=\"b/crate\" gains=\"0 10\"/></scene>");
+  SceneData data(file.scene);
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  ASSERT_EQ(data.report.status, Status::kInconsistent);
+  const auto found = contradictions(file.scene, data);
+  ASSERT_EQ(found.size(), 2u);  // 0 and -10 m/s^2 asked for: the least squares miss both by 5
+  for (const Contradiction& c : found) EXPECT_NEAR(c.linear, 5, 1e-9);
+  file.scene.contacts[1].beta = 0;
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  EXPECT_TRUE(contradictions(file.scene, data).empty());
+}
+
+TEST(Weightless, JointsByName) {
+  const std::string path = testing::TempDir() + "manycontact_weightless.urdf";
+  std::ofstream(path) << R"(<robot name="r">
+    <link name="base"/>
+    <link name="arm"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <link name="ghost"/>
+    <joint name="shoulder" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+    <joint name="wrist" type="continuous"><parent link="arm"/><child link="ghost"/><axis xyz="0 1 0"/></joint></robot>)";
+  const std::string scene = testing::TempDir() + "manycontact_weightless.xml";
+  std::ofstream(scene) << "<scene><robot name=\"r\" urdf=\"manycontact_weightless.urdf\" base=\"fixed\"/></scene>";
+  const SceneFile file = load_scene(scene);
+  SceneData data(file.scene);
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  ASSERT_EQ(data.report.status, Status::kFailed);
+  EXPECT_EQ(weightless_names(file.scene, data, file.q), std::vector<std::string>{"r/wrist"});
+  const SceneFile sound = held("");
+  EXPECT_TRUE(weightless_coordinates(sound.scene.robots[0], sound.q).empty());
+}
+
+}  // namespace
+}  // namespace manycontact::test

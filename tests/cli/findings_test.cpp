@@ -1,0 +1,189 @@
+// What solve, inspect and simulate say unasked: contacts out of place, that pull, slip or tip; limits; masses; energy.
+
+#include <cmath>
+
+#include "cli/program.hpp"
+
+namespace manycontact::cli {
+namespace {
+
+using nlohmann::json;
+
+class FindingsOfTheProgram : public Program {
+ protected:
+  json simulate(const std::string& scene, std::vector<std::string> more, int status = 0) const {
+    std::vector<std::string> words{"simulate", scene,   "--time",      "0.1",    "--step",
+                                   "0.001",    "--out", path("t.csv"), "--json", path("s.json")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    said_ = outcome.out;
+    return json::parse(read_text(path("s.json")), nullptr, false);
+  }
+  mutable std::string said_;
+};
+
+const std::string kBox = R"(<robot name="b" urdf="box.urdf" base="floating"/>)";
+
+TEST_F(FindingsOfTheProgram, AFootFarAway) {
+  const std::string far = scene(kBox + R"(<contact name="foot" type="3d" frame="b/crate" xyz="0 3 4"/>)");
+  const json j = solve({far});
+  EXPECT_EQ(j.at("report").at("status"), "ok");
+  ASSERT_EQ(j.at("placement_errors").size(), 1u);
+  EXPECT_EQ(j.at("placement_errors")[0].at("contact"), "foot");
+  EXPECT_NEAR(j.at("placement_errors")[0].at("position").get<double>(), 5, 1e-12);
+  const std::string text = "out of place: foot by 5 m, which nothing corrects: its gains are zero";
+  expect_contains(run({"solve", far}).out, text);
+  expect_contains(run({"inspect", far}).out, text);
+  EXPECT_EQ(simulate(far, {}).at("placement_errors").size(), 1u);
+  expect_contains(said_, text);
+  for (const char* name : {"humanoid_standing.xml", "herd.xml"})
+    EXPECT_EQ(solve({model(name)}).at("placement_errors").size(), 0u) << name;
+}
+
+// A box hangs on a contact that can only push, and is drawn along one that can only rub.
+TEST_F(FindingsOfTheProgram, PullsAndSlips) {
+  const std::string hangs = scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)");
+  const double weight = 6.4 * 9.81;
+  json j = solve({hangs});
+  EXPECT_EQ(j.at("violations").size(), 0u);  // the world bears it
+  const std::string below =
+      scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)", "gravity=\"9.81 0 9.81\"");
+  j = solve({below});
+  ASSERT_EQ(j.at("violations").size(), 1u);
+  EXPECT_EQ(j.at("violations")[0].at("kind"), "pulls");
+  EXPECT_NEAR(j.at("violations")[0].at("by").get<double>(), weight, 0.01 * weight);
+  expect_contains(run({"solve", below}).out, "pulls: top by 62.8 N");
+  expect_contains(run({"inspect", below}).out, "pulls: top by 62.8 N");
+  const std::string aslant =
+      scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)", "gravity=\"9.81 0 -9.81\"");
+  j = solve({aslant});
+  ASSERT_EQ(j.at("violations").size(), 1u);
+  EXPECT_EQ(j.at("violations")[0].at("kind"), "slips");
+  EXPECT_NEAR(j.at("violations")[0].at("needs_mu").get<double>(), 1, 1e-9);
+  expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N beyond mu 0.5, 1 would do");
+}
+
+// A humanoid that stands does not tip; collapsing without torques it does, and the first time is told.
+TEST_F(FindingsOfTheProgram, TheFirstTime) {
+  std::string text = read_text(model("humanoid_standing.xml"));
+  const std::string sole = "mu=\"0.7\" box=\"0.02 0.02\" ";
+  for (std::size_t at = 0; (at = text.find("type=\"6d\"", at)) != std::string::npos; at += sole.size() + 1)
+    text.insert(at, sole);
+  scene("");  // copies the robots
+  std::ofstream(path("stands.xml")) << text;
+  EXPECT_EQ(solve({path("stands.xml")}).at("violations").size(), 0u);
+  std::vector<std::string> words{"simulate", path("stands.xml"), "--time", "0.4",          "--step",   "0.001",
+                                 "--out",    path("t.csv"),      "--json", path("s.json"), "--passive"};
+  const Outcome outcome = run(words);
+  const json run_json = json::parse(read_text(path("s.json")), nullptr, false);
+  ASSERT_GE(run_json.at("violations").size(), 1u);
+  double before = 0;
+  for (const json& v : run_json.at("violations")) {
+    EXPECT_GE(v.at("first_time").get<double>(), before);
+    before = v.at("first_time");
+    EXPECT_GT(v.at("by").get<double>(), 0);
+  }
+  EXPECT_LT(before, 0.4);
+  expect_contains(outcome.out, "from t = ");
+}
+
+TEST_F(FindingsOfTheProgram, LimitsAndJoints) {
+  const std::string beyond = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating">
+    <joint name="LF_knee" q="3" u="1000"/></robot>)");
+  const json j = solve({beyond});
+  ASSERT_EQ(j.at("limits_passed").size(), 2u);
+  EXPECT_EQ(j.at("limits_passed")[0].at("joint"), "q/LF_knee");
+  EXPECT_EQ(j.at("limits_passed")[0].at("quantity"), "position");
+  EXPECT_EQ(j.at("limits_passed")[1].at("quantity"), "effort");
+  expect_contains(run({"solve", beyond}).out, "q/LF_knee: effort 1000, limit ");
+  const std::string out = run({"inspect", beyond}).out;
+  expect_contains(out, "Joints: limits of the robots' files");
+  expect_contains(out, "q/LF_knee: position 3, limit ");
+  EXPECT_EQ(simulate(beyond, {}).at("limits_passed").at(0).at("first_time"), 0);
+}
+
+TEST_F(FindingsOfTheProgram, ContradictionsAndMasslessJoints) {
+  const std::string torn = scene(R"(<robot name="b" urdf="box.urdf" base="floating"><v>0 0 1 0 0 0</v></robot>
+    <contact name="one" type="3d" frame="b/crate"/> <contact name="two" type="3d" frame="b/crate" gains="0 10"/>)");
+  const json j = solve({torn});
+  EXPECT_EQ(j.at("report").at("status"), "inconsistent");
+  ASSERT_EQ(j.at("contradictions").size(), 2u);
+  EXPECT_NEAR(j.at("contradictions")[0].at("linear").get<double>(), 5, 1e-9);
+  expect_contains(run({"solve", torn}).out, "contradicted: one, two; most of all one by 5 m/s^2");
+
+  std::ofstream(path("ghost.urdf")) << R"(<robot name="ghost"><link name="base"/><link name="nothing"/>
+    <joint name="wrist" type="continuous"><parent link="base"/><child link="nothing"/></joint></robot>)";
+  const std::string ghost = scene(R"(<robot name="g" urdf="ghost.urdf" base="fixed"/>)");
+  EXPECT_EQ(solve({ghost}, 1).at("massless_joints"), json{"g/wrist"});
+  expect_contains(run({"solve", ghost}).out, "joints that carry no mass: g/wrist");
+}
+
+TEST_F(FindingsOfTheProgram, LargeIslandsAreNotSolvedDenselyUnasked) {
+  const std::string many = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating" copies="60"/>
+    <contact name="c" type="3d" frame="q/trunk" to="q+1/trunk"/>)");
+  const std::string out = run({"solve", many}).out;
+  expect_contains(out, "left out: one solve would take some");
+  expect_contains(out, "(--compare does it)");
+  expect_lacks(run({"solve", model("herd.xml")}).out, "left out");
+}
+
+// Drops a box onto a point, with RK4 so that the impact is the switch's own.
+TEST_F(FindingsOfTheProgram, ContactsCloseWithAnImpact) {
+  const std::string falls = scene(kBox + R"(<contact name="c" type="3d" frame="b/crate" active="false"/>)");
+  const json j = simulate(falls, {"--switch", "0.05 c here", "--integrator", "rk4", "--forces", path("f.csv")});
+  const double v = 9.81 * 0.05, lost = 0.5 * 6.4 * v * v;
+  EXPECT_NEAR(j.at("work_of_torques").get<double>(), -lost, 0.01 * lost);
+  EXPECT_NEAR(j.at("energy")[1].get<double>() - j.at("energy")[0].get<double>(), -lost, 0.01 * lost);
+  expect_contains(said_, "at t = 0.05 s c closed: the impact took ");
+  const std::vector<std::string> forces = lines_of(read_text(path("f.csv")));
+  ASSERT_EQ(forces.size(), 102u);
+  EXPECT_EQ(forces[0], "t,f:c[0],f:c[1],f:c[2]");
+  EXPECT_EQ(forces[1], "0,0,0,0");
+  EXPECT_NEAR(std::stod(forces.back().substr(forces.back().rfind(',') + 1)), 6.4 * 9.81, 1e-6);
+  for (const char* bad : {"0.05 c", "c on", "0.05 c up", "-1 c on"})
+    EXPECT_EQ(run({"simulate", falls, "--time", "1", "--step", "1", "--out", path("x.csv"), "--switch", bad}).status,
+              2);
+  expect_contains(
+      run({"simulate", falls, "--time", "1", "--step", "1", "--out", path("x.csv"), "--switch", "0 d on"}).err,
+      "there is no contact 'd'");
+}
+
+// The PD law holds a posture that no torque would; torques from a file act from their time on.
+TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
+  const std::string arm = scene(R"(<robot name="a" urdf="arm.urdf" base="fixed" armature="0.1"/>)");
+  const auto moved = [&](std::vector<std::string> more) {
+    (void)simulate(arm, std::move(more));
+    const std::vector<std::string> rows = lines_of(read_text(path("t.csv")));
+    std::istringstream last(rows.back());
+    double largest = 0;
+    std::string cell;
+    std::getline(last, cell, ',');
+    for (int k = 0; k < 7; ++k) std::getline(last, cell, ','), largest = std::max(largest, std::abs(std::stod(cell)));
+    return largest;
+  };
+  const std::string joint = solve({arm}).at("velocity_names")[0];
+  std::ofstream(path("u.csv")) << "t,u:" << joint << "\n0,0\n0.05,1\n";
+  const double free = moved({});
+  const double pushed = moved({"--torques", path("u.csv")});
+  EXPECT_GT(pushed, free + 1e-4);
+  std::ofstream(path("r.csv")) << "t,q:" << joint << ",v:" << joint << "\n0,0,2\n0.1,0.2,2\n";
+  EXPECT_NEAR(moved({"--pd", "4000 200", "--reference", path("r.csv"), "--integrator", "rk4"}), 0.2, 0.05);
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    std::ofstream(path("bad.csv")) << text;
+    const Outcome outcome =
+        run({"simulate", arm, "--time", "1", "--step", "1", "--out", path("x.csv"), "--torques", path("bad.csv")});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+    expect_contains(outcome.err, message);
+  };
+  refused("", "bad.csv:1: ");
+  refused("time\n", "bad.csv:1: begins with the column 'time', expected t");
+  refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' is none of the scene's");
+  refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' holds 'x', expected a number");
+  refused("t,u:" + joint + "\n0\n", "bad.csv:2: has 1 columns, expected 2");
+  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: t does not grow");
+}
+
+}  // namespace
+}  // namespace manycontact::cli

@@ -1,0 +1,163 @@
+// Scenes in scenes; passive joints; damping and friction from the URDF.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "manycontact/io/scene_file.hpp"
+#include "manycontact/io/urdf.hpp"
+
+namespace manycontact {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kRobot = R"(<robot name="r"><link name="a"/>
+  <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="c"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="hip" type="continuous"><parent link="a"/><child link="b"/><dynamics damping="0.5" friction="2"/></joint>
+  <joint name="knee" type="continuous"><parent link="b"/><child link="c"/></joint></robot>)";
+
+class Include : public testing::Test {
+ protected:
+  Include() : folder_(testing::TempDir() + "manycontact_include_" + std::to_string(getpid())) {
+    fs::create_directories(folder_ / "sub" / "deeper");
+    for (const char* place : {"", "sub", "sub/deeper"}) std::ofstream(folder_ / place / "robot.urdf") << kRobot;
+  }
+  ~Include() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& inside, const std::string& attributes = "") const {
+    std::ofstream(folder_ / name) << "<scene" << attributes << ">\n" << inside << "\n</scene>\n";
+  }
+  SceneFile read(const std::string& name = "scene.xml") const { return read_scene((folder_ / name).string()); }
+  std::string problem(const std::string& name = "scene.xml") const {
+    try {
+      (void)read(name);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void expect_problem(const std::string& place, const std::string& text) const {
+    const std::string said = problem();
+    EXPECT_EQ(said.find('\n'), std::string::npos);
+    EXPECT_NE(said.find(place), std::string::npos) << said;
+    EXPECT_NE(said.find(text), std::string::npos) << said;
+  }
+
+  fs::path folder_;
+};
+
+std::string robot(const std::string& name) { return "<robot name=\"" + name + "\" urdf=\"robot.urdf\"/>\n"; }
+std::string include(const std::string& file) { return "<include file=\"" + file + "\"/>\n"; }
+
+// In the place of the element, paths from the file that they stand in, contacts across files.
+TEST_F(Include, RobotsAndContactsStandWhereTheyAreIncluded) {
+  write("scene.xml", robot("first") + include("sub/one.xml") + robot("last") +
+                         "<contact name=\"c\" type=\"3d\" frame=\"first/b\" to=\"two/c\"/>");
+  write("sub/one.xml", robot("one") + include("deeper/two.xml") + "<contact name=\"d\" type=\"1d\" frame=\"last/c\"/>",
+        " name=\"one\" gravity=\"0 0 -9.81\"");
+  write("sub/deeper/two.xml", robot("two"));
+  const SceneFile file = read();
+  std::vector<std::string> names;
+  for (const Robot& r : file.scene.robots) names.push_back(r.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"first", "one", "two", "last"}));
+  EXPECT_EQ(file.scene.name, "scene");
+  ASSERT_EQ(file.scene.contacts.size(), 2u);
+  EXPECT_EQ(file.scene.contacts[0].name, "d");
+  EXPECT_EQ(file.scene.contacts[0].A.robot, 3);
+  EXPECT_EQ(file.scene.contacts[1].B.robot, 2);
+  EXPECT_EQ(fs::path(file.robot_groups[2].urdf).lexically_normal(), (folder_ / "sub/deeper/robot.urdf"));
+}
+
+TEST_F(Include, MistakesNameFileAndLine) {
+  write("scene.xml", robot("first") + include("none.xml"));
+  expect_problem("scene.xml:3: ", "the scene file '" + (folder_ / "none.xml").string() + "'");
+  write("scene.xml", include("sub"));
+  expect_problem("scene.xml:2: ", "is a directory");
+  write("scene.xml", "<include/>");
+  expect_problem("scene.xml:2: ", "<include> has no attribute 'file'");
+  write("scene.xml", "<include file=\"\"/>");
+  expect_problem("scene.xml:2: ", "is empty");
+  write("scene.xml", "<include file=\"a.xml\" prefix=\"b\"/>");
+  expect_problem("scene.xml:2: ", "unknown attribute 'prefix'");
+  write("scene.xml", include("one.xml"));
+  write("one.xml", "\n<robt/>");
+  expect_problem("one.xml:3: ", "<robt>");
+  write("one.xml", robot("a") + robot("a"));
+  expect_problem("one.xml:3: ", "exists already on line 2, ");
+  write("scene.xml", robot("a") + include("one.xml"));
+  write("one.xml", robot("a"));
+  expect_problem("one.xml:2: ", "exists already on line 2 of " + (folder_ / "scene.xml").string());
+  write("one.xml", robot("b"), " gravity=\"0 0 -1.62\"");
+  expect_problem("one.xml:1: ", "gravity is another one");
+  write("one.xml", robot("b"), " damping=\"1e-6\"");
+  expect_problem("one.xml:1: ", "damping is another one");
+}
+
+TEST_F(Include, CirclesAndDepthAreRefused) {
+  write("scene.xml", include("scene.xml"));
+  expect_problem("scene.xml:2: ", "includes itself");
+  write("scene.xml", include("sub/one.xml"));
+  write("sub/one.xml", "\n" + include("../sub/../scene.xml"));
+  expect_problem("one.xml:3: ", "includes itself");
+  for (int k = 0; k < 40; ++k) write("d" + std::to_string(k) + ".xml", include("d" + std::to_string(k + 1) + ".xml"));
+  write("d40.xml", robot("r"));
+  write("scene.xml", include("d0.xml"));
+  expect_problem("d15.xml:2: ", "more than 16 deep");
+  write("scene.xml", include("d30.xml"));
+  EXPECT_EQ(read().scene.nrobots(), 1);
+  // one file from two places is not a circle; what has robots is refused by their names, what has none by its number
+  std::string twice = include("e1.xml") + include("e1.xml");
+  for (int k = 1; k < 12; ++k) {
+    const std::string next = include("e" + std::to_string(k + 1) + ".xml");
+    write("e" + std::to_string(k) + ".xml", next + next);
+  }
+  write("e12.xml", "");
+  write("scene.xml", twice);
+  expect_problem(".xml:", "more than 1000 scene files are included");
+}
+
+TEST_F(Include, PassiveJointsHaveNoTorque) {
+  write("scene.xml", R"(<robot name="r" urdf="robot.urdf" base="floating"><joint name="hip" actuated="false"/>
+    <joint name="knee" u="3"/></robot> <robot name="s" urdf="robot.urdf"><u>1 2</u></robot>)");
+  const SceneFile file = read();
+  EXPECT_EQ(file.scene.nu, 3);
+  EXPECT_EQ(torque_names(file.scene), (std::vector<std::string>{"r/knee", "s/hip", "s/knee"}));
+  EXPECT_EQ(file.u, Eigen::Vector3d(3, 1, 2));
+  EXPECT_EQ(u_index(file.scene, "r", "knee"), 0);
+  EXPECT_EQ(u_index(file.scene, "s", "knee"), 2);
+  EXPECT_THROW((void)u_index(file.scene, "r", "hip"), std::invalid_argument);
+  EXPECT_NE(file.scene.robots[0].model, file.scene.robots[1].model);
+  const auto refused = [&](const std::string& joint, const std::string& text) {
+    write("scene.xml", "<robot name=\"r\" urdf=\"robot.urdf\" base=\"floating\">" + joint + "</robot>");
+    expect_problem("scene.xml:2: ", text);
+  };
+  refused("<joint name=\"hip\" actuated=\"false\" u=\"1\"/>",
+          "joint 'hip' is passive, expected u of an actuated joint");
+  refused("<joint name=\"hip\" actuated=\"no\"/>", "actuated of <joint> is 'no'");
+  refused("<joint name=\"root\" actuated=\"false\"/>", "is the floating base, which has no torques");
+  refused("<joint name=\"knee\" actuated=\"false\"/><lock joint=\"knee\" at=\"0\"/>", "joint 'knee' is locked");
+  refused("<joint name=\"hp\" actuated=\"false\"/>", "the robot has no joint 'hp', expected one of 'hip', 'knee'");
+}
+
+TEST_F(Include, DynamicsOfTheUrdf) {
+  write("scene.xml",
+        "<robot name=\"r\" urdf=\"robot.urdf\" dynamics=\"model\"/><robot name=\"s\" urdf=\"robot.urdf\"/>");
+  const SceneFile file = read();
+  const Model &with = *file.scene.robots[0].model, &without = *file.scene.robots[1].model;
+  EXPECT_EQ(with.damping, Eigen::Vector2d(0.5, 0));
+  EXPECT_EQ(with.friction, Eigen::Vector2d(2, 0));
+  EXPECT_TRUE(with.notes.dynamics.empty());
+  EXPECT_EQ(without.damping.size(), 0);
+  EXPECT_EQ(without.notes.dynamics, std::vector<std::string>{"hip"});
+  std::string bad = kRobot;
+  bad.replace(bad.find("0.5"), 3, "-1.");
+  std::ofstream(folder_ / "robot.urdf") << bad;
+  expect_problem("robot.urdf:4: ", "joint 'hip' has the damping or friction -1, expected 0 or more");
+}
+
+}  // namespace
+}  // namespace manycontact
