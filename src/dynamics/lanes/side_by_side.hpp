@@ -17,8 +17,8 @@
 namespace manycontact::lanes {
 
 /// One robot alone is a double's business to the sparse kernels, which then take several rows of a column at a time.
-inline double* numbers(Pack<1>* x) { return &x->v; }
-inline const double* numbers(const Pack<1>* x) { return &x->v; }
+inline double* numbers(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
+inline const double* numbers(const Pack<1>* x) { return x ? &x->v : nullptr; }
 template <int W>
 Pack<W>* numbers(Pack<W>* x) {
   return x;
