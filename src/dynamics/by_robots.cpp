@@ -66,33 +66,37 @@ ByRobots::ByRobots(const IslandShape& shape, ShapeCache& shapes) : robots(shape.
     for (int c : r.contacts) alone.contacts.push_back(island.contacts[c]);
     number_island(scene, alone);
     r.K.reset(shapes.find(scene, alone)->pattern(Order::kLeafToRoot));
+    compiled = compiled && r.K.pattern->schedule().compiled;
     for (int i = 0; i < alone.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
     for (int c : r.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
         r.row.push_back(island.nv + island.row_offset[c] + i);
   }
   analyze_joining(*this);
+  compiled = compiled && schedule.compiled;
 }
 
 namespace internal {
 
 namespace {
 
-// Multiply-adds of a panel of the island's, which goes through the factor once, and of the same robot by robot. Those
-// of a product run faster than those of a sparse solve.
+// Multiply-adds of a panel that goes through the island's factor, and is refined in every second state.
 double cost_at_once(const IslandWork& d, double ld) {
-  return ld * (2.0 * d.shape->pattern(d.choice.order)->ldl.nonzeros() + d.island.size());
+  const KktPattern& p = *d.shape->pattern(d.choice.order);
+  return ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
 }
 
+// The same robot by robot. Those of a product run faster than those of a sparse solve; the panels of the robots are
+// filled and read once more. Measured on rings and on a beam between two humanoids.
 double cost_by_robots(const ByRobots& by, double ld) {
-  constexpr double kProduct = 0.4;
-  double cost = ld * (2.0 * by.symbolic.nonzeros() + by.rows());
+  constexpr double kProduct = 0.4, kPanels = 1.3;
+  double cost = ld * 2.0 * by.symbolic.nonzeros();
   for (const ByRobots::OfRobot& r : by.robots) {
-    const double rows = r.padded();
-    cost += r.ld * (2.0 * r.K.pattern->ldl.nonzeros() + r.size()) + kProduct * rows * r.K.nv() * r.ld;
-    cost += kProduct * rows * r.size() * ld;
+    const KktPattern& p = *r.K.pattern;
+    cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
+    cost += kProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
   }
-  return cost;
+  return kPanels * cost;
 }
 
 void lay_out_columns(const Island& island, const IslandDerivatives& out, std::size_t k, ByRobots& by) {
@@ -166,8 +170,7 @@ void prepare_by_robots(IslandWork& d, const IslandDerivatives& out, Workspace& w
   for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, out, k, by);
   choose_sample(by);
   const double ld = static_cast<double>(out.X.cols());
-  by.cheaper =
-      by.schedule.compiled && out.cols > 0 && cost_by_robots(by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
+  by.cheaper = by.compiled && out.cols > 0 && cost_by_robots(by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
   if (by.cheaper) take_memory(d, out.X.cols(), w.threads.size(), by);
   by.request = out.request;
   by.laid_out = true;

@@ -59,6 +59,7 @@ struct ByRobots {
   sparse::UpperCsc S;     // its pattern, in that order
   sparse::LdlSymbolic symbolic;
   sparse::LdlSchedule schedule;
+  bool compiled = true;  // all schedules are there
 
   bool laid_out = false;  // for `request`
   DerivativeRequest request;

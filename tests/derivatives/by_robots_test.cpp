@@ -85,7 +85,7 @@ void expect_both_ways_agree(const SceneFile& file, const std::vector<char>& acti
 std::vector<char> all_of(const Scene& scene) { return std::vector<char>(scene.contacts.size(), 1); }
 
 TEST(ByRobots, AgreesWithTheFactor) {
-  for (SceneFile file : {ring(), row_of_arms(6)})
+  for (SceneFile file : {ring(), row_of_arms(12)})
     for (double damping : {0.0, 1e-6, 1e-2}) {
       SCOPED_TRACE(std::to_string(file.scene.nrobots()) + " robots, damping " + std::to_string(damping));
       file.scene.damping = damping;
@@ -94,7 +94,7 @@ TEST(ByRobots, AgreesWithTheFactor) {
 }
 
 TEST(ByRobots, PartsOfTheDerivatives) {
-  const SceneFile file = row_of_arms(6);
+  const SceneFile file = row_of_arms(12);
   for (const DerivativeRequest& request :
        {DerivativeRequest{true, false, false, true}, DerivativeRequest{false, true, true, true},
         DerivativeRequest{true, true, true, true, true}}) {
@@ -105,7 +105,7 @@ TEST(ByRobots, PartsOfTheDerivatives) {
 
 // Memory of another contact set, and of another state whose rows depend on each other, leaves nothing behind.
 TEST(ByRobots, AfterOtherContactsAndStates) {
-  SceneFile file = row_of_arms(6);
+  SceneFile file = row_of_arms(12);
   const Scene& scene = file.scene;
   SceneData data(scene, {Method::kSparseLdl, {}});
   std::vector<char> active = all_of(scene);
