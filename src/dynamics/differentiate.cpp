@@ -77,7 +77,7 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  internal::check_solved(scene, data, "differentiate");
+  internal::check_unasked(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   Linearisation& linearisation = internal::linearisation_of(scene, data);

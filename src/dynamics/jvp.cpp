@@ -172,7 +172,7 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 }
 
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
-  internal::check_solved(scene, data, function);
+  internal::check_unasked(scene, data, function);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands)
