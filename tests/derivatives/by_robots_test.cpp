@@ -103,6 +103,28 @@ TEST(ByRobots, PartsOfTheDerivatives) {
   }
 }
 
+// A join repeated a little apart: whether the way is still sound or the factor answers.
+TEST(ByRobots, RowsThatNearlyDependOnEachOther) {
+  for (const double apart : {1e-2, 1e-3, 1e-4, 3e-5}) {
+    SCOPED_TRACE(apart);
+    SceneFile file = row_of_arms(12);
+    Contact again = file.scene.contacts[file.scene.contacts.size() - 2];
+    again.name = "again";
+    for (Attachment* end : {&again.A, &again.B}) end->placement.p += end->placement.R.col(0) * apart;
+    add_contact(file.scene, again);
+    const std::vector<char> active = all_of(file.scene);
+    double condition = 0;
+    const MatX<Quad> by_factor = derivatives_of(file, {Method::kSparseLdl, Order::kLeafToRoot}, active, {}, &condition);
+    const MatX<Quad> either = derivatives_of(file, {Method::kSparseLdl, {}}, active, {});
+    const Island island = whole_scene(file.scene, active);
+    EXPECT_LE(derivative_errors(file.scene, island, either.cast<double>(), by_factor,
+                                {0, island.nv, 2 * island.nv, static_cast<int>(either.cols())}, 2 * condition)
+                  .excess,
+              1)
+        << "condition " << condition;
+  }
+}
+
 // Memory of another contact set, and of another state whose rows depend on each other, leaves nothing behind.
 TEST(ByRobots, AfterOtherContactsAndStates) {
   SceneFile file = row_of_arms(12);
