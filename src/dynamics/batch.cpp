@@ -1,5 +1,6 @@
 #include "manycontact/dynamics/batch.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <stdexcept>
 
@@ -13,7 +14,9 @@ BatchData::BatchData(const Scene& scene, int count, const Options& opts) : optio
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
-  for (int k = 0; k < count; ++k) threads.push_back({SceneData(scene, options)});
+  Options of_thread = options;
+  of_thread.threads = 1;
+  for (int k = 0; k < count; ++k) threads.push_back({SceneData(scene, of_thread)});
 }
 
 int force_rows(const Scene& scene, const BatchData& batch) {
@@ -56,6 +59,7 @@ template <class Use>
 void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std::span<Status> status, Use&& use) {
   for (BatchData::Thread& thread : batch.threads) {
     thread.data.options = batch.options;
+    thread.data.options.threads = 1;
     thread.data.active = batch.active;
     thread.error = nullptr;
   }
@@ -74,7 +78,8 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     }
   };
   const sparse::OneBlasThread one_blas_thread;
-  internal::run_items(static_cast<int>(batch.threads.size()), s.q.rows(), work);
+  const auto threads = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(batch.threads.size()), s.q.rows());
+  internal::run_items(static_cast<int>(std::max<std::ptrdiff_t>(threads, 1)), s.q.rows(), work);
   BatchData::Thread* first = nullptr;
   for (BatchData::Thread& thread : batch.threads)
     if (thread.error && (!first || thread.state < first->state)) first = &thread;

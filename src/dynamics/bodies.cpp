@@ -108,12 +108,12 @@ const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& 
   return moves(at) ? &form.kin[local_robot(island, at.robot)] : nullptr;
 }
 
-bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                     IslandReport& report) {
+bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
+                     FactorScratch& scratch, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
   evaluate_bodies(scene, q, v, data, d);
   report.method = Method::kSparseBodies;
-  report.reason = has_vanishing_row(form) ? Reason::kSmallPivot : form.factor.factorize(d.K, data.workspace->scratch);
+  report.reason = has_vanishing_row(form) ? Reason::kSmallPivot : form.factor.factorize(d.K, scratch);
   if (report.reason != Reason::kNone) return false;
   const sparse::Refinement refinement =
       solve_refined(form.factor.system, form.factor.ldl, form.solution, tolerance::kRefinementSteps);

@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
+#include "by_robots.hpp"
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact {
 
@@ -36,7 +38,8 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   out.u_offset.push_back(first);
 }
 
-void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, IslandDerivatives& out) {
+void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, IslandDerivatives& out,
+                          ThreadWork& thread) {
   Workspace& w = *data.workspace;
   IslandWork& d = *w.islands[i];
   if (!d.factor) {
@@ -45,14 +48,31 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
   }
   const AtSolution at(scene, data, d.island);
   derivative_terms(scene, data, d.island, data.f);
+  if (differentiate_by_robots(scene, data, d, out)) return;
+  out.X.setZero();
   derivative_rhs(scene, *w.linearisation, data.v, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
   if (deficient && !d.rows) d.rows = std::make_unique<DependentDerivatives>();
-  if (deficient && d.contradiction) add_contradiction(scene, data, d, out);
-  solve_panel(scene, d, out, w.panel);
+  if (deficient && d.contradiction) add_contradiction(scene, data, d, out, thread.panel);
+  solve_panel(scene, d, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);
 }
+
+namespace {
+
+// An island that no lane served.
+void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, ThreadWork& thread) {
+  IslandWork& d = *data.workspace->islands[i];
+  IslandDerivatives& out = data.workspace->derivatives.islands[i];
+  if (d.in_lanes) complete_island(scene, data, d, thread);
+  differentiate_island(scene, data, i, out, thread);
+  if (by_bodies(d) && out.X.hasNaN() &&  // joint space may do better
+      climb_ladder(scene, data, thread.scratch, d, thread.spare_report))
+    differentiate_island(scene, data, i, out, thread);
+}
+
+}  // namespace
 
 }  // namespace internal
 
@@ -60,7 +80,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   internal::check_unasked(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
-  (void)internal::linearisation_of(scene, data);
+  Linearisation& linearisation = internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandDerivatives& out = w.derivatives.islands[i];
@@ -69,20 +89,20 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
+    internal::prepare_by_robots(*w.islands[i], out, w);
+    linearisation.assign(scene, w, *w.islands[i]);
   }
+  const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_in_lanes(scene, data);
+  for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
+    if (internal::goes_by_robots(*w.islands[i])) internal::differentiate_alone(scene, data, i, w.threads.front());
+  internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    if (!w.islands[i]->served_in_lanes() && !internal::goes_by_robots(*w.islands[i]))
+      internal::differentiate_alone(scene, data, i, thread);
+  });
   bool all_linearised = true;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    if (w.islands[i]->served_in_lanes()) {
-      all_linearised = false;
-    } else {
-      if (w.islands[i]->in_lanes) internal::complete_island(scene, data, *w.islands[i]);
-      IslandDerivatives& out = w.derivatives.islands[i];
-      internal::differentiate_island(scene, data, i, out);
-      if (internal::by_bodies(*w.islands[i]) && out.X.hasNaN() &&  // joint space may do better
-          internal::climb_ladder(scene, data, w.scratch, *w.islands[i], w.spare_report))
-        internal::differentiate_island(scene, data, i, out);
-    }
+    all_linearised = all_linearised && !w.islands[i]->served_in_lanes();
     w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }
   w.derivatives_serial = data.serial;
@@ -100,6 +120,7 @@ namespace {
 
 void release(IslandWork& d) {
   d.derivatives = {};
+  d.by_robots.reset();
   d.rows.reset();
   d.all.reset();
   for (Factor* factor : {d.chosen.get(), d.safe.get(), d.dense.get()})
@@ -113,7 +134,7 @@ void release_derivatives(SceneData& data) {
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   w.derivatives = {};
-  w.panel = {};
+  for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);
   for (const auto& [shape, shelf] : w.shelves)
     for (const auto& island : shelf) release(*island);

@@ -1,5 +1,6 @@
 #include "bodies.hpp"
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact {
 
@@ -22,30 +23,43 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   d.refine_panel = answer.refine_panel;
 }
 
-// use(kernel), with w.lanes.islands and numbers, for as many islands at a time as stand side by side, of those that
-// `wanted` holds for.
+// The islands that `wanted` holds for into w.lanes, in batches of as many as stand side by side.
+template <class Wanted>
+void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
+  lanes::Groups& g = w.lanes;
+  g.islands.clear();
+  g.numbers.clear();
+  g.batches.clear();
+  for (const auto& [key, group] : g.groups) {
+    bool begun = false;
+    for (int i : group.islands) {
+      const Island& island = w.islands[i]->island;
+      if (!wanted(*w.islands[i])) continue;
+      if (!begun || g.batches.back().count == g.level->width ||
+          !lanes::alike(scene, *g.islands[g.batches.back().first], island))
+        g.batches.push_back({&group, static_cast<int>(g.islands.size()), 0});
+      begun = true;
+      g.islands.push_back(&island);
+      g.numbers.push_back(i);
+      ++g.batches.back().count;
+    }
+  }
+}
+
+// use(kernel, islands, their numbers, memory of the thread) for each batch.
 template <class Wanted, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
   lanes::Groups& g = w.lanes;
-  for (auto& entry : g.groups) {
-    const lanes::Group& group = entry.second;
-    const auto use_those_at_hand = [&] {
-      if (g.islands.empty()) return;
-      use(*group.kernel);
-      g.islands.clear();
-      g.numbers.clear();
-    };
-    for (int i : group.islands) {
-      const IslandWork& d = *w.islands[i];
-      if (!wanted(d)) continue;
-      if (!g.islands.empty() && !lanes::alike(scene, *g.islands.front(), d.island)) use_those_at_hand();
-      g.islands.push_back(&d.island);
-      g.numbers.push_back(i);
-      if (static_cast<int>(g.islands.size()) == g.level->width) use_those_at_hand();
-    }
-    use_those_at_hand();
-  }
+  form_batches(scene, w, wanted);
+  each_item(w, g.batches.size(), [&](std::size_t k, ThreadWork& thread) {
+    const auto [group, first, count] = g.batches[k];
+    use(*group->kernels[thread.number], std::span<const Island* const>(g.islands).subspan(first, count),
+        std::span<const int>(g.numbers).subspan(first, count), thread);
+  });
 }
+
+using Islands = std::span<const Island* const>;
+using Numbers = std::span<const int>;
 
 bool served(const IslandWork& d) { return d.served_in_lanes(); }
 
@@ -53,34 +67,33 @@ bool served(const IslandWork& d) { return d.served_in_lanes(); }
 
 void solve_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  lanes::Groups& g = w.lanes;
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
   const lanes::Job job{scene,         w.solves + 1, w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted,     data.a.data(), data.f.data()};
   each_in_lanes(
       scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
-      [&](lanes::Kernel& kernel) {
-        kernel.solve(job, g.islands, {g.answers.data(), g.islands.size()});
-        for (std::size_t k = 0; k < g.islands.size(); ++k)
-          if (g.answers[k].sound)
-            report_answer(g.answers[k], *w.islands[g.numbers[k]], data.report.islands[g.numbers[k]]);
+      [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
+        kernel.solve(job, islands, {thread.answers.data(), islands.size()});
+        for (std::size_t k = 0; k < islands.size(); ++k)
+          if (thread.answers[k].sound)
+            report_answer(thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
       });
 }
 
 void differentiate_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  lanes::DerivativeJob job{
-      scene, data.serial, w.q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset, {}, 0, 0, 0};
-  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) {
-    w.lanes.panels.clear();
-    for (int i : w.lanes.numbers) {
+  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
+    const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
+    const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
+                                   data.a.data(), data.f.data(), data.f_offset, first.request,
+                                   first.q_first, first.v_first, first.u_first};
+    thread.panels.clear();
+    for (int i : numbers) {
       IslandDerivatives& out = w.derivatives.islands[i];
-      job.request = out.request;
-      job.q_first = out.q_first, job.v_first = out.v_first, job.u_first = out.u_first;
-      w.lanes.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel});
+      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel});
     }
-    kernel.differentiate(job, w.lanes.islands, w.lanes.panels);
+    kernel.differentiate(job, islands, thread.panels);
   });
 }
 
@@ -89,7 +102,8 @@ void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const d
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
-  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.jvp(job, w.lanes.islands); });
+  each_in_lanes(scene, w, served,
+                [&](lanes::Kernel& kernel, Islands islands, Numbers, ThreadWork&) { kernel.jvp(job, islands); });
 }
 
 void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -97,7 +111,8 @@ void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const d
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
-  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel) { kernel.vjp(job, w.lanes.islands); });
+  each_in_lanes(scene, w, served,
+                [&](lanes::Kernel& kernel, Islands islands, Numbers, ThreadWork&) { kernel.vjp(job, islands); });
 }
 
 void complete(const Scene& scene, const SceneData& data) {
@@ -106,14 +121,14 @@ void complete(const Scene& scene, const SceneData& data) {
     if (by_bodies(*d) && joint_space_size(*d->shape) <= kMostJointSpace) joint_space_terms(scene, data, *d, "complete");
   if (w.kinematics_known) return;
   for (std::unique_ptr<IslandWork>& d : w.islands)
-    if (d->in_lanes) complete_island(scene, data, *d);
+    if (d->in_lanes) complete_island(scene, data, *d, w.threads.front());
   w.kinematics_known = true;
 }
 
-void complete_island(const Scene& scene, const SceneData& data, IslandWork& d) {
+void complete_island(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
   Workspace& w = *data.workspace;
   evaluate(scene, w.q, data.v, w, d.island);
-  if (!climb_ladder(scene, data, w.scratch, d, w.spare_report)) d.factor = nullptr;
+  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
   d.in_lanes = false;
 }
 

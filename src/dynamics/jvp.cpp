@@ -7,6 +7,7 @@
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/products.hpp"
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact {
 
@@ -31,10 +32,10 @@ const BodyVariation& body(const ProductWork& pd, const Attachment& at) {
 
 // v.b = -dr along (dq, dv, du), in elimination order.
 void tangent_rhs(const Scene& scene, const SceneData& data, const IslandWork& d, const ConstVector& dq,
-                 const ConstVector& dv, const ConstVector& du, ProductWork& pd) {
+                 const ConstVector& dv, const ConstVector& du, KktVectors& v, ProductWork& pd) {
   const Workspace& w = *data.workspace;
   const int* iperm = d.K.pattern->iperm.data();
-  double* b = pd.v.b.data();
+  double* b = v.b.data();
   for (int r : d.island.robots) {
     const Robot& robot = scene.robots[r];
     ProductWork::OfRobot& p = pd.robots[r];
@@ -77,11 +78,12 @@ void tangent_rhs(const Scene& scene, const SceneData& data, const IslandWork& d,
 }
 
 // wq, wv, wu of one island from l = K^-1 [wa; -wf] in v.x.
-void pull_back_island(const Scene& scene, const SceneData& data, const IslandWork& d, ProductWork& pd,
-                      Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
+void pull_back_island(const Scene& scene, const SceneData& data, const IslandWork& d, const KktVectors& v,
+                      ProductWork& pd, Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv,
+                      Eigen::Ref<Eigen::VectorXd> wu) {
   const Workspace& w = *data.workspace;
   const int* iperm = d.K.pattern->iperm.data();
-  const double* x = pd.v.x.data();
+  const double* x = v.x.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
     const Model& model = *robot.model;
@@ -121,19 +123,20 @@ void pull_back_island(const Scene& scene, const SceneData& data, const IslandWor
 }
 
 // The derivatives of an island with dependent rows, in full.
-const IslandDerivatives& formed(const Scene& scene, SceneData& data, std::size_t i) {
+const IslandDerivatives& formed(const Scene& scene, SceneData& data, std::size_t i, ThreadWork& thread) {
   IslandWork& d = *data.workspace->islands[i];
   if (!d.all) d.all = std::make_unique<IslandDerivatives>();
   if (d.all->u_offset.empty()) internal::lay_out(scene, d.island, {}, *d.all);
-  internal::differentiate_island(scene, data, i, *d.all);
+  internal::differentiate_island(scene, data, i, *d.all, thread);
   return *d.all;
 }
 
 void formed_jvp(const Scene& scene, SceneData& data, std::size_t i, const ConstVector& dq, const ConstVector& dv,
-                const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
-  const IslandDerivatives& D = formed(scene, data, i);
+                const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df,
+                ThreadWork& thread) {
+  const IslandDerivatives& D = formed(scene, data, i, thread);
   const Island& island = data.workspace->islands[i]->island;
-  Eigen::VectorXd &in = data.workspace->products->formed.columns, &out = data.workspace->products->formed.rows;
+  Eigen::VectorXd &in = thread.formed.columns, &out = thread.formed.rows;
   internal::remake(in, D.cols);
   internal::remake(out, island.size());
   each_velocity_block(scene, island, [&](int from, int to, int n) {
@@ -149,10 +152,11 @@ void formed_jvp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 }
 
 void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstVector& wa, const ConstVector& wf,
-                Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
-  const IslandDerivatives& D = formed(scene, data, i);
+                Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu,
+                ThreadWork& thread) {
+  const IslandDerivatives& D = formed(scene, data, i, thread);
   const Island& island = data.workspace->islands[i]->island;
-  Eigen::VectorXd &out = data.workspace->products->formed.columns, &in = data.workspace->products->formed.rows;
+  Eigen::VectorXd &out = thread.formed.columns, &in = thread.formed.rows;
   internal::remake(in, island.size());
   internal::remake(out, D.cols);
   each_velocity_block(scene, island, [&](int from, int to, int n) { in.segment(to, n) = wa.segment(from, n); });
@@ -170,7 +174,9 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_unasked(scene, data, function);
   Workspace& w = *data.workspace;
-  (void)internal::linearisation_of(scene, data);
+  Linearisation& linearisation = internal::linearisation_of(scene, data);
+  for (const auto& d : w.islands)
+    if (!internal::by_bodies(*d)) linearisation.assign(scene, w, *d);
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
   return *w.products;
 }
@@ -187,28 +193,23 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "df", df.size(), data.f.size());
   da.setConstant(std::numeric_limits<double>::quiet_NaN());
   df.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::jvp_in_lanes(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
-  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
+  internal::each_item(*data.workspace, data.workspace->islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *data.workspace->islands[i];
-    if (d.served_in_lanes()) continue;
-    if (d.in_lanes) internal::complete_island(scene, data, d);
-    if (!d.factor) continue;
-    if (internal::by_bodies(d)) {
-      internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
-      continue;
-    }
-    if (internal::rank_deficient(d)) {
-      formed_jvp(scene, data, i, dq, dv, du, da, df);
-      continue;
-    }
+    if (d.served_in_lanes()) return;
+    if (d.in_lanes) internal::complete_island(scene, data, d, thread);
+    if (!d.factor) return;
+    if (internal::by_bodies(d)) return internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
+    if (internal::rank_deficient(d)) return formed_jvp(scene, data, i, dq, dv, du, da, df, thread);
     const AtSolution at(scene, data, d.island);
-    pd.v.resize(d.K.size());
-    tangent_rhs(scene, data, d, dq, dv, du, pd);
-    (void)solve_refined(*d.factor, d.K, pd.v, 1);
-    internal::scatter(scene, data.f_offset, *d.K.pattern, d.island, pd.v.x.data(), da, df);
+    thread.v.resize(d.K.size());
+    tangent_rhs(scene, data, d, dq, dv, du, thread.v, pd);
+    (void)solve_refined(*d.factor, d.K, thread.v, 1);
+    internal::scatter(scene, data.f_offset, *d.K.pattern, d.island, thread.v.x.data(), da, df);
     each_force_block(scene, data.f_offset, d.island,
                      [&](int first, int, int n) { df.segment(first, n) *= -1; });  // x = [da; -df]
-  }
+  });
 }
 
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
@@ -220,27 +221,22 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
   for (auto* w : {&wq, &wv, &wu}) w->setConstant(std::numeric_limits<double>::quiet_NaN());
+  const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::vjp_in_lanes(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
-  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
+  internal::each_item(*data.workspace, data.workspace->islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *data.workspace->islands[i];
-    if (d.served_in_lanes()) continue;
-    if (d.in_lanes) internal::complete_island(scene, data, d);
-    if (!d.factor) continue;
-    if (internal::by_bodies(d)) {
-      internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
-      continue;
-    }
-    if (internal::rank_deficient(d)) {
-      formed_vjp(scene, data, i, wa, wf, wq, wv, wu);
-      continue;
-    }
+    if (d.served_in_lanes()) return;
+    if (d.in_lanes) internal::complete_island(scene, data, d, thread);
+    if (!d.factor) return;
+    if (internal::by_bodies(d)) return internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
+    if (internal::rank_deficient(d)) return formed_vjp(scene, data, i, wa, wf, wq, wv, wu, thread);
     const AtSolution at(scene, data, d.island);
-    pd.v.resize(d.K.size());
-    internal::gather(scene, data.f_offset, *d.K.pattern, d.island, wa, wf, pd.v.b.data());
-    for (int k = 0; k < d.island.nc; ++k) pd.v.b[d.K.pattern->iperm[d.island.nv + k]] *= -1;
-    (void)solve_refined(*d.factor, d.K, pd.v, 1);
-    pull_back_island(scene, data, d, pd, wq, wv, wu);
-  }
+    thread.v.resize(d.K.size());
+    internal::gather(scene, data.f_offset, *d.K.pattern, d.island, wa, wf, thread.v.b.data());
+    for (int k = 0; k < d.island.nc; ++k) thread.v.b[d.K.pattern->iperm[d.island.nv + k]] *= -1;
+    (void)solve_refined(*d.factor, d.K, thread.v, 1);
+    pull_back_island(scene, data, d, thread.v, pd, wq, wv, wu);
+  });
 }
 
 }  // namespace manycontact

@@ -84,7 +84,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, IslandWork& d, Islan
   out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(d.island.nc);  // += P D
 }
 
-void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out) {
+void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out, PanelWork& work) {
   // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is
   // what a force rho would add to -dr1.
   DependentDerivatives& w = *d.rows;
@@ -95,11 +95,12 @@ void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, Islan
   for (int c : d.island.contacts)
     w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
   derivative_terms(scene, data, d.island, w.with);
+  rho.X.setZero();
   derivative_rhs(scene, lin, data.v, d, rho);
   derivative_terms(scene, data, d.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
   rho.X.bottomRows(rho.nc).setZero();
-  solve_panel(scene, d, rho, data.workspace->panel);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
+  solve_panel(scene, d, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
   out.X.block(out.nv, out.q_first, out.nc, out.nv) -= rho.X.block(rho.nv, 0, rho.nc, rho.nv);
 }
 

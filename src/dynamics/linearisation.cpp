@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 
+#include "by_robots.hpp"
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact {
 
@@ -14,7 +16,7 @@ Linearisation::Linearisation(const Scene& scene) {
   std::map<const Model*, int> numbers;
   for (const Robot& robot : scene.robots)
     model.push_back(numbers.try_emplace(robot.model.get(), static_cast<int>(numbers.size())).first->second);
-  of_model.resize(numbers.size());
+  models = numbers.size();
   used.resize(numbers.size());
   place.assign(scene.robots.size(), -1);
   for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport{});
@@ -35,8 +37,10 @@ void Linearisation::assign(const Scene& scene, const Workspace& w, const Island&
     ready[c] = 1;
   }
   std::fill(used.begin(), used.end(), 0);
+  const std::size_t thread = w.robot_island[island.robots.front()] % w.threads.size();
+  of_model.resize(std::max(of_model.size(), (thread + 1) * models));
   for (int r : island.robots) {
-    std::vector<int>& places = of_model[model[r]];
+    std::vector<int>& places = of_model[thread * models + model[r]];
     const std::size_t k = used[model[r]]++;
     if (k == places.size()) {
       pool.emplace_back(*scene.robots[r].model);
@@ -44,6 +48,10 @@ void Linearisation::assign(const Scene& scene, const Workspace& w, const Island&
     }
     place[r] = places[k];
   }
+}
+
+void Linearisation::assign(const Scene& scene, const Workspace& w, const IslandWork& d) {
+  if (!d.served_in_lanes() && (d.in_lanes || d.factor)) assign(scene, w, d.island);
 }
 
 AtSolution::AtSolution(const Scene& scene, SceneData& data, const Island& island)
@@ -82,15 +90,19 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
   Linearisation& lin = *w.linearisation;
   contact_forces(scene, island, lin.contacts, data.f_offset, f,
                  [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
-  for (int r : island.robots)
+  const bool shared = goes_by_robots(*w.islands[w.robot_island[island.robots.front()]]);
+  each_part(w, shared, island.robots.size(), [&](std::size_t k) {
+    const int r = island.robots[k];
     rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
-  for (int c : island.contacts) {
+  });
+  each_part(w, shared, island.contacts.size(), [&](std::size_t k) {
+    const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin,
                                 lin.of(A).rnea, B < 0 ? nullptr : &lin.of(B).rnea,
                                 f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
-  }
+  });
 }
 
 }  // namespace internal

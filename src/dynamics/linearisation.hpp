@@ -13,8 +13,8 @@ namespace manycontact {
 struct Workspace;
 struct IslandWork;
 
-/// Robots of one model take turns in the places of a pool, islands being linearised one after the other, so that these
-/// stay in the cache.
+/// Robots of one model take turns in the places of a pool, the islands of a thread being linearised one after the
+/// other, so that these stay in the cache.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
@@ -33,11 +33,15 @@ struct Linearisation {
   std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms
 
   /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
+  /// By the thread that calls, before others come to these islands. Joint-space terms of the island must be there.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
+  /// The same where it has an answer that no lane serves.
+  void assign(const Scene& scene, const Workspace& work, const IslandWork& island);
 
  private:
-  std::vector<int> model;                  // per robot: number of its model
-  std::vector<std::vector<int>> of_model;  // per model: its places in the pool
+  std::vector<int> model;  // per robot: number of its model
+  std::size_t models = 0;
+  std::vector<std::vector<int>> of_model;  // per thread and model: its places in the pool
   std::vector<int> used;                   // per model: places taken by the island at hand
   std::vector<char> ready;                 // per contact: it has memory
   std::uint64_t layout = 0;                // of the workspace, at the last assign

@@ -2,8 +2,6 @@
 
 #include "parallel.hpp"
 
-#include <algorithm>
-
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -27,7 +25,6 @@ __attribute__((no_sanitize("thread")))
 #define AFTER(place) (void)(place)
 #endif
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context) {
-  threads = static_cast<int>(std::min<std::ptrdiff_t>(threads, std::max<std::ptrdiff_t>(count, 1)));
   const int levels = omp_get_max_active_levels();
   omp_set_max_active_levels(omp_get_active_level() + (threads > 1 ? 1 : 0));
   BEFORE(context);

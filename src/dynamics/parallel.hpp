@@ -1,16 +1,19 @@
 #pragma once
 // The one place that knows OpenMP, for loops over things that do not depend on each other.
 
+#include <atomic>
 #include <cstddef>
+#include <exception>
+#include <span>
 
 namespace manycontact::internal {
 
 /// OpenMP's number of threads; 1 where the library was built without.
 int default_threads();
 
-/// work(context, item, thread) for each item of 0 ... count-1; thread k of at most `threads` has items k, k + threads,
-/// ..., so that the same items meet the same memory in every call. Loops of OpenMP's inside (CHOLMOD's) stay in one
-/// thread. `work` must not throw.
+/// work(context, item, thread) for each item of 0 ... count-1; thread k of `threads` has items k, k + threads, ..., so
+/// that the same items meet the same memory in every call. Loops of OpenMP's inside (CHOLMOD's) stay in one thread.
+/// `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
 /// The same with anything that can be called as work(item, thread).
@@ -19,6 +22,38 @@ void run_items(int threads, std::ptrdiff_t count, Work& work) {
   run_items(
       threads, count,
       [](void* context, std::ptrdiff_t item, int thread) { (*static_cast<Work*>(context))(item, thread); }, &work);
+}
+
+/// What ended a thread's work, and at which item.
+struct Failure {
+  std::exception_ptr error;
+  std::ptrdiff_t item = 0;
+};
+
+/// The same of work that may throw, failures having an entry per thread. Once one has thrown, nothing new is begun, and
+/// of what was thrown the exception of the first item comes out. One thread is the caller's own.
+template <class Work>
+void run_items(std::span<Failure> failures, std::ptrdiff_t count, Work&& work) {
+  if (failures.size() <= 1 || count <= 1) {
+    for (std::ptrdiff_t item = 0; item < count; ++item) work(item, 0);
+    return;
+  }
+  for (Failure& failure : failures) failure.error = nullptr;
+  std::atomic<bool> stop = false;
+  auto guarded = [&](std::ptrdiff_t item, int thread) {
+    if (stop) return;
+    try {
+      work(item, thread);
+    } catch (...) {
+      failures[static_cast<std::size_t>(thread)] = {std::current_exception(), item};
+      stop = true;
+    }
+  };
+  run_items(static_cast<int>(failures.size()), count, guarded);
+  const Failure* first = nullptr;
+  for (const Failure& failure : failures)
+    if (failure.error && (!first || failure.item < first->item)) first = &failure;
+  if (first) std::rethrow_exception(first->error);
 }
 
 }  // namespace manycontact::internal

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
+#include "by_robots.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "steps.hpp"
 
@@ -128,6 +129,14 @@ void restore_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.islands.size(); ++i) w.derivatives.islands[i] = std::move(w.islands[i]->derivatives);
 }
 
+void make_threads(int count, Workspace& w) {
+  if (count < 0) throw std::invalid_argument("prepare: " + std::to_string(count) + " threads");
+  if (count == 0) count = internal::default_threads();
+  w.threads.resize(count);
+  w.failures.resize(count);
+  for (int k = 0; k < count; ++k) w.threads[k].number = k;
+}
+
 void lay_out_forces(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   data.f_offset.assign(scene.contacts.size(), -1);
@@ -169,6 +178,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     w.lanes.groups.clear();
     w.term_groups = {};
     w.derivatives.islands.clear();
+    make_threads(data.options.threads, w);
   }
   w.options = data.options;
   change_islands(scene, data, w, all);

@@ -9,6 +9,7 @@
 #include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact {
 
@@ -57,12 +58,12 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
 }
 
 void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                          IslandWork& d, IslandReport& report) {
+                          FactorScratch& scratch, IslandWork& d, IslandReport& report) {
   if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
   if (!d.terms_in_lanes) evaluate(scene, q, v, *data.workspace, d.island);
   report.reason = check_input(scene, q, v, data.tau, d.island);
   if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-  if (!climb_ladder(scene, data, data.workspace->scratch, d, report)) {
+  if (!climb_ladder(scene, data, scratch, d, report)) {
     d.factor = nullptr;
     return fail(scene, data, d.island, report);
   }
@@ -74,21 +75,21 @@ void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstV
 }
 
 // By sparse-bodies, or in joint space; there also what sparse-bodies refused, unless it is too large.
-void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                  IslandReport& report) {
+void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
+                  FactorScratch& scratch, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   d.factor = nullptr;
   if (has_bodies(d) && !d.was_dependent) {
     report.reason = check_input(scene, q, v, data.tau, d.island);
     if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-    if (solve_by_bodies(scene, q, v, data, d, report)) return;
+    if (solve_by_bodies(scene, q, v, data, scratch, d, report)) return;
     if (joint_space_size(*d.shape) > kMostJointSpace) return fail(scene, data, d.island, report);
     const Reason refused = report.reason;
-    solve_in_joint_space(scene, q, v, data, d, report);
+    solve_in_joint_space(scene, q, v, data, scratch, d, report);
     if (report.reason == Reason::kNone) report.reason = refused;
     return;
   }
-  solve_in_joint_space(scene, q, v, data, d, report);
+  solve_in_joint_space(scene, q, v, data, scratch, d, report);
 }
 
 }  // namespace
@@ -157,16 +158,13 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   data.report.method = data.options.method;
   w.q = q;
   w.kinematics_known = false;
+  const OneBlasOfThreads one_blas_thread(w);
   solve_in_lanes(scene, data);
   evaluate_in_lanes(scene, data);
-  bool known = true;
-  for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    if (w.islands[i]->in_lanes)
-      known = false;
-    else
-      solve_island(scene, q, v, data, *w.islands[i], data.report.islands[i]);
-  }
-  w.kinematics_known = known;
+  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    if (!w.islands[i]->in_lanes) solve_island(scene, q, v, data, thread.scratch, *w.islands[i], data.report.islands[i]);
+  });
+  w.kinematics_known = std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->in_lanes; });
   summarise(data.report);
   w.wanted = nullptr;
   data.serial = w.current = ++w.solves;

@@ -26,7 +26,7 @@ void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const d
                   double* wu);
 /// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
 void complete(const Scene& scene, const SceneData& data);
-void complete_island(const Scene& scene, const SceneData& data, IslandWork& island);
+void complete_island(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
 /// Kinematics, bias, inertia and contact rows of an island's robots.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, int robot);
@@ -52,14 +52,16 @@ void forget_states(SceneData& data);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// All of an island's derivatives into `out`, which is laid out, by the factor at hand.
-void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out);
-/// -dr into the panel out.X, which has its size. After derivative_terms.
+void differentiate_island(const Scene& scene, SceneData& data, std::size_t island, IslandDerivatives& out,
+                          ThreadWork& thread);
+/// -dr into the panel out.X, which is laid out and zero where it may stand. After derivative_terms.
 void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
                     IslandDerivatives& out);
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
 void solve_panel(const Scene& scene, IslandWork& island, IslandDerivatives& out, PanelWork& work);
 /// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.
-void add_contradiction(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out);
+void add_contradiction(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out,
+                       PanelWork& work);
 /// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent.
 void least_norm_forces(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out);
 

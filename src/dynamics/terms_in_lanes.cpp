@@ -1,6 +1,7 @@
 // Kinematics, bias, inertia and contact rows of islands of several robots, in lanes.
 
 #include "steps.hpp"
+#include "threads.hpp"
 
 namespace manycontact::internal {
 
@@ -17,18 +18,16 @@ lanes::RobotTerms::Robot at_state(const Scene& scene, const SceneData& data, int
 void evaluate_robots(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   lanes::TermGroups& g = w.term_groups;
-  const std::size_t width = g.robots.empty() ? 0 : w.lanes.level->width;
-  for (auto& [model, group] : g.robots)
-    for (std::size_t first = 0; first < group.members.size(); first += width) {
-      const std::span members = std::span(group.members).subspan(first, std::min(width, group.members.size() - first));
-      g.robots_at_hand.clear();
-      for (int r : members) g.robots_at_hand.push_back(at_state(scene, data, r));
-      group.kernel->evaluate(scene.gravity, g.robots_at_hand);
-      for (std::size_t k = 0; k < members.size(); ++k) {
-        w.robots[members[k]].known = true;
-        if (!g.robots_at_hand[k].sound) evaluate_robot(scene, w.q, data.v, w, members[k]);
-      }
+  each_item(w, g.robot_batches.size(), [&](std::size_t batch, ThreadWork& thread) {
+    const std::span<const int> members = g.robot_batches[batch].members();
+    thread.robots.clear();
+    for (int r : members) thread.robots.push_back(at_state(scene, data, r));
+    g.robot_batches[batch].group->kernels[thread.number]->evaluate(scene.gravity, thread.robots);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      w.robots[members[k]].known = true;
+      if (!thread.robots[k].sound) evaluate_robot(scene, w.q, data.v, w, members[k]);
     }
+  });
 }
 
 lanes::ContactTerms::Body body(const Workspace& w, int robot) {
@@ -38,24 +37,27 @@ lanes::ContactTerms::Body body(const Workspace& w, int robot) {
 
 void evaluate_contacts(const Scene& scene, Workspace& w) {
   lanes::TermGroups& g = w.term_groups;
-  for (auto& entry : g.contacts) {
-    lanes::TermGroups::Contacts& group = entry.second;  // lambdas of C++20 capture it
-    const Contact* first = nullptr;
-    const auto evaluate_those_at_hand = [&] {
-      if (!g.rows_at_hand.empty()) group.kernel->evaluate(scene.gravity, *first, g.rows_at_hand);
-      g.rows_at_hand.clear();
-    };
-    for (int c : group.members) {
-      const Contact& contact = scene.contacts[c];
-      if (!g.rows_at_hand.empty() && !lanes::alike_rows(*first, contact)) evaluate_those_at_hand();
-      if (g.rows_at_hand.empty()) first = &contact;
-      const auto A = body(w, contact.A.robot);
-      g.rows_at_hand.push_back({A, contact.B.robot < 0 ? A : body(w, contact.B.robot), contact.A.placement.R.data(),
-                                contact.B.placement.R.data(), lanes::ContactTerms::arrays_of(w.contacts[c])});
-      if (static_cast<int>(g.rows_at_hand.size()) == w.lanes.level->width) evaluate_those_at_hand();
+  g.contact_batches.clear();
+  for (const auto& [key, group] : g.contacts)
+    for (std::size_t k = 0; k < group.members.size(); ++k) {
+      const auto* last = k == 0 ? nullptr : &g.contact_batches.back();
+      if (!last || last->count == w.lanes.level->width ||
+          !lanes::alike_rows(scene.contacts[last->members().front()], scene.contacts[group.members[k]]))
+        g.contact_batches.push_back({&group, static_cast<int>(k), 0});
+      ++g.contact_batches.back().count;
     }
-    evaluate_those_at_hand();
-  }
+  each_item(w, g.contact_batches.size(), [&](std::size_t batch, ThreadWork& thread) {
+    const std::span<const int> members = g.contact_batches[batch].members();
+    thread.rows.clear();
+    for (int c : members) {
+      const Contact& contact = scene.contacts[c];
+      const auto A = body(w, contact.A.robot);
+      thread.rows.push_back({A, contact.B.robot < 0 ? A : body(w, contact.B.robot), contact.A.placement.R.data(),
+                             contact.B.placement.R.data(), lanes::ContactTerms::arrays_of(w.contacts[c])});
+    }
+    g.contact_batches[batch].group->kernels[thread.number]->evaluate(scene.gravity, scene.contacts[members.front()],
+                                                                     thread.rows);
+  });
   for (int c : g.other_contacts) evaluate_contact(scene, w, c);
 }
 

@@ -14,6 +14,7 @@
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
+#include "parallel.hpp"
 #include "scene_identity.hpp"
 
 namespace manycontact {
@@ -39,6 +40,7 @@ struct DependentDerivatives {
 };
 
 struct BodyForm;
+struct ByRobots;
 
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
 /// and the next island of that shape takes it from there, with all its memory.
@@ -72,6 +74,7 @@ struct IslandWork {
 
   // by differentiate, jvp, vjp
   IslandDerivatives derivatives;               // while on the shelf; else in Workspace::derivatives
+  std::unique_ptr<ByRobots> by_robots;         // where few rows join its robots
   std::unique_ptr<DependentDerivatives> rows;  // where contact rows are dependent
   std::unique_ptr<IslandDerivatives> all;      // jvp, vjp with dependent rows: everything
 };
@@ -86,10 +89,6 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  KktVectors v;  // of an island's system
-  struct {
-    Eigen::VectorXd columns, rows;
-  } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
 };
 
 /// Scratch of prepare.
@@ -98,6 +97,24 @@ struct Switching {
   std::vector<int> sets, group;                   // per robot: union-find; number of its root's group
   std::vector<Island> groups;                     // of the loose robots
   std::vector<std::unique_ptr<IslandWork>> next;  // the islands to be
+};
+
+/// Scratch of one thread, for one island after the other.
+struct ThreadWork {
+  int number = 0;  // of the thread
+  FactorScratch scratch;
+  PanelWork panel;
+  IslandReport spare_report;  // of islands that are completed
+  // as many as fit side by side
+  std::vector<lanes::Answer> answers;
+  std::vector<lanes::Panel> panels;
+  std::vector<lanes::RobotTerms::Robot> robots;
+  std::vector<lanes::ContactTerms::Rows> rows;
+  // of jvp and vjp
+  KktVectors v;  // of an island's system
+  struct {
+    Eigen::VectorXd columns, rows;
+  } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
 };
 
 struct Workspace {
@@ -111,6 +128,8 @@ struct Workspace {
   bool prepared = false;  // all of this fits; false while it is being changed
   std::vector<char> active;
   Options options;
+  std::vector<ThreadWork> threads;                   // one at least
+  std::vector<internal::Failure> failures;           // one per thread
   std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
   std::vector<int> robot_island;                     // per robot
   std::uint64_t layout = 0;                          // changes of islands so far
@@ -133,16 +152,13 @@ struct Workspace {
   bool asked = false;              // the solution at hand is of such
 
   // by solve
-  Eigen::VectorXd q;          // nq: the configuration solved at
-  IslandReport spare_report;  // of islands that are completed
-  FactorScratch scratch;
+  Eigen::VectorXd q;  // nq: the configuration solved at
 
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::uint64_t derivatives_serial = 0;  // the solution they belong to
   std::uint64_t linearised_serial = 0;   // the solution all of `linearisation` belongs to
-  PanelWork panel;
   std::unique_ptr<ProductWork> products;
 };
 

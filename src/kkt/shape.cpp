@@ -39,21 +39,25 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
 }
 
 const IslandSupport& IslandShape::support() const {
+  const std::lock_guard lock(mutex_);
   if (!support_) support_ = island_support(scene_, island_);
   return *support_;
 }
 
 const std::vector<int>& IslandShape::contacts_early() {
+  const std::lock_guard lock(mutex_);
   if (!contacts_early_) contacts_early_ = elimination_order(scene_, island_, support(), Order::kContactsEarly);
   return *contacts_early_;
 }
 
 const std::shared_ptr<const BodyPattern>& IslandShape::bodies() {
+  const std::lock_guard lock(mutex_);
   if (!bodies_) bodies_ = std::make_shared<const BodyPattern>(analyze_bodies(scene_, island_));
   return bodies_;
 }
 
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
+  const std::lock_guard lock(mutex_);
   auto& p = patterns_[static_cast<std::size_t>(order)];
   if (!p) {
     std::vector<int> perm =
@@ -64,11 +68,13 @@ const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
 }
 
 const std::shared_ptr<const SchurPattern>& IslandShape::schur() {
+  const std::lock_guard lock(mutex_);
   if (!schur_) schur_ = std::make_shared<const SchurPattern>(analyze_schur(scene_, island_, support()));
   return schur_;
 }
 
 const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order order) {
+  const std::lock_guard lock(mutex_);
   auto& symbolic = cholmod_[static_cast<std::size_t>(order)];
   if (!symbolic)
     symbolic =
@@ -77,6 +83,7 @@ const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order
 }
 
 const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod_schur() {
+  const std::lock_guard lock(mutex_);
   if (!cholmod_schur_)
     cholmod_schur_ =
         std::make_shared<const sparse::CholmodSymbolic>(schur()->S, sparse::CholmodKind::kSupernodalLlt, true);

@@ -85,6 +85,7 @@ void add_enumerations(py::module_& m) {
       .def_readwrite("method", &Options::method)
       .def_readwrite("order", &Options::order)
       .def_readwrite("lanes", &Options::lanes)
+      .def_readwrite("threads", &Options::threads)
       .def("__eq__", [](const Options& a, const Options& b) { return a == b; })
       .def("__repr__", [](const Options& o) {
         return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") + ")";

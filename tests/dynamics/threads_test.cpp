@@ -1,5 +1,6 @@
 // Many threads, each with data of its own, on one constant scene: the bits of one thread alone. Under ThreadSanitizer
-// (`./run test --threads`) that nothing is shared that one of them writes.
+// (`./run test --threads`) that nothing is shared that one of them writes. And threads inside a call
+// (Options::threads): the same bits for any number of them.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,10 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/sparse/blas_threads.hpp"
+#include "support/allocations.hpp"
 #include "support/methods.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -56,6 +60,103 @@ TEST(Threads, EachWithItsDataOnOneScene) {
       }
     }
   }
+}
+
+// Random scenes have islands of all sizes, unlike each other.
+SceneFile random_file() {
+  std::mt19937 rng(21);
+  SceneOptions options;
+  options.nrobots = 7;
+  options.ncontacts = 12;
+  const RandomScene s = random_scene(rng, options);
+  SceneFile file;
+  file.scene = s.scene;
+  file.q = s.q, file.v = s.v, file.u = s.u;
+  return file;
+}
+
+SceneFile file_of(const std::string& name) {
+  if (name == "random") return random_file();
+  SceneFile file = load_small(MANYCONTACT_SOURCE_DIR "/models/" + name + ".xml");
+  std::mt19937 rng(6);
+  disturb(file, rng);
+  return file;
+}
+
+TEST(Threads, InsideACallCountForNothing) {
+  const sparse::OneBlasThread one_blas_thread;
+  for (const char* name : {"herd", "ring_of_humanoids", "two_humanoids_carry_beam", "feet_on_corners", "random"}) {
+    const SceneFile file = file_of(name);
+    for (const Way& way : ways_here()) {
+      SCOPED_TRACE(std::string(name) + ", " + way.name);
+      const std::vector<VectorXd> alone = everything(file, way.options);
+      for (int threads : {2, 3, 0}) {
+        Options options = way.options;
+        options.threads = threads;
+        const std::vector<VectorXd> answer = everything(file, options);
+        ASSERT_EQ(answer.size(), alone.size());
+        for (std::size_t k = 0; k < alone.size(); ++k)
+          EXPECT_TRUE(answer[k] == alone[k] || !alone[k].allFinite())
+              << "number " << k << ", " << threads << " threads";
+      }
+    }
+  }
+}
+
+TEST(Threads, InsideACallAllocateNothingTheSecondTime) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  for (const char* name : {"herd", "ring_of_humanoids", "two_humanoids_carry_beam"})
+    for (const Lanes lanes : {Lanes::kAuto, Lanes::kOff}) {
+      SCOPED_TRACE(name);
+      SceneFile file = file_of(name);
+      const Scene& scene = file.scene;
+      SceneData data(scene, {Method::kSparseLdl, {}, lanes, 3});
+      VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu), da(scene.nv), df;
+      const auto all = [&] {
+        (void)solve(scene, file.q, file.v, file.u, data);
+        (void)differentiate(scene, data);
+        df.resize(data.f.size());
+        jvp(scene, data, file.v, file.v, file.u, da, df);
+        vjp(scene, data, data.a, data.f, wq, wv, wu);
+      };
+      all();
+      std::mt19937 rng(14);
+      disturb(file, rng);
+      EXPECT_EQ(allocations(all), 0u);
+    }
+}
+
+TEST(Threads, AnExceptionInsideACallComesOut) {
+  if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";
+  const SceneFile file = file_of("herd");
+  const Options options{Method::kSparseLdl, {}, Lanes::kOff, 3};
+  const std::vector<VectorXd> expected = everything(file, options);  // OpenMP's threads are there from now on
+  SceneData data(file.scene, options);
+  bool threw = false;
+  {
+    const FailingAllocation failing(0, true);  // this thread's islands have no factors yet
+    try {
+      (void)solve(file.scene, file.q, file.v, file.u, data);
+    } catch (const std::bad_alloc&) {
+      threw = true;
+    }
+  }
+  EXPECT_TRUE(threw);
+  EXPECT_EQ(data.serial, 0u);
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  EXPECT_TRUE(data.a.allFinite());
+  SceneData afresh(file.scene, options);
+  (void)solve(file.scene, file.q, file.v, file.u, afresh);
+  EXPECT_TRUE(data.a == afresh.a && data.f == afresh.f);
+}
+
+TEST(Threads, LessThanNoneAreRefused) {
+  const SceneFile file = file_of("herd");
+  SceneData data(file.scene);
+  data.options.threads = -1;
+  EXPECT_THROW((void)solve(file.scene, file.q, file.v, file.u, data), std::invalid_argument);
+  data.options.threads = 2;
+  EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ struct BatchData {
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
 
   // the caller's, between calls
-  Options options;
+  Options options;           // but for its `threads`: a state is one thread's
   std::vector<char> active;  // one per contact: as the scene has it at first
 
   struct Thread {  // One thread's memory, and what went wrong in it.

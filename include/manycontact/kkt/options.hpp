@@ -37,8 +37,9 @@ inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, O
 std::string to_string(Order order);                               // "leaf-to-root"
 std::optional<Order> order_from_string(const std::string& name);  // likewise
 
-/// Instructions for robots side by side in SIMD lanes: islands of one robot by sparse-ldl, 2 (baseline), 4 (AVX2 and
-/// FMA) or 8 (AVX-512) of one model at a time. A level that is not compiled in, or does not run here, is as kOff.
+/// Instructions for robots side by side in SIMD lanes, 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) of one model at a
+/// time: islands of one robot by sparse-ldl as a whole; of islands of several robots by sparse-ldl or sparse-supernodal
+/// the robots' and contacts' terms. A level that is not compiled in, or does not run here, is as kOff.
 enum class Lanes {
   kAuto,  // the widest that runs here
   kOff,   // robot by robot
@@ -54,6 +55,11 @@ struct Options {  // How to solve.
   Method method = Method::kAuto;
   std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;
+  /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp: over islands, robots side by side, and
+  /// robots of a large island. 0: as many as OpenMP would take. Results do not depend on it (of sparse-supernodal:
+  /// where the BLAS works in one thread). Above 1, OpenBLAS is held to one thread meanwhile, in the whole program: one
+  /// such call at a time.
+  int threads = 1;
   bool operator==(const Options&) const = default;
 };
 

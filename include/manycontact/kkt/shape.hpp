@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <unordered_map>
 
@@ -13,8 +14,8 @@
 
 namespace manycontact {
 
-/// An island reduced to what patterns and orders depend on. Analyses are made when first asked for and kept. One
-/// thread at a time.
+/// An island reduced to what patterns and orders depend on. Analyses are made when first asked for, by whichever
+/// thread, and kept.
 class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);
@@ -38,6 +39,7 @@ class IslandShape {
  private:
   Scene scene_;
   Island island_;
+  mutable std::recursive_mutex mutex_;  // of all below: one analysis asks for another
   mutable std::optional<IslandSupport> support_;
   std::optional<std::vector<int>> contacts_early_;
   std::shared_ptr<const BodyPattern> bodies_;

@@ -88,7 +88,8 @@ void check_size_of_json(const Scene& scene) {
 
 int run_solve(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
-  const Options options = solver_options(arguments);
+  Options options = solver_options(arguments);
+  options.threads = arguments.integer("--threads", 1, 4096, 1);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
 
   const SceneFile file = load_scene(path);
@@ -135,6 +136,7 @@ const Command& solve_command() {
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that hold the scene still"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
+       {"--threads", "N", "inside a solve, for large scenes; default 1. Results do not depend on it"},
        {"--compare", "",
         "compares with the dense method however long that takes; else up to about a quarter of a second"},
        {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},

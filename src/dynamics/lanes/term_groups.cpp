@@ -20,11 +20,12 @@ bool evaluated_in_lanes(const Scene& scene, const IslandWork& d) {
                                                    [&](int r) { return is_small(*scene.robots[r].model); });
 }
 
-void add_robot_to_group(const Scene& scene, const Level& level, int r, TermGroups& g) {
+void add_robot_to_group(const Scene& scene, const Level& level, std::size_t threads, int r, TermGroups& g) {
   const std::shared_ptr<const Model>& model = scene.robots[r].model;
   TermGroups::Robots& group = g.robots[model];
-  if (!group.kernel) group.kernel = level.make_robots(model);
-  if (!group.members.empty()) group.kernel->widen();
+  while (group.kernels.size() < threads) group.kernels.push_back(level.make_robots(model));
+  if (!group.members.empty())
+    for (const auto& kernel : group.kernels) kernel->widen();
   group.members.push_back(r);
 }
 
@@ -35,8 +36,10 @@ void add_contact_to_group(const Scene& scene, const Workspace& w, const Level& l
   TermGroups::Contacts& group =
       g.contacts[{scene.robots[contact.A.robot].model.get(), B, contact.A.robot == contact.B.robot, contact.type,
                   contact.A.joint, contact.B.joint}];
-  if (!group.kernel) group.kernel = level.make_contacts(scene, contact, w.supports[c]);
-  if (!group.members.empty()) group.kernel->widen(scene, contact, w.supports[c]);
+  while (group.kernels.size() < w.threads.size())
+    group.kernels.push_back(level.make_contacts(scene, contact, w.supports[c]));
+  if (!group.members.empty())
+    for (const auto& kernel : group.kernels) kernel->widen(scene, contact, w.supports[c]);
   group.members.push_back(c);
 }
 
@@ -56,17 +59,29 @@ void regroup_terms(const Scene& scene, Workspace& w) {
   for (auto& [model, group] : g.robots) group.members.clear();
   for (auto& [key, group] : g.contacts) group.members.clear();
   g.other_contacts.clear();
+  g.robot_batches.clear();
+  g.contact_batches.clear();
   for (const std::unique_ptr<IslandWork>& d : w.islands) d->terms_in_lanes = false;
   const Level* level = w.lanes.level;
   if (!level) return;
-  g.robots_at_hand.reserve(level->width);
-  g.rows_at_hand.reserve(level->width);
+  for (ThreadWork& thread : w.threads) {
+    thread.robots.reserve(level->width);
+    thread.rows.reserve(level->width);
+  }
   for (const std::unique_ptr<IslandWork>& d : w.islands) {
     if (!evaluated_in_lanes(scene, *d)) continue;
     d->terms_in_lanes = true;
-    for (int r : d->island.robots) add_robot_to_group(scene, *level, r, g);
+    for (int r : d->island.robots) add_robot_to_group(scene, *level, w.threads.size(), r, g);
     for (int c : d->island.contacts) add_contact_to_group(scene, w, *level, c, g);
   }
+  for (const auto& [model, group] : g.robots) {
+    const int count = static_cast<int>(group.members.size());
+    for (int first = 0; first < count; first += level->width)
+      g.robot_batches.push_back({&group, first, std::min(level->width, count - first)});
+  }
+  std::size_t contacts = 0;
+  for (const auto& [key, group] : g.contacts) contacts += group.members.size();
+  g.contact_batches.reserve(contacts);
   for (auto& [key, group] : g.contacts)
     std::sort(group.members.begin(), group.members.end(), [&](int x, int y) {
       const Contact &c = scene.contacts[x], &d = scene.contacts[y];

@@ -15,8 +15,8 @@ namespace lanes {
 /// Groups stay when their members are gone, for contact sets to come.
 struct TermGroups {
   struct Robots {
-    std::unique_ptr<RobotTerms> kernel;
-    std::vector<int> members;  // of the scene, ascending
+    std::vector<std::unique_ptr<RobotTerms>> kernels;  // one per thread
+    std::vector<int> members;                          // of the scene, ascending
   };
   /// What the kernel of a contact is made for.
   struct ContactKey {
@@ -27,15 +27,23 @@ struct TermGroups {
     auto operator<=>(const ContactKey&) const = default;
   };
   struct Contacts {
-    std::unique_ptr<ContactTerms> kernel;
+    std::vector<std::unique_ptr<ContactTerms>> kernels;  // one per thread
     std::vector<int> members;
+  };
+  /// Members first ... first+count-1 of a group, which stand side by side.
+  template <class Members>
+  struct SideBySide {
+    const Members* group;
+    int first, count;
+    std::span<const int> members() const {
+      return std::span(group->members).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
+    }
   };
   std::map<std::shared_ptr<const Model>, Robots> robots;
   std::map<ContactKey, Contacts> contacts;
-  std::vector<int> other_contacts;  // of these islands: one by one
-  // scratch of a solve, as many as fit side by side
-  std::vector<RobotTerms::Robot> robots_at_hand;
-  std::vector<ContactTerms::Rows> rows_at_hand;
+  std::vector<int> other_contacts;                    // of these islands: one by one
+  std::vector<SideBySide<Robots>> robot_batches;      // all robots
+  std::vector<SideBySide<Contacts>> contact_batches;  // scratch of a solve: all contacts but the others
 };
 
 /// Whether a contact comes before another in its group: like ones stand together, in any order of the scene.

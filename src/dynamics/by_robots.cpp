@@ -1,0 +1,181 @@
+// What is known of derivatives robot by robot before any number is: patterns, places, predicted cost.
+
+#include "by_robots.hpp"
+
+#include <algorithm>
+
+#include "bodies.hpp"
+#include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "steps.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Each contact to the robot it is on, or to the two that it joins.
+void share_out(const Scene& scene, const Island& island, ByRobots& by) {
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    const int number = static_cast<int>(c);
+    if (!joins_robots(contact) || contact.A.robot == contact.B.robot) {
+      by.robots[local_robot(island, robot_of(contact))].contacts.push_back(number);
+      continue;
+    }
+    const int a = local_robot(island, contact.A.robot), b = local_robot(island, contact.B.robot);
+    for (const auto& [at, other] : {std::pair(a, b), std::pair(b, a)}) {
+      ByRobots::OfRobot& r = by.robots[at];
+      r.joins.push_back(number);
+      if (std::find(r.neighbours.begin(), r.neighbours.end(), other) == r.neighbours.end())
+        r.neighbours.push_back(other);
+      for (int i = 0; i < contact.rows(); ++i) r.joining.push_back(by.rows() + i);
+    }
+    for (int i = 0; i < contact.rows(); ++i) by.row.push_back(island.nv + island.row_offset[c] + i);
+  }
+}
+
+void analyze_joining(ByRobots& by) {
+  std::vector<std::pair<int, int>> entries;
+  const auto each_entry = [&by](auto&& use) {
+    for (ByRobots::OfRobot& r : by.robots)
+      for (std::size_t j = 0; j < r.joining.size(); ++j)
+        for (std::size_t i = 0; i <= j; ++i) use(r, r.joining[i], r.joining[j]);
+  };
+  each_entry([&](ByRobots::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
+  const sparse::UpperCsc pattern = sparse::make_pattern(by.rows(), std::move(entries));
+  by.perm = sparse::camd_order(pattern, {});
+  const std::vector<int> iperm = sparse::inverse(by.perm);
+  by.S = sparse::permute(pattern, iperm);
+  by.symbolic = sparse::ldl_analyze(by.S);
+  by.schedule = sparse::compile_ldl(by.S, by.symbolic);
+  each_entry([&](ByRobots::OfRobot& r, int i, int j) {
+    r.slot.push_back(by.S.slot(std::min(iperm[i], iperm[j]), std::max(iperm[i], iperm[j])));
+  });
+}
+
+}  // namespace
+
+ByRobots::ByRobots(const IslandShape& shape, ShapeCache& shapes) : robots(shape.island().robots.size()) {
+  const Scene& scene = shape.scene();
+  const Island& island = shape.island();
+  share_out(scene, island, *this);
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    OfRobot& r = robots[k];
+    Island alone;
+    alone.robots = {island.robots[k]};
+    for (int c : r.contacts) alone.contacts.push_back(island.contacts[c]);
+    number_island(scene, alone);
+    r.K.reset(shapes.find(scene, alone)->pattern(Order::kLeafToRoot));
+    compiled = compiled && r.K.pattern->schedule().compiled;
+    for (int i = 0; i < alone.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
+    for (int c : r.contacts)
+      for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
+        r.row.push_back(island.nv + island.row_offset[c] + i);
+  }
+  analyze_joining(*this);
+  compiled = compiled && schedule.compiled;
+}
+
+namespace internal {
+
+namespace {
+
+// Multiply-adds of a panel that goes through the island's factor, and is refined in every second state.
+double cost_at_once(const IslandWork& d, double ld) {
+  const KktPattern& p = *d.shape->pattern(d.choice.order);
+  return ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
+}
+
+// The same robot by robot. Those of a product run faster than those of a sparse solve; the panels of the robots are
+// filled and read once more. Measured on rings and on a beam between two humanoids.
+double cost_by_robots(const ByRobots& by, double ld) {
+  constexpr double kProduct = 0.4, kPanels = 1.3;
+  double cost = ld * 2.0 * by.symbolic.nonzeros();
+  for (const ByRobots::OfRobot& r : by.robots) {
+    const KktPattern& p = *r.K.pattern;
+    cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
+    cost += kProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
+  }
+  return kPanels * cost;
+}
+
+void lay_out_columns(const Island& island, const IslandDerivatives& out, std::size_t k, ByRobots& by) {
+  ByRobots::OfRobot& r = by.robots[k];
+  r.columns.clear();
+  int at = r.padded();
+  const auto add = [&](bool wanted, int first, int count) {
+    if (!wanted || count == 0) return;
+    r.columns.push_back({first, at, count});
+    at += count;
+  };
+  add(out.request.q, out.q_first + island.dof_offset[k], r.K.nv());
+  add(out.request.v, out.v_first + island.dof_offset[k], r.K.nv());
+  add(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k]);
+  for (int n : r.neighbours) add(out.request.q, out.q_first + island.dof_offset[n], by.robots[n].K.nv());
+  r.ld = sparse::padded(at);
+}
+
+// A column of each robot's own, of q, v and u by turns.
+void choose_sample(ByRobots& by) {
+  by.sample.column.clear();
+  for (std::size_t k = 0; k < by.robots.size(); ++k) {
+    const std::vector<ByRobots::Columns>& columns = by.robots[k].columns;
+    if (columns.empty()) continue;
+    const ByRobots::Columns& block = columns[k % columns.size()];
+    by.sample.column.push_back(block.in_X + static_cast<int>(7 * k) % block.count);
+  }
+}
+
+void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRobots& by) {
+  const std::size_t rows = by.row.size(), n = d.island.size();
+  std::size_t most_joining = 0, most_own = 0;  // rows of a robot
+  for (ByRobots::OfRobot& r : by.robots) {
+    if (!r.factor) r.factor = make_ldl_factor(Method::kSparseLdl);
+    r.J.resize(r.contacts.size());
+    r.G.assign(static_cast<std::size_t>(r.K.nv()) * r.padded(), 0.0);
+    r.P.assign(static_cast<std::size_t>(r.size()) * r.ld, 0.0);
+    r.H.assign(static_cast<std::size_t>(r.padded()) * r.ld, 0.0);
+    r.T.assign(r.joining.size() * sparse::padded(r.size()), 0.0);
+    r.nonzero.resize(r.size());
+    most_own = std::max<std::size_t>(most_own, r.size() - r.K.nv());
+    most_joining = std::max(most_joining, r.joining.size());
+  }
+  by.Sx.resize(by.S.nonzeros());
+  by.L.resize(by.symbolic.nonzeros());
+  by.D.resize(rows);
+  by.scale.resize(rows);
+  by.Y.resize(rows * ld);
+  by.buffers.resize(threads);
+  for (ByRobots::Buffers& b : by.buffers) {
+    b.work.resize(rows * (sparse::panel_kernels().columns + 1));
+    b.Yr.resize(most_joining * ld);
+    b.forces.resize(most_own * ld);
+    b.r.resize(n);
+    b.scale.resize(n);
+  }
+  by.sample.b.resize(n * by.sample.column.size());
+  by.sample.x.resize(n * by.sample.column.size());
+  by.sample.error.resize(by.sample.column.size());
+}
+
+}  // namespace
+
+void prepare_by_robots(IslandWork& d, const IslandDerivatives& out, Workspace& w) {
+  if (d.island.robots.size() == 1 || has_bodies(d) || w.options.order) return;
+  if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
+  if (!d.by_robots) d.by_robots = std::make_unique<ByRobots>(*d.shape, w.shapes);
+  ByRobots& by = *d.by_robots;
+  if (by.laid_out && by.request == out.request) return;
+  by.laid_out = false;  // should memory run out
+  for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, out, k, by);
+  choose_sample(by);
+  const double ld = static_cast<double>(out.X.cols());
+  by.cheaper = by.compiled && out.cols > 0 && cost_by_robots(by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
+  if (by.cheaper) take_memory(d, out.X.cols(), w.threads.size(), by);
+  by.request = out.request;
+  by.laid_out = true;
+}
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,101 @@
+#pragma once
+// Derivatives of an island robot by robot. With the rows that join two robots last, K is
+//
+//     [ K_1             G_1^T    ]
+//     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
+//     [           K_n   G_n^T    ]    G_r: what the joining rows have of its velocities.
+//     [ G_1  ...  G_n   -delta I ]
+//
+// With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the answer to K X = B is
+//
+//     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
+//
+// A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows join
+// the robot, in place of a solve with the island's factor.
+
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "workspace.hpp"
+
+namespace manycontact {
+
+/// Of an island's shape, and for one request at a time.
+struct ByRobots {
+  static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
+
+  /// shapes: where the patterns of the K_r are met again.
+  ByRobots(const IslandShape& shape, ShapeCache& shapes);
+
+  struct Columns {  // A block of columns of X, and where it stands in a robot's panel.
+    int in_X, in_P, count;
+  };
+  struct OfRobot {
+    // constant
+    std::vector<int> contacts;    // of the island: those on this robot alone
+    std::vector<int> joins;       // and those that join it to another
+    std::vector<int> neighbours;  // robots of the island at their other ends
+    std::vector<int> row;         // per row of K_r: the island's row
+    std::vector<int> joining;     // per row of G_r: the row of S
+    std::vector<int> slot;        // of the upper triangle of G_r T_r, by columns, in S
+    // for the request
+    std::vector<Columns> columns;  // where B_r is not zero
+    int ld = 0;                    // of P and H
+    // numbers
+    KktMatrix K;
+    std::unique_ptr<Factor> factor;
+    std::vector<std::span<const double>> J;
+    std::vector<double> G;      // G_r^T, nv x padded
+    std::vector<double> P;      // [G_r^T, B_r], then [T_r, K_r^-1 B_r]
+    std::vector<double> H;      // G_r P
+    std::vector<double> T;      // -T_r^T where accelerations come out, T_r^T where forces do; by rows of G_r, padded
+    std::vector<char> nonzero;  // a flag per row of K_r
+    bool sound = false;         // K_r's pivots are
+
+    int size() const { return static_cast<int>(row.size()); }
+    int padded() const { return sparse::padded(static_cast<std::ptrdiff_t>(joining.size())); }
+  };
+  std::vector<OfRobot> robots;
+  std::vector<int> row;   // per joining row: the island's row
+  std::vector<int> perm;  // row of S eliminated k-th
+  sparse::UpperCsc S;     // its pattern, in that order
+  sparse::LdlSymbolic symbolic;
+  sparse::LdlSchedule schedule;
+  bool compiled = true;  // all schedules are there
+
+  bool laid_out = false;  // for `request`
+  DerivativeRequest request;
+  bool cheaper = false;  // than the island's factor, for that
+
+  std::vector<double> Sx, L, D, scale;
+  std::vector<double> Y;  // a row per joining row, as wide as X
+  struct {                // a column of each robot's, to be judged with the island's K, in its order
+    std::vector<int> column;
+    std::vector<double> b, x, error;
+  } sample;
+  struct Buffers {               // of a thread
+    std::vector<double> work;    // of a solve with S
+    std::vector<double> Yr;      // Y's rows on a robot, as wide as X
+    std::vector<double> forces;  // of the contacts on a robot alone, likewise
+    std::vector<double> r, scale;
+  };
+  std::vector<Buffers> buffers;
+
+  int rows() const { return static_cast<int>(row.size()); }
+};
+
+namespace internal {
+
+/// Makes island.by_robots for `out`, which is laid out, where robot by robot is predicted to be cheaper than by the
+/// factor at hand.
+void prepare_by_robots(IslandWork& island, const IslandDerivatives& out, Workspace& work);
+/// Whether it is; but for that the way may turn out not to be sound.
+inline bool goes_by_robots(const IslandWork& d) {
+  return d.by_robots && d.by_robots->cheaper && d.factor && d.factor == d.chosen.get();
+}
+
+/// All of an island's derivatives into `out`, robot by robot, after derivative_terms. False where that is not sound:
+/// then X is not known, and another way has to answer.
+bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out);
+
+}  // namespace internal
+
+}  // namespace manycontact
