@@ -191,6 +191,13 @@ const Eigen::Vector2d& SolverDDP::expectedImprovement() {
   return d_;
 }
 
+// Newton's: half of d0
+double SolverDDP::expectedReduction() const {
+  double out = 0;
+  for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
+  return out;
+}
+
 double SolverDDP::calcDiff() {
   if (iter_ == 0) problem_->calc(xs_, us_);
   cost_ = problem_->calcDiff(xs_, us_);

@@ -95,16 +95,35 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
   stack_bound(&ActionModelAbstract::get_g_ub_T, g_ub_T_);
 }
 
+std::vector<std::vector<int>> constraint_rows(const ActionModelParts& model, bool terminal) {
+  std::vector<std::vector<int>> out(model.get_parts().size());
+  int next = 0;
+  const auto append = [&](auto count) {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      for (std::size_t k = count(*model.get_parts()[i].model); k > 0; --k) out[i].push_back(next++);
+  };
+  append([=](const ActionModelAbstract& own) { return terminal ? own.get_ng_T() : own.get_ng(); });
+  append([=](const ActionModelAbstract& own) { return terminal ? own.get_nh_T() : own.get_nh(); });
+  return out;
+}
+
 void ActionModelParts::set_storage(MatrixStorage storage) {
   require(storage != MatrixStorage::kBoth, "ActionModelParts::set_storage", "kDense or kSparse is expected");
   storage_ = storage;
 }
 
 DataPtr ActionModelParts::createData() {
+  std::vector<DataPtr> parts;
+  for (const ActionPart& part : parts_) parts.push_back(part.model->createData());
+  return createData(std::move(parts));
+}
+
+DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
+  check_size("ActionModelParts::createData", "the parts' data", parts.size(), parts_.size());
   auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
+  data->parts = std::move(parts);
   for (const ActionPart& part : parts_) {
-    data->parts.push_back(part.model->createData());
     data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
     data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.u.size())));
   }
@@ -138,6 +157,10 @@ void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
     parts_[i].model->calc(d.parts[i], d.x[i]);
   }
   collect_values(d);
+}
+
+void ActionModelParts::collect(const DataPtr& data) const {
+  collect_values(internal::own_data<ActionDataParts>("ActionModelParts::collect", data));
 }
 
 void ActionModelParts::collect_values(ActionDataParts& d) const {

@@ -221,6 +221,98 @@ TEST(AugmentedLagrangian, KeepsControlLimitsToo) {
   EXPECT_GT(at_limit, 0);
 }
 
+// ---- separate parts
+// --------------------------------------------------------------------------------------------------
+
+// Two unicycles that never meet, each with gates of its own; in the end the second has none.
+std::shared_ptr<ShootingProblem> two_gated(MatrixStorage storage, double limit) {
+  const auto node = [=](std::shared_ptr<ActionModelUnicycle> first, std::shared_ptr<ActionModelUnicycle> second) {
+    std::vector<ActionPart> parts{{std::move(first), {0, 2, 4}, {0, 2, 4}, {0, 2}},
+                                  {std::move(second), {1, 3, 5}, {1, 3, 5}, {1, 3}}};
+    for (ActionPart& part : parts) {
+      part.model->set_u_lb(Eigen::Vector2d::Constant(-limit));
+      part.model->set_u_ub(Eigen::Vector2d::Constant(limit));
+    }
+    auto out = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(6), 4, std::move(parts));
+    out->set_storage(storage);
+    return out;
+  };
+  const auto plain = [] { return std::make_shared<ActionModelUnicycle>(); };
+  std::vector<NodePtr> nodes(20, node(plain(), plain()));
+  nodes[10] = node(std::make_shared<Gate>(-kInfinity, -0.5, -0.6), std::make_shared<Gate>(0.45, 0.5));
+  nodes[15] = node(plain(), std::make_shared<Gate>(0.2, 0.2));
+  const Eigen::VectorXd x0 = (Eigen::VectorXd(6) << -1, 1, -1, 1, 1, 0.5).finished();
+  const auto problem =
+      std::make_shared<ShootingProblem>(x0, nodes, node(std::make_shared<Gate>(-0.1, kInfinity), plain()));
+  problem->set_nthreads(1);
+  return problem;
+}
+
+TEST(AugmentedLagrangian, OfSeparatePartsTakesTheStepsOfTheWhole) {
+  for (const double limit : {kInfinity, 1.5}) {
+    SCOPED_TRACE(limit);
+    SolverAugmentedLagrangian dense(two_gated(MatrixStorage::kDense, limit));
+    SolverAugmentedLagrangian sparse(two_gated(MatrixStorage::kSparse, limit));
+    EXPECT_EQ(dynamic_cast<SolverSparse*>(dense.get_inner().get()), nullptr);
+    ASSERT_NE(dynamic_cast<SolverSparse*>(sparse.get_inner().get()), nullptr);
+    EXPECT_EQ(sparse.get_inner()->keeps_limits(), limit < kInfinity);
+    const auto dense_log = std::make_shared<CallbackLogger>(), sparse_log = std::make_shared<CallbackLogger>();
+    dense.setCallbacks({dense_log});
+    sparse.setCallbacks({sparse_log});
+    EXPECT_TRUE(dense.solve({}, {}, 300)) << to_string(dense.reason());
+    EXPECT_TRUE(sparse.solve({}, {}, 300)) << to_string(sparse.reason());
+    EXPECT_EQ(sparse.get_outer_iter(), dense.get_outer_iter());
+    ASSERT_EQ(sparse_log->costs.size(), dense_log->costs.size());
+    EXPECT_EQ(sparse_log->steps, dense_log->steps);
+    for (std::size_t k = 0; k < dense_log->costs.size(); ++k)
+      EXPECT_LT(std::abs(sparse_log->costs[k] - dense_log->costs[k]), 1e-9 * dense_log->costs[k]) << k;
+    EXPECT_LT(difference_of(stacked(sparse), stacked(dense)), 1e-7);
+    EXPECT_NEAR(sparse.get_xs()[10][0], -0.6, 1e-8);
+    EXPECT_LE(sparse.get_xs()[10][2], -0.5 + 1e-8);
+    EXPECT_GE(sparse.get_xs()[10][3], 0.45 - 1e-8);
+    EXPECT_NEAR(sparse.get_xs()[15][3], 0.2, 1e-8);
+    EXPECT_LT(residual_of(sparse, limit < kInfinity), 1e-6);
+    // of a node: g of both parts, then h
+    const Vectors y = sparse.get_multipliers();
+    ASSERT_EQ(y[10].size(), 3);
+    EXPECT_EQ(y[15].size(), 1);
+    EXPECT_EQ(y[20].size(), 1);
+    EXPECT_EQ(y[0].size(), 0);
+    for (std::size_t t = 0; t < y.size(); ++t)
+      for (Eigen::Index i = 0; i < y[t].size(); ++i)
+        EXPECT_NEAR(y[t][i], dense.get_multipliers()[t][i], 1e-5 * (1 + std::abs(y[t][i]))) << t << " " << i;
+    // warm starts, and a horizon that moves
+    const Vectors xs = sparse.get_xs(), us = sparse.get_us();
+    sparse.reset();
+    sparse.set_multipliers(y);
+    EXPECT_EQ(sparse.get_multipliers()[10], y[10]);
+    EXPECT_TRUE(sparse.solve(xs, us, 100, true));
+    EXPECT_LE(sparse.get_outer_iter(), 2u);
+    const NodePtr last = sparse.get_problem()->get_runningModels()[0];
+    sparse.circularAppend(last);
+    EXPECT_EQ(sparse.get_multipliers()[9].size(), 3);
+    EXPECT_EQ(sparse.get_multipliers()[19].size(), 0);
+  }
+}
+
+TEST(AugmentedLagrangian, OfSeparatePartsIsThatOfEach) {
+  const auto problem = two_gated(MatrixStorage::kSparse, kInfinity);
+  SolverAugmentedLagrangian both(problem);
+  ASSERT_TRUE(both.solve({}, {}, 300));
+  double cost = 0;
+  for (const ShootingPart& part : separate(*problem)) {
+    SolverAugmentedLagrangian own(part.problem);
+    ASSERT_TRUE(own.solve({}, {}, 300)) << to_string(own.reason());
+    cost += own.get_cost();
+    for (std::size_t t = 0; t < own.get_xs().size(); ++t) {
+      Eigen::VectorXd x;
+      gather(both.get_xs()[t], part.x, x);
+      EXPECT_LT((x - own.get_xs()[t]).lpNorm<Eigen::Infinity>(), 1e-6) << t;
+    }
+  }
+  EXPECT_NEAR(both.get_cost(), cost, 1e-7 * cost);
+}
+
 // ---- warm starts ----------------------------------------------------------------------------------------------------
 
 TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {

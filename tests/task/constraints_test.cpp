@@ -96,5 +96,18 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
   EXPECT_EQ(s.violations[0].node, task.nodes());
 }
 
+// Just out of reach the augmented Lagrangian falls slowly, for hundreds of iterations.
+TEST_F(Constraints, ThatAreJustOutOfReachAreReported) {
+  for (const char* there : {"3 0 1", "0 0 3"}) {
+    TaskFile task = with("", std::string(R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
+                              lower="0 0 0" upper="0 0 0" xyz=")") +
+                                 there + "\"/>");
+    const TaskSolution s = solved(task);
+    EXPECT_FALSE(s.converged);
+    EXPECT_GT(s.constraint_violation, 0.5);
+    EXPECT_EQ(s.reason.rfind("infeasible constraints: there, by ", 0), 0u) << s.reason << " " << s.iterations.size();
+  }
+}
+
 }  // namespace
 }  // namespace manycontact

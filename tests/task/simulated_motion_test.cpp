@@ -37,7 +37,7 @@ TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
   const Scene& scene = task.scene.scene;
   const int z = scene.robots[static_cast<std::size_t>(scene.robot_index.at("beam"))].idx_q + 2;
   for (const Integrator integrator : {Integrator::kRk4, Integrator::kSemiImplicitEuler}) {
-    const SimulatedMotion motion = simulate(task, problem, s, integrator, 20);
+    const SimulatedMotion motion = simulate(task, s, integrator, 20);
     EXPECT_EQ(motion.stopped, StepStatus::kOk);
     EXPECT_LT(motion.position_drift, 1e-6);
     EXPECT_LT(motion.distance, 0.2);  // velocities among them
@@ -48,7 +48,22 @@ TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
   }
   expect_within_cones(task, problem, s);
   s.gains.clear();
-  EXPECT_GT(simulate(task, problem, s, Integrator::kRk4, 5).distance, 1);
+  EXPECT_GT(simulate(task, s, Integrator::kRk4, 5).distance, 1);
+}
+
+// Two landings: the simulation's impacts are the plan's. Without them in the plan the feet that land still move there.
+TEST(SimulatedMotion, AQuadrupedTrots) {
+  TaskFile task = read_task(kTasks + "quadruped_trots.xml");
+  TaskProblem problem = make_problem(task);
+  const TaskSolution s = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
+  ASSERT_TRUE(s.converged) << s.reason;
+  const SimulatedMotion motion = simulate(task, s, Integrator::kRk4, 10);
+  EXPECT_EQ(motion.stopped, StepStatus::kOk);
+  ASSERT_EQ(motion.xs.size(), s.xs.size());
+  EXPECT_LT(motion.position_drift, 1e-6);
+  EXPECT_LT(motion.distance, 0.2);
+  EXPECT_GT(motion.energy_lost, 1e-3);
+  EXPECT_NEAR(motion.xs.back()[0], s.xs.back()[0], 0.01);
 }
 
 }  // namespace

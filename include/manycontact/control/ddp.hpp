@@ -21,6 +21,7 @@ struct IntegratedActionDataEuler;
 class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Source = std::shared_ptr<ShootingProblem>;  // what it is made of
 
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
 
@@ -50,6 +51,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void allocateData();
   /// Whether controls stay within the models' limits.
   virtual bool keeps_limits() const { return false; }
+  /// What a full step is expected to reduce the cost by, at the direction of a candidate without gaps.
+  virtual double expectedReduction() const;
 
   double get_reg_incfactor() const { return reg_incfactor_; }
   double get_reg_decfactor() const { return reg_decfactor_; }
