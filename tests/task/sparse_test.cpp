@@ -93,15 +93,17 @@ struct Both {
 };
 
 Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver of_whole = TaskSolver::kFddp,
-                           TaskSolver of_parts = TaskSolver::kSparse) {
+                           TaskSolver of_parts = TaskSolver::kSparse, std::size_t blocks = 0) {
   TaskProblem whole = make_problem(task), by_parts = make_problem(task, of_parts);
   EXPECT_EQ(by_parts.parts.size(), parts);
   for (std::size_t t = 0; t < whole.us.size(); ++t)
-    if (whole.us[t].size() > 0) EXPECT_LT(difference_of(by_parts.us[t], whole.us[t]), 1e-9);
+    if (whole.us[t].size() > 0) {
+      EXPECT_LT(difference_of(by_parts.us[t], whole.us[t]), 1e-9);
+    }
   const Both both{optimize(task, whole, {of_whole, 1, {}}), optimize(task, by_parts, {of_parts, 1, {}})};
   const TaskSolution &dense = both.dense, &sparse = both.sparse;
   EXPECT_EQ(sparse.solver, to_string(of_parts));
-  EXPECT_EQ(sparse.blocks.size(), parts);
+  EXPECT_EQ(sparse.blocks.size(), blocks > 0 ? blocks : parts);
   EXPECT_EQ(dense.blocks.size(), 1u);
   EXPECT_EQ(sparse.converged, dense.converged) << dense.reason << ", " << sparse.reason;
   EXPECT_LT(sparse.kkt_residual, 2 * dense.kkt_residual + 1e-9);
@@ -120,7 +122,9 @@ Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver o
   }
   for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(sparse.xs[t], dense.xs[t]), 1e-7);
   for (std::size_t t = 0; t < dense.us.size(); ++t)
-    if (dense.us[t].size() > 0) EXPECT_LT(difference_of(sparse.us[t], dense.us[t]), 1e-6);
+    if (dense.us[t].size() > 0) {
+      EXPECT_LT(difference_of(sparse.us[t], dense.us[t]), 1e-6);
+    }
   return both;
 }
 
@@ -134,7 +138,7 @@ TEST(SparseTask, WhatHasNoTorquesMovesToo) {
   const TaskFile task = task_of("passive", herd(2, "<robot name='box' urdf='" + kModels + "box.urdf' xyz='5 0 3'/>"),
                                 "<phase nodes='8' contacts='LF RF LH RH'>" + costs("") + "</phase>" + kTerminal);
   EXPECT_EQ(separate_robots(task), (std::vector<std::vector<int>>{{0, 2}, {1}}));
-  const Both both = expect_dense_iterates(task, 2);
+  const Both both = expect_dense_iterates(task, 2, TaskSolver::kFddp, TaskSolver::kSparse, 3);
   EXPECT_LT(both.sparse.xs.back()[task.scene.scene.robots[2].idx_q + 2], 2.98);
 }
 
@@ -154,7 +158,7 @@ TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   std::ostringstream urdf;
   urdf << std::ifstream(kModels + "quadruped.urdf").rdbuf();
   const std::string weak = testing::TempDir() + "manycontact_weak.urdf";
-  std::ofstream(weak) << std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"22\"");
+  std::ofstream(weak) << std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"17\"");
   const TaskFile task =
       task_of("limits", herd(3, "", weak),
               "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") + "</phase><phase nodes='6' contacts='RF LH RH'>" +
@@ -164,18 +168,18 @@ TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   EXPECT_EQ(both.sparse.blocks, (std::vector<int>{12, 12, 12}));
   int at_limit = 0;
   for (const Eigen::VectorXd& u : both.sparse.us) {
-    EXPECT_LE(u.lpNorm<Eigen::Infinity>(), 22);
-    at_limit += static_cast<int>((u.array().abs() == 22).count());
+    EXPECT_LE(u.lpNorm<Eigen::Infinity>(), 17);
+    at_limit += static_cast<int>((u.array().abs() == 17).count());
   }
   EXPECT_GT(at_limit, 10);
+  double most=0; for (auto& u : both.dense.us) most=std::max(most,u.lpNorm<Eigen::Infinity>()); std::printf("DBG most %g\n", most);
 }
 
-// A centre of mass held exactly in y, between bounds in x, in the end; a trunk that must not rise on the way. Penalties
-// are common to all robots.
+// A centre of mass held exactly in y, between bounds in x, in the end; knees of 13 Nm at most on the way. Penalties are
+// common to all robots.
 TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
-  const std::string on_the_way =
-      "<constraint name='low' type='frame_translation' frame='herd/trunk' xyz='0 0 0' lower='-inf -inf -inf' "
-      "upper='inf inf 0.3835'/>";
+  const std::string on_the_way = "<constraint name='weak' type='control' robot='herd' lower='" + repeated(std::getenv("LO"), 12) +
+                                 "' upper='" + repeated(std::getenv("HI"), 12) + "'/>";
   for (const TaskSolver whole : {TaskSolver::kFddp, TaskSolver::kBoxFddp}) {
     const TaskFile task =
         task_of("constrained", herd(2),
@@ -190,8 +194,9 @@ TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
     EXPECT_LT(sparse.kkt_residual, 1e-6);
     EXPECT_GT(sparse.outer_iterations, 2u);
     EXPECT_EQ(sparse.outer_iterations, dense.outer_iterations);
-    ASSERT_EQ(sparse.violations.size(), 4u);  // low and com, by the names that they have in the whole scene
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(sparse.violations[k].constraint, dense.violations[k].constraint);
+    double most=0; for (auto& u : both.dense.us) most=std::max(most,u.lpNorm<Eigen::Infinity>()); std::printf("DBG most %g its %zu\n", most, dense.iterations.size());
+    ASSERT_EQ(sparse.violations.size(), 3u);  // by the names that they have in the whole scene: com0, com1, weak
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(sparse.violations[k].constraint, dense.violations[k].constraint);
   }
 }
 
