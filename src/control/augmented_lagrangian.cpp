@@ -122,14 +122,13 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// After a step the nodes' data are those of the candidate; without one (then the merit has not changed) of the last
-// try.
+// After a step the nodes' data are those of the candidate; without one of the last try.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
-  if (inner_->get_cost() != merit_) {
+  merit_ = inner_->get_cost();
+  if (inner_->has_stepped()) {
     moved_ = true;
-    merit_ = inner_->get_cost();
     collectParts();
     cost_ = problem_->total_cost();
     measureViolation();

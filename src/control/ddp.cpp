@@ -146,6 +146,7 @@ bool SolverDDP::adaptRegularization() {
 // The first of the step lengths that is accepted becomes the candidate; false when none is.
 bool SolverDDP::searchLine() {
   prepareImprovement();
+  stepped_ = false;
   for (double alpha : alphas_) {
     steplength_ = alpha;
     const double dV = tryStep(alpha);
@@ -157,7 +158,7 @@ bool SolverDDP::searchLine() {
     was_feasible_ = is_feasible_;
     setCandidate(xs_try_, us_try_, closesGaps());
     cost_ = cost_try_;
-    return true;
+    return stepped_ = true;
   }
   return false;
 }
