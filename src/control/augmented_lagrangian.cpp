@@ -27,7 +27,8 @@ constexpr int kFlat = 2;                // minimisations in a row that bring con
 constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
 constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
 constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
-constexpr int kWindow = 20;             // iterations that are to gain that much, or a minimisation crawls
+constexpr int kWindow = 10;             // iterations that are to gain more than the next, or a minimisation crawls
+constexpr double kCrawl = 0.01;         // of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -151,7 +152,7 @@ void SolverAugmentedLagrangian::reportIteration() {
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
-            window_merit_ - merit_ < kStationary * (merit_ - cost_);
+            window_merit_ - merit_ < kCrawl * (merit_ - cost_);
   window_merit_ = merit_;
   window_violation_ = violation_;
   return crawls_;

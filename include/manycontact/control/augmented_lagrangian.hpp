@@ -8,7 +8,7 @@
 // Wright 17.4). m is the violation, and for inequalities that do not bind the distance of y to zero. Since multipliers
 // converge, constraints are met to rounding at a moderate penalty. A minimisation stops where its expected reduction is
 // below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m. It also stops
-// where twenty iterations gained less than a thousandth of what the constraints add to the cost.
+// where ten iterations gained less than a hundredth of what the constraints add to the cost.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
