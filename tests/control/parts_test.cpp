@@ -38,7 +38,8 @@ std::shared_ptr<ActionModelParts> node(MatrixStorage storage, double limit = INF
 }
 
 std::shared_ptr<ShootingProblem> unicycles(MatrixStorage storage, std::size_t T = 20, double limit = INFINITY) {
-  const Eigen::VectorXd x0 = (Eigen::VectorXd(9) << 1, -1, 0.5, 1, 2, 0.3, 0.4, -0.7, 2).finished();
+  Eigen::VectorXd x0(9);
+  x0 << 1, -1, 0.5, 1, 2, 0.3, 0.4, -0.7, 2;
   const auto problem =
       std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(T, node(storage, limit)), node(storage));
   problem->set_nthreads(1);

@@ -12,7 +12,7 @@
 
 #include "manycontact/control/joined_solver.hpp"
 #include "manycontact/task/forces.hpp"
-#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
@@ -284,6 +284,29 @@ void expect_dense_optimum(const TaskFile& task, std::size_t blocks) {
 TEST(JoinedTask, OptimumOfAChainThatForms) { expect_dense_optimum(chain(3), 3); }
 TEST(JoinedTask, OptimumOfARing) { expect_dense_optimum(humanoids(3, true, 6), 3); }
 TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3); }
+
+// Each robot's feedback alone, which takes the wrenches on it as given, holds all of them.
+TEST(JoinedTask, GainsOfBlocksHoldTheMotionInSimulation) {
+  const TaskFile task = beam(25);
+  TaskProblem problem = make_problem(task, TaskSolver::kSparse);
+  TaskSolution s = optimize(task, problem, {TaskSolver::kSparse, 1, {}});
+  ASSERT_TRUE(s.converged) << s.reason;
+  for (std::size_t t = 0; t < s.us.size(); ++t) {
+    std::vector<int> count(static_cast<std::size_t>(s.us[t].size()));
+    for (const TaskGains& own : s.gains) {
+      if (own.K[t].rows() == 0) continue;
+      EXPECT_EQ(own.K[t].rows(), static_cast<Eigen::Index>(own.u.size()));
+      EXPECT_EQ(own.K[t].cols(), static_cast<Eigen::Index>(own.dx.size()));
+      for (const int i : own.u) ++count[static_cast<std::size_t>(i)];
+    }
+    for (const int k : count) EXPECT_EQ(k, 1) << t;
+  }
+  const SimulatedMotion held = simulate(task, s, Integrator::kRk4, 5);
+  s.gains.clear();
+  const SimulatedMotion alone = simulate(task, s, Integrator::kRk4, 5);
+  EXPECT_EQ(held.stopped, StepStatus::kOk);
+  EXPECT_GT(alone.distance, 3 * held.distance);
+}
 
 TEST(JoinedTask, AutoTakesBlocksWhereTheyCostLess) {
   const TaskFile task = humanoids(6, false, 3);
