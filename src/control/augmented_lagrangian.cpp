@@ -166,7 +166,8 @@ void SolverAugmentedLagrangian::measureViolation() {
 }
 
 // Violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers. (Those of
-// a plain adjoint recursion would grow with the robots' unstable motions.)
+// a plain adjoint recursion would grow with the robots' unstable motions.) The gradient of the augmented Lagrangian is
+// that of the Lagrangian at y+.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
   inner_->set_preg(inner_->get_reg_min());
@@ -179,16 +180,21 @@ void SolverAugmentedLagrangian::assess() {
     inner_->computeDirection(false);
   }
   measureViolation();
-  measure_ = 0;
+  measure_ = kkt_ = 0;
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
     for (const Augmented& own : nodes_[t].augmented) {
       const Eigen::VectorXd &y = own.model->get_multipliers(), &next = own.data->y_next;
-      for (Index i = 0; i < y.size(); ++i) measure_ = larger(std::abs(next[i] - y[i]) / rho_, measure_);
-      internal::put(next, own.rows, y_next_[t]);
+      const internal::ConstraintRows rows(*own.model->get_model(), problem_->by_state_alone(t));
+      for (Index i = 0; i < y.size(); ++i) {
+        measure_ = larger(std::abs(next[i] - y[i]) / rho_, measure_);
+        const double c = rows.value(*own.data->inner, i);
+        kkt_ = larger(std::abs(c - std::min(std::max(c + next[i], rows.lower(i)), rows.upper(i))), kkt_);
+      }
     }
   }
-  kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), y_next_, gap_);
-  if (!inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
+  kkt_ = larger(
+      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, gap_), kkt_);
+  if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
 
 StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {

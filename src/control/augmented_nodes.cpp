@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "constraint_rows.hpp"
 #include "coordinates.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/control/joined.hpp"
 
 namespace manycontact {
 
@@ -26,44 +27,58 @@ std::vector<int> all_rows(Eigen::Index count) {
 
 }  // namespace
 
-AL::Augmented AL::augment(const std::shared_ptr<ActionModelAbstract>& model,
-                          const std::shared_ptr<ActionDataAbstract>& data, std::vector<int> rows,
-                          const Eigen::VectorXd& multipliers) const {
-  Augmented out;
-  out.model = std::make_shared<ActionModelAugmentedLagrangian>(model);
-  out.model->set_penalty(rho_);
+AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                          std::vector<Augmented>& out) const {
+  const auto model = std::make_shared<ActionModelAugmentedLagrangian>(of.model);
+  model->set_penalty(rho_);
   Eigen::VectorXd own;
   gather(multipliers, rows, own);
-  out.model->set_multipliers(own);
-  out.data = std::static_pointer_cast<ActionDataAugmentedLagrangian>(out.model->createData(data));
-  out.rows = std::move(rows);
-  return out;
+  model->set_multipliers(own);
+  const auto data = model->createData(of.data);
+  out.push_back({model, std::static_pointer_cast<ActionDataAugmentedLagrangian>(data), rows});
+  return {model, data};
 }
 
-// Nodes without constraints are the problem's own. Of ActionModelParts each part is taken on its own.
-AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const {
-  Node out{problem_->model(t), problem_->model(t), problem_->data(t), problem_->data(t), {}};
-  if (multipliers.size() == 0) return out;
-  const auto* whole = dynamic_cast<const ActionModelParts*>(out.model.get());
-  if (!whole) {
-    out.augmented.push_back(augment(out.model, out.data, all_rows(multipliers.size()), multipliers));
-    out.augmented_model = out.augmented.back().model;
-    out.augmented_data = out.augmented.back().data;
-    return out;
-  }
-  std::vector<ActionPart> parts = whole->get_parts();
-  auto datas = internal::own_data<ActionDataParts>(kAugmentedNodes, out.data).parts;
-  const std::vector<std::vector<int>> rows = constraint_rows(*whole, problem_->by_state_alone(t));
+// A node of parts again, with those of them that have rows augmented.
+template <class Model, class Data>
+AL::Copy AL::augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
+                           const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const {
+  auto parts = whole.get_parts();
+  auto datas = data.parts;
+  const std::vector<std::vector<int>> of_parts = internal::constraint_rows(parts, terminal);
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (rows[i].empty()) continue;
-    out.augmented.push_back(augment(parts[i].model, datas[i], rows[i], multipliers));
-    parts[i].model = out.augmented.back().model;
-    datas[i] = out.augmented.back().data;
+    std::vector<int> own;
+    for (const int k : of_parts[i]) own.push_back(rows[static_cast<std::size_t>(k)]);
+    const Copy part = augment({parts[i].model, datas[i]}, terminal, own, multipliers, out);
+    parts[i].model = part.model;
+    datas[i] = part.data;
   }
-  const auto model = std::make_shared<ActionModelParts>(whole->get_state(), whole->get_nu(), std::move(parts));
-  model->set_storage(whole->get_storage());
-  out.augmented_model = model;
-  out.augmented_data = model->createData(std::move(datas));
+  std::shared_ptr<Model> model;
+  if constexpr (std::is_same_v<Model, ActionModelJoined>)
+    model = std::make_shared<Model>(std::static_pointer_cast<StateMultibody>(whole.get_state()), whole.get_scene(),
+                                    std::move(parts));
+  else
+    model = std::make_shared<Model>(whole.get_state(), whole.get_nu(), std::move(parts));
+  model->set_storage(whole.get_storage());
+  return {model, model->createData(std::move(datas))};
+}
+
+// What has no rows stays what it is. rows: of the problem's node, those of this node or part.
+AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                     std::vector<Augmented>& out) const {
+  if (rows.empty()) return of;
+  if (const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get()))
+    return augment_parts(*whole, internal::own_data<ActionDataParts>(kAugmentedNodes, of.data), terminal, rows,
+                         multipliers, out);
+  if (const auto* whole = dynamic_cast<const ActionModelJoined*>(of.model.get()))
+    return augment_parts(*whole, internal::own_data<ActionDataJoined>(kAugmentedNodes, of.data), terminal, rows,
+                         multipliers, out);
+  return augment_leaf(of, rows, multipliers, out);
+}
+
+AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const {
+  Node out{{problem_->model(t), problem_->data(t)}, {}, {}, multipliers.size()};
+  out.copy = augment(out.own, problem_->by_state_alone(t), all_rows(multipliers.size()), multipliers, out.augmented);
   return out;
 }
 
@@ -73,9 +88,9 @@ bool AL::is_decorated() const {
   if (augmented_->get_T() != T) return false;
   for (std::size_t t = 0; t <= T; ++t) {
     const Node& node = nodes_[t];
-    if (node.model != problem_->model(t) || node.data != problem_->data(t)) return false;
-    if (node.augmented_model != augmented_->model(t) || node.augmented_data != augmented_->data(t)) return false;
-    if (y_next_[t].size() != rows_at(*problem_, t).size()) return false;
+    if (node.own.model != problem_->model(t) || node.own.data != problem_->data(t)) return false;
+    if (node.copy.model != augmented_->model(t) || node.copy.data != augmented_->data(t)) return false;
+    if (node.rows != rows_at(*problem_, t).size()) return false;
     for (const Augmented& own : node.augmented) {
       const internal::ConstraintRows rows(*own.model->get_model(), problem_->by_state_alone(t));
       const Eigen::Index count = static_cast<Eigen::Index>(own.rows.size());
@@ -90,19 +105,18 @@ void AL::decorate() {
   const std::size_t T = problem_->get_T();
   const Multipliers multipliers = get_multipliers();
   nodes_.clear();
-  y_next_.resize(T + 1);
   ShootingProblem::Models models;
   ShootingProblem::Datas datas;
   for (std::size_t t = 0; t <= T; ++t) {
-    y_next_[t].setZero(rows_at(*problem_, t).size());
-    const bool kept = t < multipliers.size() && multipliers[t].size() == y_next_[t].size();
-    nodes_.push_back(decorated(t, kept ? multipliers[t] : y_next_[t]));
-    models.push_back(nodes_[t].augmented_model);
-    datas.push_back(nodes_[t].augmented_data);
+    const Eigen::Index rows = rows_at(*problem_, t).size();
+    const bool kept = t < multipliers.size() && multipliers[t].size() == rows;
+    nodes_.push_back(decorated(t, kept ? multipliers[t] : Eigen::VectorXd::Zero(rows)));
+    models.push_back(nodes_[t].copy.model);
+    datas.push_back(nodes_[t].copy.data);
   }
   models.pop_back();
   datas.pop_back();
-  ShootingProblem problem(problem_->get_x0(), models, nodes_[T].augmented_model, datas, nodes_[T].augmented_data);
+  ShootingProblem problem(problem_->get_x0(), models, nodes_[T].copy.model, datas, nodes_[T].copy.data);
   if (augmented_ == nullptr)
     augmented_ = std::make_shared<ShootingProblem>(std::move(problem));
   else
@@ -126,18 +140,14 @@ void AL::circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_
   problem_->circularAppend(std::move(model), std::move(data));
   const std::size_t last = problem_->get_T() - 1;
   std::rotate(nodes_.begin(), nodes_.begin() + 1, nodes_.end() - 1);
-  std::rotate(y_next_.begin(), y_next_.begin() + 1, y_next_.end() - 1);
-  y_next_[last].setZero(rows_at(*problem_, last).size());
-  nodes_[last] = decorated(last, y_next_[last]);
-  augmented_->circularAppend(nodes_[last].augmented_model, nodes_[last].augmented_data);
+  nodes_[last] = decorated(last, Eigen::VectorXd::Zero(rows_at(*problem_, last).size()));
+  augmented_->circularAppend(nodes_[last].copy.model, nodes_[last].copy.data);
 }
 
 std::vector<Eigen::VectorXd> AL::get_multipliers() const {
   Multipliers out(nodes_.size());
   for (std::size_t t = 0; t < nodes_.size(); ++t) {
-    Eigen::Index rows = 0;
-    for (const Augmented& own : nodes_[t].augmented) rows += own.model->get_multipliers().size();
-    out[t].setZero(rows);
+    out[t].setZero(nodes_[t].rows);
     for (const Augmented& own : nodes_[t].augmented) internal::put(own.model->get_multipliers(), own.rows, out[t]);
   }
   return out;
@@ -148,7 +158,7 @@ void AL::set_multipliers(const Multipliers& multipliers) {
   require(multipliers.size() == nodes_.size(), kAugmentedNodes, "the number of multipliers is not T + 1");
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     check_size(kAugmentedNodes, "multipliers of a node", multipliers[t].size(),
-               static_cast<std::size_t>(y_next_[t].size()));
+               static_cast<std::size_t>(nodes_[t].rows));
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     for (const Augmented& own : nodes_[t].augmented) {
       Eigen::VectorXd y;
@@ -165,10 +175,22 @@ void AL::reset() {
       own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
 }
 
+namespace {
+
+void collect_values_of(const ActionModelAbstract& model, const std::shared_ptr<ActionDataAbstract>& data) {
+  if (const auto* joined = dynamic_cast<const ActionModelJoined*>(&model)) return joined->collect(data);
+  const auto* whole = dynamic_cast<const ActionModelParts*>(&model);
+  if (!whole) return;
+  const auto& parts = static_cast<const ActionDataParts&>(*data).parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) collect_values_of(*whole->get_parts()[i].model, parts[i]);
+  whole->collect(data);
+}
+
+}  // namespace
+
 // Values of nodes whose parts were evaluated on their own.
 void AL::collectParts() {
-  for (const Node& node : nodes_)
-    if (const auto* parts = dynamic_cast<const ActionModelParts*>(node.model.get())) parts->collect(node.data);
+  for (const Node& node : nodes_) collect_values_of(*node.own.model, node.own.data);
 }
 
 }  // namespace manycontact

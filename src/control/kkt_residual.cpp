@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
+#include "coordinates.hpp"
 #include "manycontact/control/joined_solver.hpp"
 
 namespace manycontact {
@@ -118,8 +119,8 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
   for (std::size_t t = 0; t < ys.size(); ++t) {
     const ConstraintRows all = rows_at(problem, t);
     check_size("kkt_residual", "multipliers of a node", ys[t].size(), static_cast<std::size_t>(all.size()));
-    const auto rows =
-        constraint_rows(static_cast<const ActionModelParts&>(*problem.model(t)), problem.by_state_alone(t));
+    const auto& node = static_cast<const ActionModelParts&>(*problem.model(t));
+    const auto rows = constraint_rows(node.get_parts(), problem.by_state_alone(t));
     for (std::size_t i = 0; i < parts.size(); ++i) gather(ys[t], rows[i], own_ys[i][t]);
   }
   double worst = 0;

@@ -185,6 +185,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
     solve(solver, *solver.get_inner());
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
+    problem.problem->calc(out.xs, out.us);  // forces of bonds too
     out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();

@@ -78,19 +78,28 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
 
  private:
   class Relay;  // the unconstrained solver's callback
-  /// A node with constraints, or such a part of ActionModelParts, within the augmented Lagrangian.
+  /// A node with constraints, or such a part of ActionModelParts or ActionModelJoined, within the augmented Lagrangian.
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
     std::vector<int> rows;  // which of the node's [g; h] are its
   };
-  struct Node {  // of the problem, and what became of it
-    std::shared_ptr<ActionModelAbstract> model, augmented_model;
-    std::shared_ptr<ActionDataAbstract> data, augmented_data;
-    std::vector<Augmented> augmented;  // none without constraints: the problem's own node
+  struct Copy {  // a model, and its data
+    std::shared_ptr<ActionModelAbstract> model;
+    std::shared_ptr<ActionDataAbstract> data;
   };
-  Augmented augment(const std::shared_ptr<ActionModelAbstract>& model, const std::shared_ptr<ActionDataAbstract>& data,
-                    std::vector<int> rows, const Eigen::VectorXd& multipliers) const;
+  struct Node {
+    Copy own, copy;                    // of the problem, and what became of it
+    std::vector<Augmented> augmented;  // none without constraints: the problem's own node
+    Eigen::Index rows = 0;             // of the problem's [g; h]
+  };
+  Copy augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+               std::vector<Augmented>& out) const;
+  Copy augment_leaf(const Copy& of, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                    std::vector<Augmented>& out) const;
+  template <class Model, class Data>
+  Copy augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
+                     const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const;
   Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;
   void decorate();
   bool is_decorated() const;
@@ -110,7 +119,6 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
   std::vector<Node> nodes_;              // T + 1
-  std::vector<Eigen::VectorXd> y_next_;  // T + 1
   Eigen::VectorXd gap_;
   double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;

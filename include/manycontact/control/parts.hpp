@@ -65,9 +65,6 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
   MatrixStorage storage_ = MatrixStorage::kDense;
 };
 
-/// Which rows of the node's [g; h] are each part's. terminal: of a node evaluated by its state alone.
-std::vector<std::vector<int>> constraint_rows(const ActionModelParts& model, bool terminal);
-
 /// A shooting problem of one part alone; its nodes' data are the whole problem's.
 struct ShootingPart {
   std::shared_ptr<ShootingProblem> problem;
