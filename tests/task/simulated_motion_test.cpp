@@ -61,7 +61,8 @@ double distance(const TaskProblem& problem, const TaskSolution& s, const Simulat
 }
 
 // Two landings, whose impacts are the plan's, so that the motion follows it right behind them. (Before them feet come
-// down fast: velocities that are late by a step are off by much.) A plan without them lets the feet move on for a while.
+// down fast: velocities that are late by a step are off by much.) A plan without them lets the feet move on for a
+// while.
 TEST(SimulatedMotion, AQuadrupedTrots) {
   TaskFile task = read_task(kTasks + "quadruped_trots.xml");
   for (const bool impacts : {true, false}) {
