@@ -28,12 +28,14 @@ namespace {
 using V6 = Vec6<double>;
 
 // The rows' forces on their bodies, and what is left of them where bodies do not accelerate.
-void evaluate_rows(const Scene& scene, Workspace& w, const IslandWork& d, BodyForm& form) {
+void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
+  Workspace& w = *data.workspace;
   BodySystem& s = form.factor.system;
   const V6 none = V6::Zero();
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[d.island.contacts[k]];
-    ContactData<double>& rows = w.contacts[d.island.contacts[k]];
+    const int c = d.island.contacts[k];
+    const Contact& contact = scene.contacts[c];
+    ContactData<double>& rows = w.contacts[c];
     body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B), none,
               none, rows);
     rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
@@ -43,7 +45,7 @@ void evaluate_rows(const Scene& scene, Workspace& w, const IslandWork& d, BodyFo
       const V6 unit = rows.W.row(i).transpose();
       if (s.pattern->A[first + i] >= 0) s.GA.col(first + i) = rows.aMA.act_force(unit);
       if (s.pattern->B[first + i] >= 0) s.GB.col(first + i) = -rows.bMA.act_force(unit);
-      form.solution.b.rows[first + i] = -rows.a0[i];
+      form.solution.b.rows[first + i] = wanted_in(data, c, i) - rows.a0[i];
     }
   }
 }
@@ -71,7 +73,7 @@ void evaluate_bodies(const Scene& scene, const ConstVector& q, const ConstVector
     for (int i = 0; i < model.njoints(); ++i)
       if (model.joints[i].parent < 0) b.motion[o + i] += base;
   }
-  evaluate_rows(scene, *data.workspace, d, form);
+  evaluate_rows(scene, data, d, form);
 }
 
 // Whether a row moves no coordinate by more than rounding: its E_kk is then noise, and has nothing to cancel with.

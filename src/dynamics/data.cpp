@@ -46,6 +46,13 @@ void check_solved(const Scene& scene, const SceneData& data, const char* functio
     throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
 }
 
+void check_unasked(const Scene& scene, const SceneData& data, const char* function) {
+  check_solved(scene, data, function);
+  if (data.workspace->asked)
+    throw std::logic_error(std::string(function) +
+                           ": contacts were asked for accelerations of their own, solve without");
+}
+
 void give_up_solution(SceneData& data) { data.serial = data.workspace->current = 0; }
 
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {

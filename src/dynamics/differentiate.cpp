@@ -57,7 +57,7 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  internal::check_solved(scene, data, "differentiate");
+  internal::check_unasked(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);

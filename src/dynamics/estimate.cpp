@@ -101,7 +101,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
 }  // namespace
 
 void estimate_errors(const Scene& scene, SceneData& data) {
-  internal::check_solved(scene, data, "estimate_errors");
+  internal::check_unasked(scene, data, "estimate_errors");
   internal::complete(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];

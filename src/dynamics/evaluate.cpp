@@ -36,7 +36,7 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
   d.K.row_size = 0;
   for (int c : d.island.contacts) d.K.row_size = std::max(d.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
 
-  const int* iperm = pattern->iperm.data();  // b = [tau - h; -a0]
+  const int* iperm = pattern->iperm.data();  // b = [tau - h; wanted - a0]
   double* b = d.v.b.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
@@ -45,9 +45,10 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
     for (int i = 0; i < robot.model->nv; ++i) b[to[i]] = data.tau[robot.idx_v + i] - h[i];
   }
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const auto& a0 = w.contacts[d.island.contacts[k]].a0;
+    const int c = d.island.contacts[k];
+    const auto& a0 = w.contacts[c].a0;
     const int* to = iperm + d.island.nv + d.island.row_offset[k];
-    for (int i = 0; i < a0.size(); ++i) b[to[i]] = -a0[i];
+    for (int i = 0; i < a0.size(); ++i) b[to[i]] = wanted_in(data, c, i) - a0[i];
   }
 }
 

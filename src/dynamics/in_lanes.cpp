@@ -56,8 +56,8 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   lanes::Groups& g = w.lanes;
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,           w.solves + 1,  w.q.data(),    data.v.data(),
-                       data.tau.data(), data.f_offset, data.a.data(), data.f.data()};
+  const lanes::Job job{scene,         w.solves + 1, w.q.data(),    data.v.data(), data.tau.data(),
+                       data.f_offset, w.wanted,     data.a.data(), data.f.data()};
   each_in_lanes(
       scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
       [&](lanes::Kernel& kernel) {

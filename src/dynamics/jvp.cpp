@@ -168,7 +168,7 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
 }
 
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
-  internal::check_solved(scene, data, function);
+  internal::check_unasked(scene, data, function);
   Workspace& w = *data.workspace;
   (void)internal::linearisation_of(scene, data);
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);

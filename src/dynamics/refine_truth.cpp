@@ -85,7 +85,7 @@ bool refine_island(IslandWork& d, System<S>& s) {
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
-  internal::check_solved(scene, data, "refine_truth");
+  internal::check_unasked(scene, data, "refine_truth");
   internal::complete(scene, data);
   const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
   const S nan = std::numeric_limits<S>::quiet_NaN();

@@ -6,6 +6,7 @@
 
 #include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
@@ -129,10 +130,25 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   return solve_checked(scene, q, v, tau, data);
 }
 
+const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                        const ConstVector& wanted, SceneData& data) {
+  using namespace internal;
+  check_scene(scene, data, "solve_tau");
+  check_size("solve_tau", "q", q.size(), scene.nq);
+  check_size("solve_tau", "v", v.size(), scene.nv);
+  check_size("solve_tau", "tau", tau.size(), scene.nv);
+  give_up_solution(data);
+  prepare_checked(scene, data);
+  check_size("solve_tau", "wanted", wanted.size(), data.f.size());
+  return solve_checked(scene, q, v, tau, data, wanted.data());
+}
+
 const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, SceneData& data) {
+                                      const ConstVector& tau, SceneData& data, const double* wanted) {
   prepare_checked(scene, data);
   Workspace& w = *data.workspace;
+  w.wanted = wanted;
+  w.asked = wanted != nullptr;
   remake(data.a, scene.nv);
   data.v = v;
   data.tau = tau;
@@ -152,6 +168,7 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   }
   w.kinematics_known = known;
   summarise(data.report);
+  w.wanted = nullptr;
   data.serial = w.current = ++w.solves;
   return data.report;
 }

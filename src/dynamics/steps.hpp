@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 /// solve_tau and prepare, of a scene and sizes already checked.
 const Report& solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                            SceneData& data);
+                            SceneData& data, const double* wanted = nullptr);
 void prepare_checked(const Scene& scene, SceneData& data);
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
@@ -33,7 +33,12 @@ void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector&
 void evaluate_contact(const Scene& scene, Workspace& work, int contact);
 /// The same for all islands that have terms_in_lanes, at w.q, data.v. What a lane cannot do is done alone.
 void evaluate_in_lanes(const Scene& scene, SceneData& data);
-/// K and b = [data.tau - h; -a0] of what was evaluated, in that order of elimination.
+/// What row i of a contact is asked for, as accelerations.
+inline double wanted_in(const SceneData& data, int contact, Eigen::Index i) {
+  const double* wanted = data.workspace->wanted;
+  return wanted ? wanted[data.f_offset[static_cast<std::size_t>(contact)] + i] : 0;
+}
+/// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& island);
 /// After evaluate: factorizes and solves by the first way that gives a sound answer. island.v.x, island.factor and the
 /// report are that answer's; false where there is none.

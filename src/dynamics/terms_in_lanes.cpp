@@ -38,7 +38,8 @@ lanes::ContactTerms::Body body(const Workspace& w, int robot) {
 
 void evaluate_contacts(const Scene& scene, Workspace& w) {
   lanes::TermGroups& g = w.term_groups;
-  for (auto& [key, group] : g.contacts) {
+  for (auto& entry : g.contacts) {
+    lanes::TermGroups::Contacts& group = entry.second;  // lambdas of C++20 capture it
     const Contact* first = nullptr;
     const auto evaluate_those_at_hand = [&] {
       if (!g.rows_at_hand.empty()) group.kernel->evaluate(scene.gravity, *first, g.rows_at_hand);

@@ -129,6 +129,9 @@ struct Workspace {
   std::vector<ContactSupport> supports;       // per contact; constant once there
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
 
+  const double* wanted = nullptr;  // rows of f: accelerations asked for, while they are solved for
+  bool asked = false;              // the solution at hand is of such
+
   // by solve
   Eigen::VectorXd q;          // nq: the configuration solved at
   IslandReport spare_report;  // of islands that are completed
@@ -149,6 +152,8 @@ namespace internal {
 void check_scene(const Scene& scene, const SceneData& data, const char* function);
 /// The same, and std::logic_error unless data holds a solution of the contacts now active.
 void check_solved(const Scene& scene, const SceneData& data, const char* function);
+/// The same, and std::logic_error where its contacts were asked for accelerations (dynamics/solve_wanted.hpp).
+void check_unasked(const Scene& scene, const SceneData& data, const char* function);
 /// No solution is at hand from here on.
 void give_up_solution(SceneData& data);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);

@@ -1,5 +1,4 @@
 #include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
@@ -7,9 +6,10 @@ namespace manycontact {
 SceneAtRest::SceneAtRest(const Scene& of) : scene(of), zero(Eigen::VectorXd::Zero(of.nv)) {
   scene.gravity.setZero();
   for (const Robot& robot : of.robots) kin.emplace_back(*robot.model);
+  for (const Contact& contact : of.contacts) contacts.emplace_back(contact, ContactSupport());
 }
 
-void SceneAtRest::follow(const Scene& of, Integrator integrator, double h) {
+void SceneAtRest::follow(const Scene& of, double h) {
   scene.damping = of.damping;
   for (std::size_t r = 0; r < of.robots.size(); ++r) scene.robots[r].base = of.robots[r].base;
   for (std::size_t c = 0; c < of.contacts.size(); ++c) {
@@ -17,7 +17,7 @@ void SceneAtRest::follow(const Scene& of, Integrator integrator, double h) {
     Contact& to = scene.contacts[c];
     to.B.placement = from.B.placement;
     to.reference_frame = from.reference_frame;
-    to.alpha = h > 0 ? (1 - error_growth(integrator, {from.alpha, from.beta}, h)) / h : 0;
+    to.alpha = from.alpha * h;
     to.beta = 0;
   }
 }
@@ -32,6 +32,27 @@ void SceneAtRest::inverse_dynamics_of(const Scene& of, const Eigen::VectorXd& q,
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), qdd, gravity, kin[r]);
     inverse_dynamics<double>(model, kin[r], qdd, {}, f, tau.segment(robot.idx_v, model.nv));
   }
+}
+
+void SceneAtRest::contact_velocities(const std::vector<int>& f_offset, Eigen::VectorXd& c) {
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (f_offset[k] < 0) continue;
+    const Contact& contact = scene.contacts[k];
+    ContactData<double>& d = contacts[k];
+    contact_rows<double>(scene, contact, {}, kin[contact.A.robot],
+                         contact.B.robot < 0 ? nullptr : &kin[contact.B.robot], d);
+    c.segment(f_offset[k], contact.rows()).noalias() = d.W * d.nu;  // J v = W nu
+  }
+}
+
+void SceneAtRest::contact_velocities_at(const Eigen::VectorXd& v, const std::vector<int>& f_offset,
+                                        Eigen::VectorXd& c) {
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv), nullptr, scene.gravity,
+                                  kin[r]);
+  }
+  contact_velocities(f_offset, c);
 }
 
 }  // namespace manycontact

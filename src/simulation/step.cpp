@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 
 #include "internal.hpp"
@@ -46,6 +47,8 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
+  left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
+  left_v = v;
   for (Eigen::VectorXd* x : {&next_v, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
 }
 

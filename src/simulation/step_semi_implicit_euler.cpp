@@ -2,13 +2,31 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/dynamics/solve_wanted.hpp"
 
 namespace manycontact::internal {
+
+namespace {
+
+// (1 - beta h) c; c is J v where the state or the contacts are not those of the last step.
+void want_contact_velocities(const Scene& scene, SimulationData& d) {
+  prepare(d.at_rest.scene, d.dynamics);
+  if (d.left_active != d.dynamics.active || d.left_q != d.q || d.left_v != d.v) {
+    d.contact_v.resize(d.dynamics.f.size());
+    d.at_rest.contact_velocities(d.dynamics.f_offset, d.contact_v);
+  }
+  d.wanted = d.contact_v;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (const int first = d.dynamics.f_offset[c]; first >= 0)
+      d.wanted.segment(first, scene.contacts[c].rows()) *= 1 - scene.contacts[c].beta * d.h;
+}
+
+}  // namespace
 
 bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
   const double h = d.h;
-  d.at_rest.follow(scene, d.integrator, h);
+  d.at_rest.follow(scene, h);
   d.stage_v = d.v / -h;
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
   d.tau *= -h;  // M v - h h(q, v)
@@ -16,7 +34,8 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
     add_friction(*robot.model, d.v.data() + robot.idx_v, d.tau.data() + robot.idx_v, h);
     for (int k = 0; k < robot.model->nu(); ++k) d.tau[robot.idx_v + robot.model->actuated[k]] += h * u[robot.idx_u + k];
   }
-  const Status status = solve_tau(d.at_rest.scene, d.q, d.at_rest.zero, d.tau, d.dynamics).status;
+  want_contact_velocities(scene, d);
+  const Status status = solve_tau(d.at_rest.scene, d.q, d.at_rest.zero, d.tau, d.wanted, d.dynamics).status;
   watch_condition(d.at_rest.scene, d);
   d.worst = std::max(d.worst, status);
   if (status == Status::kFailed) return false;
@@ -27,6 +46,8 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   keep_forces(d);
   d.w = h * d.next_v;
   integrate_scene(scene, d.q, d.w, d.next_q);
+  d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
+  d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;
 }
 

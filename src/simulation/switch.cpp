@@ -14,7 +14,7 @@ VelocityJump switch_contacts(const Scene& scene, const std::vector<char>& active
   data.dynamics.active = active;
   VelocityJump out;
   if (!closes) return out;
-  data.at_rest.follow(scene, data.integrator, 0);
+  data.at_rest.follow(scene, 0);
   Eigen::VectorXd momentum(scene.nv);
   data.at_rest.inverse_dynamics_of(scene, data.q, data.at_rest.zero, data.v, Vec3<double>::Zero(), momentum);
   out.status = solve_tau(data.at_rest.scene, data.q, data.at_rest.zero, momentum, data.dynamics).status;

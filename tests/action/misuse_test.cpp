@@ -391,7 +391,8 @@ TEST_F(Misuse, ResidualsWithoutTheirContact) {
   w.add_cost("force", force(w.left, 6));
   w.contacts->addContact("twice", w.left_contact, false);
   EXPECT_INVALID(model->createData(), "several contacts (left, twice), one is expected");
-  EXPECT_INVALID(ResidualModelContactForce(w.state, w.left, Vec6<double>::Zero(), 4, w.nu), "nc is 4", "1, 2, 3 or 6");
+  EXPECT_INVALID(ResidualModelContactForce(w.state, w.left, Vec6<double>::Zero(), 4, w.nu), "nc is 4",
+                 "1, 2, 3, 5 or 6");
   EXPECT_INVALID(ResidualModelContactFrictionCone(w.state, w.left, FrictionCone(), w.nu, false), "fwddyn is false",
                  "true is expected");
 }

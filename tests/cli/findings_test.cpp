@@ -67,8 +67,9 @@ TEST_F(FindingsOfTheProgram, PullsAndSlips) {
 // A humanoid that stands does not tip; collapsing without torques it does, and the first time is told.
 TEST_F(FindingsOfTheProgram, TheFirstTime) {
   std::string text = read_text(model("humanoid_standing.xml"));
-  for (std::size_t at = 0; (at = text.find("type=\"6d\"", at)) != std::string::npos; at += 20)
-    text.insert(at, "mu=\"0.7\" box=\"0.02 0.02\" ");
+  const std::string sole = "mu=\"0.7\" box=\"0.02 0.02\" ";
+  for (std::size_t at = 0; (at = text.find("type=\"6d\"", at)) != std::string::npos; at += sole.size() + 1)
+    text.insert(at, sole);
   scene("");  // copies the robots
   std::ofstream(path("stands.xml")) << text;
   EXPECT_EQ(solve({path("stands.xml")}).at("violations").size(), 0u);
@@ -133,8 +134,7 @@ TEST_F(FindingsOfTheProgram, ContactsCloseWithAnImpact) {
   const json j = simulate(falls, {"--switch", "0.05 c here", "--integrator", "rk4", "--forces", path("f.csv")});
   const double v = 9.81 * 0.05, lost = 0.5 * 6.4 * v * v;
   EXPECT_NEAR(j.at("work_of_torques").get<double>(), -lost, 0.01 * lost);
-  EXPECT_NEAR(j.at("energy")[1].get<double>() - j.at("energy")[0].get<double>(), -lost - 6.4 * 9.81 * v * 0.05 / 2,
-              0.01 * lost);
+  EXPECT_NEAR(j.at("energy")[1].get<double>() - j.at("energy")[0].get<double>(), -lost, 0.01 * lost);
   expect_contains(said_, "at t = 0.05 s c closed: the impact took ");
   const std::vector<std::string> forces = lines_of(read_text(path("f.csv")));
   ASSERT_EQ(forces.size(), 102u);
@@ -167,7 +167,7 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   const double free = moved({});
   const double pushed = moved({"--torques", path("u.csv")});
   EXPECT_GT(pushed, free + 1e-4);
-  std::ofstream(path("r.csv")) << "t,q:" << joint << "\n0,0\n0.1,0.2\n";
+  std::ofstream(path("r.csv")) << "t,q:" << joint << ",v:" << joint << "\n0,0,2\n0.1,0.2,2\n";
   EXPECT_NEAR(moved({"--pd", "4000 200", "--reference", path("r.csv"), "--integrator", "rk4"}), 0.2, 0.05);
   const auto refused = [&](const std::string& text, const std::string& message) {
     std::ofstream(path("bad.csv")) << text;

@@ -95,8 +95,8 @@ TEST_F(Simulate, GainsHoldTheContacts) {
     return trajectory().last("drift_position");
   };
   const double none = drift("0 0");
-  EXPECT_LT(drift("100 20"), 0.9 * none);
-  EXPECT_LT(drift("100,20"), 0.9 * none);
+  EXPECT_LT(drift("400 40"), 0.9 * none);
+  EXPECT_LT(drift("400,40"), 0.9 * none);
   EXPECT_LT(drift("recommended"), 0.1 * none);
 }
 

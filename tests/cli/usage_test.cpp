@@ -25,20 +25,22 @@ TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   }
 }
 
-// What a folder holds after `./run demo`: the program without manycontact-chart.
+// What a folder holds after `./run demo`: the program without those that it executes.
 TEST_F(Usage, CommandsOfAnAbsentProgramSayHowToGetIt) {
   std::filesystem::copy_file(MANYCONTACT_BINARY, path("manycontact"));
-  for (const char* command : {"chart", "stability"}) {
+  const std::pair<const char*, const char*> beside[] = {
+      {"chart", "-chart"}, {"stability", "-chart"}, {"optimize", "-optimize"}};
+  for (const auto& [command, program] : beside) {
     const Outcome outcome = run({command, model("arm_pushes_box.xml"), "--out", path("out")}, path("manycontact"));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out, "");
     ASSERT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
     EXPECT_TRUE(outcome.err.starts_with("manycontact: ")) << outcome.err;
-    expect_contains(outcome.err, path("manycontact-chart"));
+    expect_contains(outcome.err, path("manycontact") + program);
     expect_contains(outcome.err, "./run build");
     const Outcome help = run({command, "--help"}, path("manycontact"));
     EXPECT_EQ(help.status, 0);
-    EXPECT_EQ(help.out, run({command, "--help"}, MANYCONTACT_BINARY "-chart").out);
+    EXPECT_EQ(help.out, run({command, "--help"}, std::string(MANYCONTACT_BINARY) + program).out);
   }
   const Outcome solved = run({"solve", model("arm_pushes_box.xml")}, path("manycontact"));
   EXPECT_EQ(solved.status, 0) << solved.err;

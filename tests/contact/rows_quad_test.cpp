@@ -52,7 +52,7 @@ TEST(RandomScenes, HoldEveryKindOfContact) {
       base_as_A += c.A.joint < 0;
     }
   }
-  EXPECT_EQ(kinds.size(), 12u);
+  EXPECT_EQ(kinds.size(), 13u);
   EXPECT_GE(world, 10);
   EXPECT_GE(loops, 5);
   EXPECT_GE(pairs, 5);

@@ -144,7 +144,7 @@ inline std::vector<int> rows_of(const Scene& scene, const Island& island, int ro
 
 /// Errors of an island's rows [a; f], by columns of three kinds: q's, v's and u's, of which first[k] is the first.
 /// Where a derivative is zero in truth, the differences leave noise: what is below 1e-20 of the robot's other
-/// derivatives is that.
+/// derivatives is that, and errors are relative to these.
 inline DerivativeErrors derivative_errors(const Scene& scene, const Island& island, const Eigen::MatrixXd& answer,
                                           const MatX<Quad>& truth, const std::array<int, 4>& first, double condition) {
   DerivativeErrors e;
@@ -158,7 +158,7 @@ inline DerivativeErrors derivative_errors(const Scene& scene, const Island& isla
         const MatX<Quad> part = all(Eigen::all, columns);
         const Eigen::MatrixXd mine = answer(rows, columns);
         const double difference = difference_of(mine, part), size = size_of(part);
-        const double error = difference <= noise ? 0 : difference / size;
+        const double error = difference <= noise ? 0 : difference / (size <= noise ? size_of(all) : size);
         e.quantity[3 * forces + by] = worse(e.quantity[3 * forces + by], error);
         e.excess = worse(e.excess, error / allowed_of_derivative(condition));
       }

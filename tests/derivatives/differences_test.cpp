@@ -74,11 +74,12 @@ struct Coverage {
 };
 
 RandomScene scene_of(int seed) {
-  std::mt19937 rng(500 + seed);
+  std::mt19937 rng(650 + seed);
   SceneOptions options;
   options.nrobots = 1 + seed % 3;
   options.ncontacts = 10;
-  options.types.push_back(ContactType::k6D);
+  options.types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k6D,
+                   seed % 3 == 0 ? ContactType::k5D : ContactType::k6D};
   options.damping = seed % 4 == 0 ? 1e-3 : seed % 10 == 1 ? 0.1 : 0;
   options.passive = seed % 3 == 1 ? 0.3 : 0;
   options.friction = seed % 5 == 2 ? 0.5 : 0;

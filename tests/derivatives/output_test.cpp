@@ -40,7 +40,7 @@ bool same(const SceneDerivatives& x, const SceneDerivatives& y) {
 // Three robots of which two are joined, each with contacts with the world: two islands, neither in one piece.
 struct TwoIslands {
   TwoIslands() {
-    std::mt19937 rng(31);
+    std::mt19937 rng(40);
     SceneOptions options;
     options.models = {{.njoints = 7, .floating_base = true}, {.njoints = 6}, {.njoints = 8, .floating_base = true}};
     options.nrobots = 3;

@@ -346,8 +346,8 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
       SceneData of_two(two.scene, options);
       (void)solve(two.scene, two.q, two.v, two.u, of_two);
       for (int k = 0; k < 2; ++k) expect_same_terms(data, (r + k) % 11, of_two, k);
-      for (int k = 0; k < 3; ++k) expect_same_contact(contact_of(data, 3 * r + k), contact_of(of_two, k));
-      expect_same_contact(contact_of(data, 33 + r), contact_of(of_two, 6));
+      for (int k = 0; k < 4; ++k) expect_same_contact(contact_of(data, 4 * r + k), contact_of(of_two, k));
+      expect_same_contact(contact_of(data, 44 + r), contact_of(of_two, 8));
 
       Herd alone = part_of(herd, {r});  // beside one of another model
       add_robot(alone.scene, "other", other);
@@ -361,7 +361,7 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
       (void)solve(alone.scene, q, v, u, of_one);
       ASSERT_EQ(island_count(of_one), 1u);
       expect_same_terms(data, r, of_one, 0);
-      for (int k = 0; k < 3; ++k) expect_same_contact(contact_of(data, 3 * r + k), contact_of(of_one, k));
+      for (int k = 0; k < 4; ++k) expect_same_contact(contact_of(data, 4 * r + k), contact_of(of_one, k));
     }
   }
 }

@@ -64,6 +64,7 @@ template <std::same_as<double> Scalar> using ContactModelAbstractTpl = ContactMo
 template <std::same_as<double> Scalar> using ContactModel1DTpl = ContactModel1D;
 template <std::same_as<double> Scalar> using ContactModel2DTpl = ContactModel2D;
 template <std::same_as<double> Scalar> using ContactModel3DTpl = ContactModel3D;
+template <std::same_as<double> Scalar> using ContactModel5DTpl = ContactModel5D;
 template <std::same_as<double> Scalar> using ContactModel6DTpl = ContactModel6D;
 template <std::same_as<double> Scalar> using ContactModelBetweenBodiesTpl = ContactModelBetweenBodies;
 template <std::same_as<double> Scalar> using ContactModelOfSceneTpl = ContactModelOfScene;

@@ -3,15 +3,12 @@
 // in e for 6D). An integrator makes of it a linear map of (e, h e') per step, with a = alpha h^2, b = beta h:
 //
 // clang-format off
-//   semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0   the larger root z is what it uses
+//   semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0
 //                         [  -a     1 - b ]    stable: 0 < b < 2, 0 < a < 4 - 2b        (Jury)
 //                                              double root z: b = 1 - z^2, a = (1 - z)^2; deadbeat z = 0: a = b = 1
 //   RK4                   R(hL), R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24, L the roots of L^2 + beta L + alpha = 0
 //                                              double root L = -omega: stable for h omega < 2.7853, fastest at 1.5961
 // clang-format on
-//
-// Semi-implicit Euler holds contacts in the velocity (simulation/step.hpp) and has no use for both numbers: it takes
-// the larger |z| and asks for v+ such that e falls by it, e+ = z e.
 //
 // Recommended is a double root, which does not oscillate:
 //

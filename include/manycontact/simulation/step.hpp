@@ -4,15 +4,14 @@
 // Semi-implicit Euler holds contacts in the velocity, by an impulse h f:
 //
 //     [ M  J^T     ] [ v+   ]   [ M v + h (S^T u - h(q, v)) ]
-//     [ J  -delta I] [ -h f ] = [      -(1 - z) e / h       ]      q+ = q (+) h v+
+//     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// with e the contact's error and z what the gains make of it per step (error_growth, simulation/gains.hpp). Where e = 0
-// this takes v + h a_free to the nearest velocity that the contacts allow, in the kinetic metric: contacts never add
-// energy but for e. (Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do: J v has grown by h J' v
-// since the last step, so that the curvature J' v is answered twice, and where it grows from step to step, as legs
-// straighten, half the energy of a scene was added in 10 ms.) The first step stops what velocity the contacts do not
-// allow. The scheme is Moreau's; see Stewart and Trinkle, International Journal for Numerical Methods in Engineering 39
-// (1996).
+// with e the contact's error and c its velocity as the last step left it: J v at the start, then J of the last
+// configuration times v. Where e = c = 0 this takes v + h a_free to the nearest velocity that the contacts allow, in
+// the kinetic metric: contacts never add energy but for e and c. (Accelerations J a = -J' v - beta J v - alpha e with
+// beta near 1/h do: J v has grown by h J' v since the last step, so that the curvature J' v is answered twice, and
+// where it grows from step to step, as legs straighten, half the energy of a scene was added in 10 ms.) For the scheme
+// without gains see Stewart and Trinkle, International Journal for Numerical Methods in Engineering 39 (1996).
 //
 // RK4 is Munthe-Kaas': q(t) = q0 (+) w(t), and the classical scheme on (w, v) from w = 0 with
 //
@@ -30,6 +29,7 @@
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
 #include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/simulation/integrator.hpp"
 
@@ -47,8 +47,12 @@ enum class StepStatus {
 /// gravity, no bias, and a contact's error e is to be answered by a velocity. With the memory for that.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // a copy of it, without gravity
-  /// Takes over what may change in `of`. alpha becomes (1 - error_growth) / h [1/s], 0 where h is 0; beta 0.
-  void follow(const Scene& of, Integrator integrator, double h);
+  /// Takes over what may change in `of`. alpha becomes alpha h [1/s], beta 0.
+  void follow(const Scene& of, double h);
+  /// c = J v of the contacts with a first row in f_offset, after inverse_dynamics_of at q, v.
+  void contact_velocities(const std::vector<int>& f_offset, Eigen::VectorXd& c);
+  /// The same with that q, for another v (nv).
+  void contact_velocities_at(const Eigen::VectorXd& v, const std::vector<int>& f_offset, Eigen::VectorXd& c);
   /// tau = ID(q, v, a), without contacts. q: nq; v, a, tau: nv.
   void inverse_dynamics_of(const Scene& of, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                            const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
@@ -57,6 +61,7 @@ struct SceneAtRest {
   Eigen::VectorXd zero;                 // nv
   std::vector<Kinematics<double>> kin;  // per robot
   std::vector<Vec6<double>> f;          // scratch
+  std::vector<ContactData<double>> contacts;
 };
 
 struct SimulationData {  // A motion: its state, step size and integrator, and the memory of its solves.
@@ -82,7 +87,13 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
 
   SceneAtRest at_rest;
 
+  // by semi-implicit Euler
+  Eigen::VectorXd contact_v;  // c, rows as in f, for the state and contacts
+  Eigen::VectorXd left_q, left_v;
+  std::vector<char> left_active;
+
   // scratch
+  Eigen::VectorXd wanted;
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
   double time() const { return static_cast<double>(steps) * h; }  // s, since the start

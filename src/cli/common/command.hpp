@@ -18,22 +18,25 @@ struct Command {
   std::string summary;   // one line
   std::vector<Option> options;
   std::string help;                  // after the options
-  int (*run)(const Arguments&);      // null: the program manycontact-chart does
+  int (*run)(const Arguments&);      // null: the program beside does it
   bool (*by_processes)() = nullptr;  // whether the program manycontact-mpi does it this time
+  const char* beside = nullptr;      // the program's name
 };
 
 const Command& solve_command();
 const Command& inspect_command();
 const Command& simulate_command();
-const Command& optimize_command();
 const Command& batch_command();
 const Command& view_command();
 
-/// Commands of the program manycontact-chart, which needs more packages and time to build; their `run` is null here.
+/// Commands of the programs manycontact-chart and manycontact-optimize, which need more packages or time to build;
+/// their `run` is null here.
 const Command& chart_command();
 const Command& stability_command();
+const Command& optimize_command();
 int run_chart(const Arguments& arguments);
 int run_stability(const Arguments& arguments);
+int run_optimize(const Arguments& arguments);
 
 /// The one operand, SCENE unless it has another name. Throws UsageError.
 std::string scene_operand(const Arguments& arguments, const std::string& name = "SCENE");

@@ -36,7 +36,7 @@ int run(const Command& command, const std::vector<std::string>& words) {
     std::cout << help(command);
     return kExitOk;
   }
-  if (!command.run) return run_beside("manycontact-chart", command.name, words, "`./run build` makes it");
+  if (!command.run) return run_beside(command.beside, command.name, words, "`./run build` makes it");
   if (command.by_processes && command.by_processes())
     return run_beside("manycontact-mpi", command.name, words,
                       "under mpirun that one is needed, `./run build --mpi` makes it");

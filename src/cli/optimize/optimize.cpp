@@ -70,6 +70,8 @@ std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskF
   return manycontact::simulate(task, solution, Integrator::kRk4, static_cast<int>(substeps));
 }
 
+}  // namespace
+
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
@@ -102,26 +104,6 @@ int run_optimize(const Arguments& arguments) {
   if (view) record_motion(motion, *view);
   finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);
   return solution.converged ? kExitOk : kExitUnsound;
-}
-
-}  // namespace
-
-const Command& optimize_command() {
-  static const Command command{
-      "optimize",
-      "TASK",
-      "A motion of a scene: the task's costs at their least, its contacts held.",
-      {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
-       {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
-       {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
-       {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
-       view_option(),
-       {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
-       {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
-      "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
-      "reached. Exit status: 0 converged, 1 not, 2 bad usage or bad input.\n",
-      run_optimize};
-  return command;
 }
 
 }  // namespace manycontact::cli

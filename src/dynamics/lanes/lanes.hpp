@@ -20,6 +20,7 @@ struct Job {
   std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;  // per contact
+  const double* wanted;              // of the rows, as f; nullptr: zero
   double *a, *f;                     // the islands' parts are written where the answer is sound
 };
 

@@ -17,8 +17,8 @@
 namespace manycontact::lanes {
 
 /// One robot alone is a double's business to the sparse kernels, which then take several rows of a column at a time.
-inline double* numbers(Pack<1>* x) { return &x->v; }
-inline const double* numbers(const Pack<1>* x) { return &x->v; }
+inline double* numbers(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
+inline const double* numbers(const Pack<1>* x) { return x ? &x->v : nullptr; }
 template <int W>
 Pack<W>* numbers(Pack<W>* x) {
   return x;
@@ -78,6 +78,7 @@ class SideBySide {
   void evaluate_rows(const Scene& scene, const Island& island);
   void assemble(double damping);
   void assemble_right_side();
+  void add_wanted(const Job& job, std::span<const Island* const> islands);
   void factor();
   void apply_inverse(std::vector<S>& x) const;
   void correct(Mask open);
@@ -226,6 +227,7 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   evaluate(scene, first);
   assemble(scene.damping);
   assemble_right_side();
+  if (job.wanted) add_wanted(job, islands);
   factor();
   usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
   refine();
@@ -304,6 +306,17 @@ void SideBySide<S>::assemble_right_side() {
   for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[rows_of(k)[i]] = -contacts_[k].a0[i];
+}
+
+/// The contact rows of b, per lane.
+template <class S>
+void SideBySide<S>::add_wanted(const Job& job, std::span<const Island* const> islands) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
+      S wanted(0);
+      for (int l = 0; l < W; ++l) wanted.set(l, job.wanted[job.f_offset[in_lane(islands, l).contacts[k]] + i]);
+      b_[rows_of(k)[i]] += wanted;
+    }
 }
 
 template <class S>

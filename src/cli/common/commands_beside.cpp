@@ -1,5 +1,6 @@
-// What the commands of manycontact-chart take. The main program says it too, and executes that program.
+// What the commands take that other programs do. The main program says it too, and executes those.
 
+#include "../view/view.hpp"
 #include "command.hpp"
 
 namespace manycontact::cli {
@@ -20,7 +21,9 @@ const Command& chart_command() {
       "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
       "Without gnuplot there are no pictures.\n"
       "Exit status: 0, whatever the methods answered; 2 bad usage or bad input.\n",
-      nullptr};
+      nullptr,
+      nullptr,
+      "manycontact-chart"};
   return command;
 }
 
@@ -39,7 +42,29 @@ const Command& stability_command() {
        order_option()},
       "Exit status: 0 charts drawn; 1 gnuplot is missing or failed, the CSV files are there; 2 bad usage or bad "
       "input.\n",
-      nullptr};
+      nullptr,
+      nullptr,
+      "manycontact-chart"};
+  return command;
+}
+
+const Command& optimize_command() {
+  static const Command command{
+      "optimize",
+      "TASK",
+      "A motion of a scene: the task's costs at their least, its contacts held.",
+      {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
+       {"--json", "FILE", "iterations, states, controls and a report; - is standard output"},
+       {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
+       {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
+       view_option(),
+       {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
+       {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
+      "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
+      "reached. Exit status: 0 converged, 1 not, 2 bad usage or bad input.\n",
+      nullptr,
+      nullptr,
+      "manycontact-optimize"};
   return command;
 }
 
