@@ -5,16 +5,15 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
+#include "coordinates.hpp"
 #include "kkt_residual.hpp"
-#include "manycontact/control/box_solvers.hpp"
+#include "manycontact/control/sparse.hpp"
 
 namespace manycontact {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 using Index = Eigen::Index;
-using internal::ConstraintRows;
 using internal::larger;
-using internal::rows_at;
 
 namespace {
 
@@ -28,11 +27,15 @@ constexpr int kFlat = 2;                // minimisations in a row that bring con
 constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
 constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
 constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
+constexpr int kWindow = 10;             // iterations that are to gain more than the next, or a minimisation crawls
+constexpr double kCrawl = 0.01;         // of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
   const bool limited =
       std::any_of(models.begin(), models.end(), [](const auto& model) { return model->get_has_control_limits(); });
+  const bool in_parts = problem->get_ndx() > 0 && problem->get_terminalData()->Fx.size() == 0;
+  if (in_parts) return std::make_shared<SolverSparse>(std::move(problem), limited);
   if (limited) return std::make_shared<SolverBoxFDDP>(std::move(problem));
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
@@ -41,13 +44,6 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
-}
-
-// Of a Newton step from a candidate without gaps, at its direction.
-double expected_reduction(const SolverDDP& solver) {
-  double out = 0;
-  for (std::size_t t = 0; t < solver.get_k().size(); ++t) out += 0.5 * solver.get_Qu()[t].dot(solver.get_k()[t]);
-  return out;
 }
 
 }  // namespace
@@ -75,113 +71,6 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
 }
 
 SolverAugmentedLagrangian::~SolverAugmentedLagrangian() = default;
-
-// ---- nodes --------------------------------------------------------------------------------------------------------
-
-// Whether augmented_ is still that of the problem's nodes.
-bool SolverAugmentedLagrangian::is_decorated() const {
-  const std::size_t T = problem_->get_T();
-  if (augmented_->get_T() != T) return false;
-  for (std::size_t t = 0; t <= T; ++t) {
-    const auto& data = augmented_->data(t);
-    if ((rows_at(*problem_, t).size() > 0) != (nodes_[t] != nullptr)) return false;
-    if (nodes_[t] == nullptr ? augmented_->model(t) != problem_->model(t) || data != problem_->data(t)
-                             : augmented_->model(t) != nodes_[t] || nodes_[t]->get_model() != problem_->model(t) ||
-                                   static_cast<ActionDataAugmentedLagrangian&>(*data).inner != problem_->data(t))
-      return false;
-    if (nodes_[t] && nodes_[t]->get_multipliers().size() != rows_at(*problem_, t).size()) return false;
-  }
-  return true;
-}
-
-SolverAugmentedLagrangian::Node SolverAugmentedLagrangian::decorated(std::size_t t,
-                                                                     const Eigen::VectorXd& multipliers) const {
-  auto node = std::make_shared<ActionModelAugmentedLagrangian>(problem_->model(t));
-  node->set_penalty(rho_);
-  node->set_multipliers(multipliers);
-  return node;
-}
-
-// Nodes without constraints are the problem's own. Multipliers stay where node t has as many constraints as before.
-void SolverAugmentedLagrangian::decorate() {
-  const std::size_t T = problem_->get_T();
-  const Vectors multipliers = get_multipliers();
-  nodes_.assign(T + 1, nullptr);
-  y_next_.resize(T + 1);
-  ShootingProblem::Models models;
-  ShootingProblem::Datas datas;
-  for (std::size_t t = 0; t <= T; ++t) {
-    models.push_back(problem_->model(t));
-    datas.push_back(problem_->data(t));
-    const Index rows = rows_at(*problem_, t).size();
-    y_next_[t].setZero(rows);
-    if (rows == 0) continue;
-    const bool kept = t < multipliers.size() && multipliers[t].size() == rows;
-    nodes_[t] = decorated(t, kept ? multipliers[t] : y_next_[t]);
-    datas[t] = nodes_[t]->createData(datas[t]);
-    models[t] = nodes_[t];
-  }
-  const auto terminal = models.back();
-  const auto terminal_data = datas.back();
-  models.pop_back();
-  datas.pop_back();
-  if (augmented_ == nullptr) {
-    augmented_ = std::make_shared<ShootingProblem>(problem_->get_x0(), models, terminal, datas, terminal_data);
-  } else {
-    *augmented_ = ShootingProblem(problem_->get_x0(), models, terminal, datas, terminal_data);
-  }
-  gap_.setZero(static_cast<Index>(problem_->get_ndx()));
-}
-
-void SolverAugmentedLagrangian::resizeData() {
-  SolverAbstract::resizeData();
-  if (!is_decorated()) decorate();
-  inner_->resizeData();
-}
-
-void SolverAugmentedLagrangian::circularAppend(std::shared_ptr<ActionModelAbstract> model) {
-  internal::given(kSolverAugmentedLagrangian, model);
-  circularAppend(model, model->createData());
-}
-
-void SolverAugmentedLagrangian::circularAppend(std::shared_ptr<ActionModelAbstract> model,
-                                               std::shared_ptr<ActionDataAbstract> data) {
-  resizeData();
-  problem_->circularAppend(std::move(model), std::move(data));
-  const std::size_t last = problem_->get_T() - 1;
-  std::rotate(nodes_.begin(), nodes_.begin() + 1, nodes_.end() - 1);
-  std::rotate(y_next_.begin(), y_next_.begin() + 1, y_next_.end() - 1);
-  y_next_[last].setZero(rows_at(*problem_, last).size());
-  nodes_[last] = y_next_[last].size() == 0 ? nullptr : decorated(last, y_next_[last]);
-  if (nodes_[last])
-    augmented_->circularAppend(nodes_[last], nodes_[last]->createData(problem_->data(last)));
-  else
-    augmented_->circularAppend(problem_->model(last), problem_->data(last));
-}
-
-Vectors SolverAugmentedLagrangian::get_multipliers() const {
-  Vectors out(nodes_.size());
-  for (std::size_t t = 0; t < nodes_.size(); ++t)
-    if (nodes_[t]) out[t] = nodes_[t]->get_multipliers();
-  return out;
-}
-
-void SolverAugmentedLagrangian::set_multipliers(const Vectors& multipliers) {
-  resizeData();
-  require(multipliers.size() == nodes_.size(), kSolverAugmentedLagrangian, "the number of multipliers is not T + 1");
-  for (std::size_t t = 0; t < nodes_.size(); ++t)
-    check_size(kSolverAugmentedLagrangian, "multipliers of a node", multipliers[t].size(),
-               static_cast<std::size_t>(y_next_[t].size()));
-  for (std::size_t t = 0; t < nodes_.size(); ++t)
-    if (nodes_[t]) nodes_[t]->set_multipliers(multipliers[t]);
-}
-
-void SolverAugmentedLagrangian::reset() {
-  resizeData();
-  set_penalty(rho_init_);
-  for (std::size_t t = 0; t < nodes_.size(); ++t)
-    if (nodes_[t]) nodes_[t]->set_multipliers(Eigen::VectorXd::Zero(y_next_[t].size()));
-}
 
 // ---- the method of multipliers ------------------------------------------------------------------------------------
 
@@ -221,7 +110,9 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   inner_->set_th_stop(tolerance_);
   std::size_t most = maxiter - std::min(maxiter, total_);
   if (outer_ > 0 && tolerance_ < rounding) most = std::min(most, kPolishing);
-  moved_ = false;
+  moved_ = crawls_ = false;
+  window_ = 0;
+  window_merit_ = NAN;
   inner_->solve(xs_, us_, most, is_feasible_, init_reg);
   takeCandidate();
 }
@@ -232,14 +123,14 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// After a step the nodes' data are those of the candidate; without one (then the merit has not changed) of the last
-// try.
+// After a step the nodes' data are those of the candidate; without one of the last try.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
-  if (inner_->get_cost() != merit_) {
+  merit_ = inner_->get_cost();
+  if (inner_->has_stepped()) {
     moved_ = true;
-    merit_ = inner_->get_cost();
+    collectParts();
     cost_ = problem_->total_cost();
     measureViolation();
   }
@@ -253,7 +144,18 @@ void SolverAugmentedLagrangian::reportIteration() {
   ffeas_ = inner_->get_ffeas();
   iter_ = total_++;
   for (const auto& callback : callbacks_) (*callback)(*this);
-  if (interrupted_) inner_->interrupt();
+  if (interrupted_ || crawls()) inner_->interrupt();
+}
+
+// Whether a window of iterations brought neither the augmented Lagrangian down nor the constraints closer: more of them
+// would not either, another penalty may.
+bool SolverAugmentedLagrangian::crawls() {
+  if (window_++ % kWindow != 0) return false;
+  crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
+            window_merit_ - merit_ < kCrawl * (merit_ - cost_);
+  window_merit_ = merit_;
+  window_violation_ = violation_;
+  return crawls_;
 }
 
 // gfeas, hfeas and violation of the nodes as evaluated.
@@ -264,11 +166,13 @@ void SolverAugmentedLagrangian::measureViolation() {
 }
 
 // Violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers. (Those of
-// a plain adjoint recursion would grow with the robots' unstable motions.)
+// a plain adjoint recursion would grow with the robots' unstable motions.) The gradient of the augmented Lagrangian is
+// that of the Lagrangian at y+.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
   inner_->set_preg(inner_->get_reg_min());
   inner_->computeDirection(true);
+  collectParts();
   merit_ = augmented_->total_cost();
   cost_ = problem_->total_cost();
   while (!inner_->direction_is_sound() && inner_->get_preg() < inner_->get_reg_max()) {
@@ -276,15 +180,21 @@ void SolverAugmentedLagrangian::assess() {
     inner_->computeDirection(false);
   }
   measureViolation();
-  measure_ = 0;
+  measure_ = kkt_ = 0;
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
-    if (!nodes_[t]) continue;
-    y_next_[t] = static_cast<ActionDataAugmentedLagrangian&>(*augmented_->data(t)).y_next;
-    const Eigen::VectorXd& y = nodes_[t]->get_multipliers();
-    for (Index i = 0; i < y.size(); ++i) measure_ = larger(std::abs(y_next_[t][i] - y[i]) / rho_, measure_);
+    for (const Augmented& own : nodes_[t].augmented) {
+      const Eigen::VectorXd &y = own.model->get_multipliers(), &next = own.data->y_next;
+      const internal::ConstraintRows rows(*own.model->get_model(), problem_->by_state_alone(t));
+      for (Index i = 0; i < y.size(); ++i) {
+        measure_ = larger(std::abs(next[i] - y[i]) / rho_, measure_);
+        const double c = rows.value(*own.data->inner, i);
+        kkt_ = larger(std::abs(c - std::min(std::max(c + next[i], rows.lower(i)), rows.upper(i))), kkt_);
+      }
+    }
   }
-  kkt_ = internal::kkt_residual_of_data(*problem_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), y_next_, gap_);
-  if (!inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
+  kkt_ = larger(
+      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, gap_), kkt_);
+  if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
 
 StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
@@ -292,7 +202,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   const bool met = violation_ <= th_constraint_;
   if (met && kkt_ <= th_kkt_ && (inner_->get_stop() < th_stop_ || inner == StopReason::kNoStep))
     return StopReason::kConverged;
-  if (inner == StopReason::kInterrupted || interrupted_) return StopReason::kInterrupted;
+  if (interrupted_ || (inner == StopReason::kInterrupted && !crawls_)) return StopReason::kInterrupted;
   if (inner == StopReason::kNoDirection) return inner;
   if (!std::isfinite(measure_)) return StopReason::kNoStep;
   if (comesNoCloser(inner)) return StopReason::kInfeasible;
@@ -310,15 +220,15 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
   const double added = merit_ - cost_;
   const bool settled =
-      inner != StopReason::kIterations || (is_feasible_ && expected_reduction(*inner_) < kStationary * added);
+      inner != StopReason::kIterations || (is_feasible_ && inner_->expectedReduction() < kStationary * added);
   const bool closer = violation_ <= th_constraint_ || violation_ <= kCloser * last_violation_;
   flat_ = settled && !closer && added > kOutweighs * std::abs(cost_) ? flat_ + 1 : 0;
   return flat_ >= kFlat;
 }
 
 void SolverAugmentedLagrangian::updateMultipliers() {
-  for (std::size_t t = 0; t < nodes_.size(); ++t)
-    if (nodes_[t]) nodes_[t]->set_multipliers(y_next_[t]);
+  for (const Node& node : nodes_)
+    for (const Augmented& own : node.augmented) own.model->set_multipliers(own.data->y_next);
   if (reason_ == StopReason::kConverged) return;
   const bool small = measure_ <= th_constraint_;
   if (!small && !(measure_ <= kProgress * last_measure_)) set_penalty(std::min(rho_ * rho_factor_, rho_max_));
@@ -336,7 +246,7 @@ void SolverAugmentedLagrangian::set_penalty(double penalty) {
   require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
   rho_ = penalty;
   for (const Node& node : nodes_)
-    if (node) node->set_penalty(rho_);
+    for (const Augmented& own : node.augmented) own.model->set_penalty(rho_);
 }
 void SolverAugmentedLagrangian::set_penalty_init(double penalty) {
   set_penalty(penalty);

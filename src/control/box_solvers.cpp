@@ -1,10 +1,12 @@
 #include "manycontact/control/box_solvers.hpp"
 
+#include "manycontact/control/sparse.hpp"
+
 namespace manycontact {
 
 template <class Base>
-SolverWithBox<Base>::SolverWithBox(std::shared_ptr<ShootingProblem> problem)
-    : Base(std::move(problem)), qp_(this->problem_->get_runningModels()[0]->get_nu(), 100, 0.1, 1e-5, 0) {
+SolverWithBox<Base>::SolverWithBox(typename Base::Source source)
+    : Base(std::move(source)), qp_(this->problem_->get_runningModels()[0]->get_nu(), 100, 0.1, 1e-5, 0) {
   SolverWithBox::allocateData();
   // The multipliers of the limits are not part of the expected improvement, which stays larger than without limits.
   this->th_stop_ = 5e-5;
@@ -54,6 +56,7 @@ void SolverWithBox<Base>::limitControl(std::size_t t) {
 
 template class SolverWithBox<SolverDDP>;
 template class SolverWithBox<SolverFDDP>;
+template class SolverWithBox<SolverSparsePart>;
 
 // The terminal gap closes by the step length, as in Crocoddyl.
 void SolverBoxDDP::forwardPass(double steplength) { rollOut(steplength, false, !is_feasible_ && steplength != 1); }

@@ -27,6 +27,61 @@ inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const
       whole(rows[i], cols[j]) = part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
+/// The sum of a size over the parts' models.
+template <class Part, class Size>
+std::size_t total(const char* where, const std::vector<Part>& parts, Size size) {
+  std::size_t sum = 0;
+  for (const Part& part : parts) {
+    require(part.model != nullptr, where, "a part's model is a null pointer");
+    sum += ((*part.model).*size)();
+  }
+  return sum;
+}
+
+/// Vectors one after the other.
+template <class Get>
+void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
+  Eigen::Index size = 0;
+  for (std::size_t i = 0; i < count; ++i) size += get(i).size();
+  out.resize(size);
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::VectorXd& part = get(i);
+    out.segment(first, part.size()) = part;
+    first += part.size();
+  }
+}
+
+/// One of the models' bounds of g, one after the other.
+template <class Part>
+void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (ActionModelAbstract::*bound)() const,
+                  Eigen::VectorXd& out) {
+  const auto of_part = [&](std::size_t i) -> const Eigen::VectorXd& { return ((*parts[i].model).*bound)(); };
+  stack(parts.size(), of_part, out);
+}
+
+/// g and h of the parts' data, one after the other.
+inline void stack_constraints(const std::vector<std::shared_ptr<ActionDataAbstract>>& parts, ActionDataAbstract& to) {
+  const auto g = [&](std::size_t i) -> const Eigen::VectorXd& { return parts[i]->g; };
+  const auto h = [&](std::size_t i) -> const Eigen::VectorXd& { return parts[i]->h; };
+  stack(parts.size(), g, to.g);
+  stack(parts.size(), h, to.h);
+}
+
+/// Which rows of a node's [g; h] are each part's. terminal: of a node evaluated by its state alone.
+template <class Part>
+std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
+  std::vector<std::vector<int>> out(parts.size());
+  int next = 0;
+  const auto append = [&](auto count) {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      for (std::size_t k = count(*parts[i].model); k > 0; --k) out[i].push_back(next++);
+  };
+  append([=](const ActionModelAbstract& own) { return terminal ? own.get_ng_T() : own.get_ng(); });
+  append([=](const ActionModelAbstract& own) { return terminal ? own.get_nh_T() : own.get_nh(); });
+  return out;
+}
+
 /// Throws unless each of 0 ... size - 1 is in one of the parts' lists.
 template <class Part>
 void check_cover(const char* where, const char* what, std::size_t size, const std::vector<Part>& parts,

@@ -146,6 +146,7 @@ bool SolverDDP::adaptRegularization() {
 // The first of the step lengths that is accepted becomes the candidate; false when none is.
 bool SolverDDP::searchLine() {
   prepareImprovement();
+  stepped_ = false;
   for (double alpha : alphas_) {
     steplength_ = alpha;
     const double dV = tryStep(alpha);
@@ -157,7 +158,7 @@ bool SolverDDP::searchLine() {
     was_feasible_ = is_feasible_;
     setCandidate(xs_try_, us_try_, closesGaps());
     cost_ = cost_try_;
-    return true;
+    return stepped_ = true;
   }
   return false;
 }
@@ -189,6 +190,13 @@ const Eigen::Vector2d& SolverDDP::expectedImprovement() {
     d_[1] -= k_[t].dot(Quuk_[t]);
   }
   return d_;
+}
+
+// Newton's: half of d0
+double SolverDDP::expectedReduction() const {
+  double out = 0;
+  for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
+  return out;
 }
 
 double SolverDDP::calcDiff() {

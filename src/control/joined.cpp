@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "coordinates.hpp"
+#include "joined_parts.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/kkt/island.hpp"
 
@@ -38,7 +39,9 @@ std::vector<std::vector<int>> robots_of(const std::vector<JoinedPart>& parts) {
 }
 
 const DifferentialActionModelContactFwdDynamics& dynamics_of(const ActionPart& part) {
-  const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(part.model.get());
+  const auto* augmented = dynamic_cast<const ActionModelAugmentedLagrangian*>(part.model.get());
+  const ActionModelAbstract* node = augmented ? augmented->get_model().get() : part.model.get();
+  const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(node);
   const auto* model =
       euler ? dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(euler->get_differential().get()) : nullptr;
   require(
@@ -49,8 +52,7 @@ const DifferentialActionModelContactFwdDynamics& dynamics_of(const ActionPart& p
 }
 
 ActuationDataWrenches& wrenches_of(ActionDataAbstract& part) {
-  auto& euler = static_cast<IntegratedActionDataEuler&>(part);
-  auto& dynamics = static_cast<DifferentialActionDataContactFwdDynamics&>(*euler.differential);
+  auto& dynamics = static_cast<DifferentialActionDataContactFwdDynamics&>(*internal::euler_of(part).differential);
   return static_cast<ActuationDataWrenches&>(*dynamics.multibody->actuation);
 }
 
@@ -96,12 +98,12 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedB
 
 // ---- data -------------------------------------------------------------------------------------------------------
 
-ActionDataJoined::ActionDataJoined(const ActionModelJoined* model)
-    : ActionDataAbstract(model), solution(model->get_scene()) {
+ActionDataJoined::ActionDataJoined(const ActionModelJoined* model, std::vector<DataPtr> datas)
+    : ActionDataAbstract(model), parts(std::move(datas)), solution(model->get_scene()) {
   make_work(*model);
 }
-ActionDataJoined::ActionDataJoined(const ActionModelJoined* model, WithoutMatrices none)
-    : ActionDataAbstract(model, none), solution(model->get_scene()) {
+ActionDataJoined::ActionDataJoined(const ActionModelJoined* model, std::vector<DataPtr> datas, WithoutMatrices none)
+    : ActionDataAbstract(model, none), parts(std::move(datas)), solution(model->get_scene()) {
   make_work(*model);
 }
 
@@ -111,7 +113,6 @@ void ActionDataJoined::make_work(const ActionModelJoined& model) {
     const ActionPart& part = model.get_parts()[i];
     const Index nu = static_cast<Index>(part.model->get_nu());
     const Index rows = static_cast<Index>(kRows * model.bonds_of_parts()[i].size());
-    parts.push_back(part.model->createData());
     x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
     u.emplace_back(VectorXd::Zero(nu));
     C.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(part.dx.size())));
@@ -135,7 +136,11 @@ void ActionDataJoined::make_work(const ActionModelJoined& model) {
 // ---- the model --------------------------------------------------------------------------------------------------
 
 ActionModelJoined::ActionModelJoined(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<JoinedPart> parts)
-    : ActionModelAbstract(state, static_cast<std::size_t>(scene.nu)),
+    : ActionModelAbstract(state, static_cast<std::size_t>(scene.nu), 0,
+                          internal::total(kActionModelJoined, parts, &ActionModelAbstract::get_ng),
+                          internal::total(kActionModelJoined, parts, &ActionModelAbstract::get_nh),
+                          internal::total(kActionModelJoined, parts, &ActionModelAbstract::get_ng_T),
+                          internal::total(kActionModelJoined, parts, &ActionModelAbstract::get_nh_T)),
       scene_(std::move(scene)),
       parts_(std::move(parts)),
       bonds_(bonds_between(scene_, robots_of(parts_))),
@@ -149,13 +154,16 @@ ActionModelJoined::ActionModelJoined(std::shared_ptr<StateMultibody> state, Scen
       local_robot_[static_cast<std::size_t>(part.robots[l])] = static_cast<int>(l);
   check_size(kActionModelJoined, "the scene's q and v", scene_.nq + scene_.nv, state_->get_nx());
   check_parts();
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb, g_lb_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub, g_ub_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb_T, g_lb_T_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub_T, g_ub_T_);
 }
 
 void ActionModelJoined::check_parts() const {
   const std::vector<std::vector<int>> robots = robots_of(parts_);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const JoinedPart& part = parts_[i];
-    require(part.model != nullptr, kActionModelJoined, "a part's model is a null pointer");
     const auto& dynamics = dynamics_of(part);
     const auto* actuation = dynamic_cast<const ActuationModelWrenches*>(dynamics.get_actuation().get());
     require(actuation && same(actuation->ends(), wrench_ends(scene_, bonds_, robots, static_cast<int>(i))),
@@ -166,8 +174,6 @@ void ActionModelJoined::check_parts() const {
     check_size(kActionModelJoined, "a part's dx", static_cast<Index>(part.dx.size()),
                part.model->get_state()->get_ndx());
     check_size(kActionModelJoined, "a part's u", static_cast<Index>(part.u.size()), actuation->nu_own());
-    require(part.model->get_ng() + part.model->get_nh() + part.model->get_ng_T() + part.model->get_nh_T() == 0,
-            kActionModelJoined, "constraints are not supported");
   }
   internal::check_cover(kActionModelJoined, "x", state_->get_nx(), parts_, &ActionPart::x);
   internal::check_cover(kActionModelJoined, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
@@ -180,8 +186,17 @@ void ActionModelJoined::set_storage(MatrixStorage storage) {
 }
 
 DataPtr ActionModelJoined::createData() {
-  if (storage_ == MatrixStorage::kDense) return std::make_shared<ActionDataJoined>(this);
-  return std::make_shared<ActionDataJoined>(this, WithoutMatrices{});
+  std::vector<DataPtr> parts;
+  for (const JoinedPart& part : parts_) parts.push_back(part.model->createData());
+  return createData(std::move(parts));
+}
+
+DataPtr ActionModelJoined::createData(std::vector<DataPtr> parts) {
+  check_size("ActionModelJoined::createData", "the parts' data", parts.size(), parts_.size());
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    require(parts_[i].model->checkData(parts[i]), kActionModelJoined, "data of the parts' createData() are expected");
+  if (storage_ == MatrixStorage::kDense) return std::make_shared<ActionDataJoined>(this, std::move(parts));
+  return std::make_shared<ActionDataJoined>(this, std::move(parts), WithoutMatrices{});
 }
 
 bool ActionModelJoined::checkData(const DataPtr& data) {
@@ -229,27 +244,36 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x, const
   check("ActionModelJoined::calc", x, u);
   auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calc", data);
   solve_bonds(d, x, u);
-  d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& part = parts_[i];
     internal::take(x, part.x, d.x[i]);
     internal::take(u, part.u, d.u[i].head(static_cast<Index>(part.u.size())));
     part.model->calc(d.parts[i], d.x[i], d.u[i]);
-    d.cost += d.parts[i]->cost;
-    scatter(d.parts[i]->xnext, part.x, d.xnext);
   }
+  collect_values(d);
 }
 
 void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("ActionModelJoined::calc", x);
   auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calc", data);
-  d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     internal::take(x, parts_[i].x, d.x[i]);
     parts_[i].model->calc(d.parts[i], d.x[i]);
-    d.cost += d.parts[i]->cost;
   }
-  d.xnext = x;
+  collect_values(d);
+}
+
+void ActionModelJoined::collect(const DataPtr& data) const {
+  collect_values(internal::own_data<ActionDataJoined>("ActionModelJoined::collect", data));
+}
+
+void ActionModelJoined::collect_values(ActionDataJoined& d) const {
+  d.cost = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    d.cost += d.parts[i]->cost;
+    scatter(d.parts[i]->xnext, parts_[i].x, d.xnext);
+  }
+  internal::stack_constraints(d.parts, d);
 }
 
 void ActionModelJoined::print(std::ostream& os) const {

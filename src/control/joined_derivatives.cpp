@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "joined_parts.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/joined.hpp"
 
@@ -13,8 +14,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-const DifferentialActionDataAbstract& dynamics_of_part(const ActionDataAbstract& part) {
-  return *static_cast<const IntegratedActionDataEuler&>(part).differential;
+const DifferentialActionDataAbstract& dynamics_of_part(ActionDataAbstract& part) {
+  return *internal::euler_of(part).differential;
 }
 
 // Of both ends: rows = [C D_u] in the node's dx and u, and what stands with the wrenches.
@@ -160,7 +161,7 @@ void ActionModelJoined::calcDiff(const std::shared_ptr<ActionDataAbstract>& data
 }
 
 // The node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
-//     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T
+//     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] alike
 void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
   const Index ndx = static_cast<Index>(state_->get_ndx()), nu = static_cast<Index>(nu_);
   MatrixXd W = MatrixXd::Zero(6 * static_cast<Index>(bonds_.size()), ndx + nu);
@@ -169,7 +170,9 @@ void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
     W = -system.by_w.partialPivLu().solve(system.rows);
   }
   MatrixXd F = MatrixXd::Zero(ndx, ndx + nu), H = MatrixXd::Zero(ndx + nu, ndx + nu);
+  MatrixXd C = MatrixXd::Zero(d.g.size(), ndx + nu), E = MatrixXd::Zero(d.h.size(), ndx + nu);
   VectorXd g = VectorXd::Zero(ndx + nu);
+  Index of_g = 0, of_h = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& part = parts_[i];
     const ActionDataAbstract& from = *d.parts[i];
@@ -188,12 +191,24 @@ void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
     F(part.dx, Eigen::all) = AB * T;
     H.noalias() += T.transpose() * L * T;
     g.noalias() += T.transpose() * l;
+    const auto put_rows = [&](const MatrixXd& by_x, const MatrixXd& by_u, Index& first, MatrixXd& to) {
+      MatrixXd own(by_x.rows(), nx + nv);
+      own << by_x, by_u.leftCols(nv);
+      to.middleRows(first, own.rows()) = own * T;
+      first += own.rows();
+    };
+    put_rows(from.Gx, from.Gu, of_g, C);
+    put_rows(from.Hx, from.Hu, of_h, E);
   }
   d.Fx = F.leftCols(ndx);
   d.Lx = g.head(ndx);
   d.Lxx = H.topLeftCorner(ndx, ndx);
+  d.Gx = C.leftCols(ndx);
+  d.Hx = E.leftCols(ndx);
   if (terminal) return;
   d.Fu = F.rightCols(nu);
+  d.Gu = C.rightCols(nu);
+  d.Hu = E.rightCols(nu);
   d.Lu = g.tail(nu);
   d.Lxu = H.topRightCorner(ndx, nu);
   d.Luu = H.bottomRightCorner(nu, nu);

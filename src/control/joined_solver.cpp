@@ -222,6 +222,24 @@ void SolverJoinedPart::stepControl(std::size_t t, double steplength) {
   }
 }
 
+std::vector<SolverJoinedPart::Gains> SolverJoinedPart::gains(std::size_t t) const {
+  std::vector<Gains> out;
+  if (outcome_.status != lq::Status::kOk || k_[t].size() == 0) return out;
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, t)->get_parts();
+  const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    const Eigen::MatrixXd& K = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K;
+    if (K.rows() < clusters[c].nu) return {};
+    out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
+    for (const int b : clusters[c].blocks) {  // x_start and u_start: one after the other
+      const JoinedPart& part = parts[static_cast<std::size_t>(b)];
+      out.back().dx.insert(out.back().dx.end(), part.dx.begin(), part.dx.end());
+      out.back().u.insert(out.back().u.end(), part.u.begin(), part.u.end());
+    }
+  }
+  return out;
+}
+
 std::vector<int> SolverJoinedPart::blocks() const {
   std::vector<int> out;
   for (const lq::Cluster& cluster : policies_->plan()[0]) out.push_back(cluster.nv);

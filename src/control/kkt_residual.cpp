@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "constraint_rows.hpp"
+#include "coordinates.hpp"
 #include "manycontact/control/joined_solver.hpp"
 
 namespace manycontact {
@@ -104,7 +105,8 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
                             bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
   gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
   if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
-  require(ys.empty() && !limits, "kkt_residual",
+  const bool constrained = std::any_of(ys.begin(), ys.end(), [](const Eigen::VectorXd& y) { return y.size() > 0; });
+  require(!constrained && !limits, "kkt_residual",
           "constraints and limits of robots that hold each other are not supported");
   return kkt_residual_of_joined(problem, xs, l, gap);
 }
@@ -113,16 +115,24 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
                              bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
   if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
   const std::vector<ShootingPart> parts = separate(problem);
-  require(ys.empty() || parts.size() == 1, "kkt_residual", "constraints of separate parts are not supported");
+  std::vector<Vectors> own_ys(parts.size(), Vectors(ys.size()));
+  for (std::size_t t = 0; t < ys.size(); ++t) {
+    const ConstraintRows all = rows_at(problem, t);
+    check_size("kkt_residual", "multipliers of a node", ys[t].size(), static_cast<std::size_t>(all.size()));
+    const auto& node = static_cast<const ActionModelParts&>(*problem.model(t));
+    const auto rows = constraint_rows(node.get_parts(), problem.by_state_alone(t));
+    for (std::size_t i = 0; i < parts.size(); ++i) gather(ys[t], rows[i], own_ys[i][t]);
+  }
   double worst = 0;
-  for (const ShootingPart& part : parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ShootingPart& part = parts[i];
     Vectors own_xs(xs.size()), own_us(us.size()), own_l(xs.size());
     for (std::size_t t = 0; t < xs.size(); ++t) {
       gather(xs[t], part.x, own_xs[t]);
       gather(l[t], part.dx, own_l[t]);
       if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
     }
-    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, ys, gap));
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], gap));
   }
   return worst;
 }

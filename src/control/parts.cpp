@@ -12,35 +12,11 @@ using Eigen::VectorXd;
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::put;
 using internal::take;
+using internal::total;
 
 namespace {
 
 constexpr const char* kActionModelParts = "ActionModelParts";
-
-// The sum of a size over the parts.
-template <class Size>
-std::size_t total(const std::vector<ActionPart>& parts, Size size) {
-  std::size_t sum = 0;
-  for (const ActionPart& part : parts) {
-    require(part.model != nullptr, kActionModelParts, "a part's model is a null pointer");
-    sum += ((*part.model).*size)();
-  }
-  return sum;
-}
-
-// Vectors one after the other.
-template <class Get>
-void stack(std::size_t count, Get get, VectorXd& out) {
-  Index size = 0;
-  for (std::size_t i = 0; i < count; ++i) size += get(i).size();
-  out.resize(size);
-  Index first = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const VectorXd& part = get(i);
-    out.segment(first, part.size()) = part;
-    first += part.size();
-  }
-}
 
 // The parts' matrices on the rows one after the other, each on its own columns.
 template <class Get>
@@ -67,9 +43,10 @@ void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part
 void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
-    : ActionModelAbstract(std::move(state), nu, 0, total(parts, &ActionModelAbstract::get_ng),
-                          total(parts, &ActionModelAbstract::get_nh), total(parts, &ActionModelAbstract::get_ng_T),
-                          total(parts, &ActionModelAbstract::get_nh_T)),
+    : ActionModelAbstract(std::move(state), nu, 0, total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)) {
   require(!parts_.empty(), kActionModelParts, "there is no part, one at least is expected");
   internal::check_cover(kActionModelParts, "x", state_->get_nx(), parts_, &ActionPart::x);
@@ -84,15 +61,10 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
     put(model.get_u_ub(), part.u, u_ub_);
   }
   update_has_control_limits();
-  using Bound = const VectorXd& (ActionModelAbstract::*)() const;
-  const auto stack_bound = [&](Bound bound, VectorXd& out) {
-    stack(
-        parts_.size(), [&](std::size_t i) -> const VectorXd& { return ((*parts_[i].model).*bound)(); }, out);
-  };
-  stack_bound(&ActionModelAbstract::get_g_lb, g_lb_);
-  stack_bound(&ActionModelAbstract::get_g_ub, g_ub_);
-  stack_bound(&ActionModelAbstract::get_g_lb_T, g_lb_T_);
-  stack_bound(&ActionModelAbstract::get_g_ub_T, g_ub_T_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb, g_lb_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub, g_ub_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb_T, g_lb_T_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub_T, g_ub_T_);
 }
 
 void ActionModelParts::set_storage(MatrixStorage storage) {
@@ -101,10 +73,17 @@ void ActionModelParts::set_storage(MatrixStorage storage) {
 }
 
 DataPtr ActionModelParts::createData() {
+  std::vector<DataPtr> parts;
+  for (const ActionPart& part : parts_) parts.push_back(part.model->createData());
+  return createData(std::move(parts));
+}
+
+DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
+  check_size("ActionModelParts::createData", "the parts' data", parts.size(), parts_.size());
   auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
+  data->parts = std::move(parts);
   for (const ActionPart& part : parts_) {
-    data->parts.push_back(part.model->createData());
     data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
     data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.u.size())));
   }
@@ -140,16 +119,17 @@ void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
   collect_values(d);
 }
 
+void ActionModelParts::collect(const DataPtr& data) const {
+  collect_values(internal::own_data<ActionDataParts>("ActionModelParts::collect", data));
+}
+
 void ActionModelParts::collect_values(ActionDataParts& d) const {
   d.cost = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     d.cost += d.parts[i]->cost;
     put(d.parts[i]->xnext, parts_[i].x, d.xnext);
   }
-  stack(
-      parts_.size(), [&](std::size_t i) -> const VectorXd& { return d.parts[i]->g; }, d.g);
-  stack(
-      parts_.size(), [&](std::size_t i) -> const VectorXd& { return d.parts[i]->h; }, d.h);
+  internal::stack_constraints(d.parts, d);
 }
 
 void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {

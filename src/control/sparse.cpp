@@ -9,9 +9,21 @@ namespace manycontact {
 
 using Eigen::VectorXd;
 
-SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem)
-    : SolverFDDP(std::move(problem), WithoutMatrices{}) {
+SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits)
+    : SolverFDDP(std::move(problem), WithoutMatrices{}), limits_(limits) {
   SolverSparse::allocateData();
+  if (limits_) th_stop_ = 5e-5;  // as SolverBoxFDDP
+}
+
+std::unique_ptr<SolverSparsePart> SolverSparse::solver_of(ShootingPart part) const {
+  for (std::size_t t = 0; t < part.u.size(); ++t)
+    require(!part.u[t].empty() || problem_->by_state_alone(t), "SolverSparse",
+            "a part has no controls where others have some, it is expected with one of these");
+  const bool joined = SolverJoinedPart::serves(*part.problem);
+  require(!joined || !limits_, "SolverSparse", "limits of robots that hold each other, of separate ones are expected");
+  if (joined) return std::make_unique<SolverJoinedPart>(std::move(part));
+  if (limits_) return std::make_unique<SolverWithBox<SolverSparsePart>>(std::move(part));
+  return std::unique_ptr<SolverSparsePart>(new SolverSparsePart(std::move(part)));
 }
 
 template <class Work>
@@ -35,10 +47,7 @@ void SolverSparse::allocateData() {
   parts_.clear();
   for (ShootingPart& part : separate(*problem_)) {
     part.problem->set_nthreads(1);
-    if (SolverJoinedPart::serves(*part.problem))
-      parts_.push_back(std::make_unique<SolverJoinedPart>(std::move(part)));
-    else
-      parts_.emplace_back(new SolverSparsePart(std::move(part)));
+    parts_.push_back(solver_of(std::move(part)));
   }
   nodes_ = problem_->get_runningDatas();
   terminal_ = problem_->get_terminalData();
@@ -105,6 +114,12 @@ const Eigen::Vector2d& SolverSparse::expectedImprovement() {
   d_.setZero();
   for (const auto& own : parts_) d_ += own->d_;
   return d_;
+}
+
+double SolverSparse::expectedReduction() const {
+  double out = 0;
+  for (const auto& own : parts_) out += own->expectedReduction();
+  return out;
 }
 
 void SolverSparse::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&,

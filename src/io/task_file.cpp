@@ -17,7 +17,7 @@ const char* to_string(TaskSolver solver) { return kSolvers[static_cast<int>(solv
 
 int TaskFile::nodes() const {
   int sum = 0;
-  for (const TaskPhase& phase : phases) sum += phase.nodes;
+  for (const TaskPhase& phase : phases) sum += phase.nodes + phase.impact;
   return sum;
 }
 
@@ -40,8 +40,19 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
   }
 }
 
-TaskPhase read_phase(const Element& e, const Scene& scene, TermReader& reader) {
-  e.allow_attributes({"nodes", "contacts"});
+// An impact is that of contacts which close: open in the phase before, null for the first.
+void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
+  phase.impact = e.choice("impact", {"false", "true"}, 0) == 1;
+  if (!phase.impact) return;
+  if (!before) e.where("impact").fail(e.label("impact") + " is true in the first phase, expected it in a later one");
+  for (std::size_t c = 0; c < phase.active.size(); ++c)
+    if (phase.active[c] && !before->active[c]) return;
+  e.where("impact").fail(e.label("impact") +
+                         " is true, and all its contacts were closed before, expected one that closes");
+}
+
+TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
+  e.allow_attributes({"nodes", "contacts", "impact"});
   e.allow_children({"cost", "constraint"});
   TaskPhase phase;
   phase.line = e.line();
@@ -57,6 +68,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, TermReader& reader) {
         e.where("contacts").fail(e.label("contacts") + " names " + quote(name) + " twice, expected once");
       phase.active[static_cast<std::size_t>(c)] = true;
     }
+  read_impact(e, before, phase);
   read_terms(e, false, reader, phase);
   return phase;
 }
@@ -124,7 +136,8 @@ TaskFile read_task(const std::string& path) {
 
   io::TermReader reader(out.scene);
   for (auto e = root.child("phase"); e; e = e->next("phase")) {
-    out.phases.push_back(io::read_phase(*e, out.scene.scene, reader));
+    const TaskPhase* before = out.phases.empty() ? nullptr : &out.phases.back();
+    out.phases.push_back(io::read_phase(*e, out.scene.scene, before, reader));
     if (out.nodes() > io::kMostNodes) e->fail("<task> has more than 1000000 nodes by this phase, expected fewer");
   }
   if (out.phases.empty()) root.fail("<task> has no <phase>, expected one or more");

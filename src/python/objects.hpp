@@ -10,6 +10,10 @@
 
 #include "arrays.hpp"
 
+namespace manycontact {
+enum class Integrator;
+}
+
 namespace manycontact::python {
 
 /// Python runs in other threads meanwhile.
@@ -40,6 +44,9 @@ E value_or_name(py::handle given, const Find& find, const char* what, const char
   if (const std::optional<E> found = find(name)) return *found;
   throw py::value_error(std::string("unknown ") + what + " '" + name + "'" + names);
 }
+
+/// An Integrator, or its name.
+Integrator integrator_of(py::handle given);
 
 /// What operator<< prints, for __str__.
 template <class T>

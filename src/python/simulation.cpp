@@ -26,11 +26,6 @@ struct Simulation {
   std::shared_ptr<Data> dynamics;
 };
 
-Integrator integrator_of(py::handle given) {
-  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
-                                   ", expected 'semi-implicit-euler' or 'rk4'");
-}
-
 // States every so many steps.
 struct Trajectory {
   std::vector<double> t;
@@ -202,6 +197,11 @@ void add_invariants(py::module_& m) {
 }
 
 }  // namespace
+
+Integrator integrator_of(py::handle given) {
+  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
+                                   ", expected 'semi-implicit-euler' or 'rk4'");
+}
 
 void add_simulation(py::module_& m) {
   add_steps(m);

@@ -164,7 +164,7 @@ void add_solver_classes(py::module_& m) {
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
   py::class_<SolverSparse, SolverFDDP, std::shared_ptr<SolverSparse>>(m, "SolverSparse",
                                                                       "FDDP by parts of robots that never meet.")
-      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def(py::init<Problem, bool>(), py::arg("problem").none(false), py::arg("limits") = false, Unlocked())
       .def("blocks", &SolverSparse::blocks, "Controls of each part.");
   using A = SolverAugmentedLagrangian;
   py::class_<A, SolverAbstract, std::shared_ptr<A>>(m, "SolverAugmentedLagrangian",

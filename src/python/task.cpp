@@ -1,7 +1,7 @@
 // Motions of task files: floor task.
 
 #include "action.hpp"
-#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/simulate.hpp"
 
 namespace manycontact::python {
 
@@ -37,6 +37,26 @@ TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared
   return optimize(task, problem, options);
 }
 
+void add_simulated_motion(py::module_& m) {
+  py::class_<SimulatedMotion>(m, "SimulatedMotion", "Where a simulation of a solution went.")
+      .def_readonly("stopped", &SimulatedMotion::stopped, "StepStatus; anything but kOk: it ended there.")
+      .def_readonly("xs", &SimulatedMotion::xs, "States at the nodes; where contacts close, before their impact.")
+      .def_readonly("energy_lost", &SimulatedMotion::energy_lost, "By impacts [J].")
+      .def_readonly("position_drift", &SimulatedMotion::position_drift, "Largest of the active contacts [m, rad].")
+      .def_readonly("velocity_drift", &SimulatedMotion::velocity_drift, "[m/s, rad/s]")
+      .def_readonly("distance", &SimulatedMotion::distance, "Largest component of x (-) xs at any node.");
+  m.def(
+      "simulate",
+      [](const TaskFile& task, const TaskSolution& solution, py::handle integrator, int substeps) {
+        const Integrator scheme = integrator_of(integrator);
+        const py::gil_scoped_release unlocked;
+        return manycontact::simulate(task, solution, scheme, substeps);
+      },
+      py::arg("task"), py::arg("solution"), py::arg("integrator") = "rk4", py::arg("substeps") = 10,
+      "Follows a task's solution by its torques and gains, with `substeps` steps to a node and an impact where a\n"
+      "contact closes; returns a SimulatedMotion.");
+}
+
 }  // namespace
 
 void add_task(py::module_& m) {
@@ -65,7 +85,8 @@ void add_task(py::module_& m) {
       .def_readonly("problem", &TaskProblem::problem, "ShootingProblem")
       .def_readwrite("xs", &TaskProblem::xs, "Initial guess; a copy: assign.")
       .def_readwrite("us", &TaskProblem::us)
-      .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.");
+      .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.")
+      .def_readonly("blocks", &TaskProblem::blocks, "Parts, taken apart where robots only hold each other.");
   py::class_<TaskIteration>(m, "TaskIteration")
       .def_readonly("cost", &TaskIteration::cost)
       .def_readonly("stop", &TaskIteration::stop)
@@ -77,6 +98,15 @@ void add_task(py::module_& m) {
       .def_readonly("constraint", &TaskViolation::constraint)
       .def_readonly("by", &TaskViolation::by, "Largest distance of a row to its bounds.")
       .def_readonly("node", &TaskViolation::node);
+  py::class_<TaskGains>(m, "TaskGains", "Feedback u = us[t] - K[t] (x (-) xs[t]) of robots solved together.")
+      .def_readonly("dx", &TaskGains::dx, "Their coordinates of dx.")
+      .def_readonly("u", &TaskGains::u, "Their torques.")
+      .def_readonly("K", &TaskGains::K, "Of each node (len(u), len(dx)); without rows at an impact. Copies.");
+  py::class_<TaskTimes>(m, "TaskTimes", "Per running node, medians over the iterations [us]; total [us].")
+      .def_readonly("calc", &TaskTimes::calc)
+      .def_readonly("calc_diff", &TaskTimes::calc_diff)
+      .def_readonly("direction", &TaskTimes::direction)
+      .def_readonly("total", &TaskTimes::total);
   py::class_<TaskSolution>(m, "TaskSolution", "What a solver did.")
       .def_readonly("converged", &TaskSolution::converged)
       .def_readonly("cost", &TaskSolution::cost)
@@ -84,9 +114,12 @@ void add_task(py::module_& m) {
       .def_readonly("iterations", &TaskSolution::iterations, "List of TaskIteration.")
       .def_readonly("polishing_iterations", &TaskSolution::polishing_iterations, "After these, to the KKT residual.")
       .def_readonly("xs", &TaskSolution::xs, "nodes + 1 states (nq + nv).")
-      .def_readonly("us", &TaskSolution::us, "Torques (nu) of each node [N m, N].")
+      .def_readonly("us", &TaskSolution::us, "Torques (nu) of each node [N m, N]; none at an impact.")
+      .def_readonly("gains", &TaskSolution::gains, "List of TaskGains; empty where the solver has none.")
       .def_readonly("solver", &TaskSolution::solver)
-      .def_readonly("blocks", &TaskSolution::blocks)
+      .def_readonly("direction", &TaskSolution::direction, "How directions were found.")
+      .def_readonly("blocks", &TaskSolution::blocks, "Sizes of the matrices factorized at a node, by part or cluster.")
+      .def_readonly("times", &TaskSolution::times, "TaskTimes")
       .def_readonly("kkt_residual", &TaskSolution::kkt_residual)
       .def_readonly("constraint_violation", &TaskSolution::constraint_violation)
       .def_readonly("violations", &TaskSolution::violations, "List of TaskViolation.")
@@ -111,6 +144,7 @@ void add_task(py::module_& m) {
       "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name. problem:\n"
       "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
       "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
+  add_simulated_motion(m);
 }
 
 }  // namespace manycontact::python

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "manycontact/control/euler.hpp"
+#include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/joined.hpp"
 #include "manycontact/control/rk.hpp"
 
@@ -19,8 +20,9 @@ const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbst
   return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*rk.differential[0]);
 }
 
-// By contact; of a node of parts, of all of them.
+// By contact; of a node of parts, of all of them. An impact's are impulses.
 void collect(const ActionDataAbstract& data, Forces& out) {
+  if (dynamic_cast<const ActionDataImpulseFwdDynamics*>(&data)) return;
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
     for (const auto& part : whole->parts) collect(*part, out);
     return;

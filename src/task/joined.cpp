@@ -41,11 +41,12 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     const Contact& contact = scene.contacts[c];
     if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
   }
-  for (const TaskTerm& term : phase.costs) {
-    if (joins_its_robots(term))
-      join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
-    for (const int c : term.contacts) join_ends(scene.contacts[static_cast<std::size_t>(c)]);
-  }
+  for (const auto* terms : {&phase.costs, &phase.constraints})
+    for (const TaskTerm& term : *terms) {
+      if (joins_its_robots(term))
+        join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
+      for (const int c : term.contacts) join_ends(scene.contacts[static_cast<std::size_t>(c)]);
+    }
 }
 
 // Rows that depend on others, at x0.
@@ -63,7 +64,9 @@ std::vector<std::vector<int>> divide_robots(const TaskFile& task) {
   sparse::UnionFind sets(memory);
   for (const TaskPhase& phase : task.phases) join_of_nodes(scene, phase, sets);
   join_of_nodes(scene, task.terminal, sets);
-  if (task.integrator != TaskIntegrator::kEuler || has_constraints(task)) join_robots(scene, {}, sets);
+  const bool impacts =
+      std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& phase) { return phase.impact; });
+  if (task.integrator != TaskIntegrator::kEuler || impacts) join_robots(scene, {}, sets);
   return sets_of(sets, scene.nrobots());
 }
 
@@ -136,8 +139,12 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
     }
     auto node = std::make_shared<ActionModelJoined>(state, scene, std::move(parts));
     node->set_storage(MatrixStorage::kSparse);
-    out.push_back(std::move(node));
+    if (terminal)
+      out.terminal = std::move(node);
+    else
+      out.phases.push_back(std::move(node));
   }
+  out.impacts.resize(out.phases.size());  // none: divide_robots
   return out;
 }
 

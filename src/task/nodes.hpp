@@ -20,8 +20,14 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
-/// Per phase, then the terminal one.
-using Nodes = std::vector<std::shared_ptr<ActionModelAbstract>>;
+/// The impact before the phase's nodes.
+std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& phase,
+                                               const std::shared_ptr<StateMultibody>& state);
+
+struct Nodes {
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // per phase; impacts: null without
+  std::shared_ptr<ActionModelAbstract> terminal;
+};
 
 /// The scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <map>
 #include <sstream>
 
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
-#include "manycontact/control/fddp.hpp"
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/timer.hpp"
 
 namespace manycontact {
@@ -33,7 +33,9 @@ struct Passes {
 template <class Base>
 class Timed : public Base {
  public:
-  Timed(std::shared_ptr<ShootingProblem> problem, Passes& passes) : Base(std::move(problem)), passes_(passes) {}
+  template <class... More>
+  Timed(std::shared_ptr<ShootingProblem> problem, Passes& passes, More... more)
+      : Base(std::move(problem), more...), passes_(passes) {}
 
   double calcDiff() override {
     const Timer timer;
@@ -79,10 +81,11 @@ TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
 }
 
-std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, const std::shared_ptr<ShootingProblem>& problem,
-                                       Passes& passes) {
-  if (solver == TaskSolver::kSparse) return std::make_shared<Timed<SolverSparse>>(problem, passes);
-  if (solver == TaskSolver::kBoxFddp) return std::make_shared<Timed<SolverBoxFDDP>>(problem, passes);
+std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, bool by_parts,
+                                       const std::shared_ptr<ShootingProblem>& problem, Passes& passes) {
+  const bool limits = solver == TaskSolver::kBoxFddp;
+  if (by_parts || solver == TaskSolver::kSparse) return std::make_shared<Timed<SolverSparse>>(problem, passes, limits);
+  if (limits) return std::make_shared<Timed<SolverBoxFDDP>>(problem, passes);
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
@@ -91,10 +94,34 @@ TaskGains gains_of_part(const SolverDDP& solver, const ShootingPart& part) {
   return {part.dx, part.u.front(), {K.begin(), K.end()}};
 }
 
+std::vector<int> mapped(const std::vector<int>& of_part, const std::vector<int>& to) {
+  std::vector<int> out;
+  for (const int i : of_part) out.push_back(to[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+// By clusters, which may change from node to node.
+void add_gains(const SolverJoinedPart& solver, std::vector<TaskGains>& out) {
+  const ShootingPart& part = solver.part();
+  std::map<std::vector<int>, std::size_t> known;  // by dx
+  for (std::size_t t = 0; t < part.u.size(); ++t)
+    for (const SolverJoinedPart::Gains& own : solver.gains(t)) {
+      const std::vector<int> dx = mapped(own.dx, part.dx);
+      const auto [at, is_new] = known.emplace(dx, out.size());
+      if (is_new) out.push_back({dx, mapped(own.u, part.u[t]), std::vector<Eigen::MatrixXd>(part.u.size())});
+      out[at->second].K[t] = own.K;
+    }
+}
+
 std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   if (const auto* sparse = dynamic_cast<const SolverSparse*>(&solver))
-    for (const auto& own : sparse->parts()) out.push_back(gains_of_part(*own, own->part()));
+    for (const auto& own : sparse->parts()) {
+      if (const auto* joined = dynamic_cast<const SolverJoinedPart*>(own.get()))
+        add_gains(*joined, out);
+      else
+        out.push_back(gains_of_part(*own, own->part()));
+    }
   else if (!solver.get_K().empty())
     out.push_back(gains_of_part(solver, separate(*solver.get_problem()).front()));
   return out;
@@ -124,9 +151,6 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
   const TaskSolver type = chosen(options.solver, problem.blocks.size());
-  if (type == TaskSolver::kSparse && has_constraints(task))
-    throw InputError(task.path, task.solver_line,
-                     "sparse imposes no constraints; expected fddp, box-fddp or auto where there are some");
   problem.problem->set_nthreads(options.threads);
   Passes passes;
   TaskSolution out;
@@ -134,9 +158,9 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   out.direction = "Riccati";
   out.blocks = {static_cast<int>(problem.actuation->get_nu())};
   const auto make = [&](const std::shared_ptr<ShootingProblem>& shooting) {
-    return make_solver(type, shooting, passes);
+    return make_solver(type, problem.parts.size() > 1, shooting, passes);
   };
-  const auto solve = [&](SolverAbstract& solver) {
+  const auto solve = [&](SolverAbstract& solver, const SolverDDP& inner) {
     solver.set_th_stop(task.tolerance);
     solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
     const Timer timer;
@@ -147,29 +171,29 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
     out.xs = solver.get_xs();
     out.us = solver.get_us();
     out.cost = solver.get_cost();
+    out.gains = gains_of(inner);
+    if (const auto* sparse = dynamic_cast<const SolverSparse*>(&inner)) {
+      out.blocks = sparse->blocks();
+      out.direction = sparse->direction();
+    }
   };
   if (has_constraints(task)) {
     SolverAugmentedLagrangian solver(problem.problem, make);
     solver.set_penalty_init(task.step);  // as a running cost of weight 1
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
-    solve(solver);
+    solve(solver, *solver.get_inner());
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
-    out.gains = gains_of(*solver.get_inner());
-    out.violations = violations(task, problem);
+    problem.problem->calc(out.xs, out.us);  // forces of bonds too
+    out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();
   } else {
     const std::shared_ptr<SolverDDP> solver = make(problem.problem);
     solver->set_th_kkt(kMostResidual);
-    solve(*solver);
+    solve(*solver, *solver);
     out.polishing_iterations = solver->get_polishing_iter();
-    out.gains = gains_of(*solver);
-    if (const auto* sparse = dynamic_cast<const SolverSparse*>(solver.get())) {
-      out.blocks = sparse->blocks();
-      out.direction = sparse->direction();
-    }
     out.kkt_residual = solver->get_kkt_residual();
     if (std::isnan(out.kkt_residual)) {
       const bool limits = solver->keeps_limits();

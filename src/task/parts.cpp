@@ -1,5 +1,7 @@
 #include "manycontact/task/parts.hpp"
 
+#include <algorithm>
+
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
@@ -20,6 +22,20 @@ void join_of_phase(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     for (const TaskTerm& term : *terms)
       if (joins_all(term))
         for (int r = 1; r < scene.nrobots(); ++r) sets.join(0, r);
+}
+
+// To the first with torques: nodes without controls are evaluated by their state alone, as terminal ones are, and would
+// stand still.
+void join_without_torques(const Scene& scene, sparse::UnionFind& sets) {
+  const std::vector<std::vector<int>> parts = sets_of(sets, scene.nrobots());
+  const auto moves = [&](const std::vector<int>& robots) {
+    return std::any_of(robots.begin(), robots.end(),
+                       [&](int r) { return scene.robots[static_cast<std::size_t>(r)].model->nu() > 0; });
+  };
+  const auto first = std::find_if(parts.begin(), parts.end(), moves);
+  if (first == parts.end()) return;
+  for (const std::vector<int>& robots : parts)
+    if (!moves(robots)) sets.join(first->front(), robots.front());
 }
 
 void append(std::vector<int>& list, int first, int count) {
@@ -72,6 +88,12 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   return out;
 }
 
+// All robots' in one residual.
+bool is_of_coordinates(TaskResidual residual) {
+  return residual == TaskResidual::kState || residual == TaskResidual::kControl ||
+         residual == TaskResidual::kJointEffort || residual == TaskResidual::kJointAcceleration;
+}
+
 // A term of single coordinates of the whole scene, which has a number for each: those of the part's.
 TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share) {
   const std::vector<int> rows = rows_of(term.residual, scene, share.robots);
@@ -91,14 +113,29 @@ std::vector<int> of_share(const std::vector<int>& whole, const std::vector<int>&
   return out;
 }
 
+// Each of the copies in `all` that is in the part, by the name that it has in the whole scene.
+std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm::*all, const std::vector<int>& at) {
+  std::vector<TaskTerm> out;
+  const std::vector<int>& copies = term.*all;
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    const int own = at[static_cast<std::size_t>(copies[i])];
+    if (own < 0) continue;
+    out.push_back(term);
+    out.back().*all = {own};
+    if (copies.size() > 1) out.back().name += std::to_string(i);
+  }
+  return out;
+}
+
 // None where the term is about others.
 std::vector<TaskTerm> terms_of(const TaskTerm& term, const Scene& scene, const Share& share) {
   if (joins_all(term)) return {term};
-  if (term.robots.empty() && term.contacts.empty()) return {of_part_of_scene(term, scene, share)};
+  if (!term.contacts.empty()) return copies_of(term, &TaskTerm::contacts, share.contact_at);
+  if (term.robots.empty()) return {of_part_of_scene(term, scene, share)};
+  if (!is_of_coordinates(term.residual)) return copies_of(term, &TaskTerm::robots, share.robot_at);
   TaskTerm own = term;
   own.robots = of_share(term.robots, share.robot_at);
-  own.contacts = of_share(term.contacts, share.contact_at);
-  if (own.robots.empty() && own.contacts.empty()) return {};
+  if (own.robots.empty()) return {};
   return {own};
 }
 
@@ -106,6 +143,7 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   TaskPhase out;
   out.line = phase.line;
   out.nodes = phase.nodes;
+  out.impact = phase.impact;
   for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
@@ -135,6 +173,7 @@ std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
   sparse::UnionFind sets(memory);
   for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, sets);
   join_of_phase(scene, task.terminal, sets);
+  join_without_torques(scene, sets);
   return sets_of(sets, scene.nrobots());
 }
 

@@ -120,14 +120,18 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
 
 Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   Nodes out;
-  for (std::size_t k = 0; k < task.phases.size(); ++k) out.push_back(task::integrated(task, problem.models[k]));
-  out.push_back(task::terminal_of(problem.models.back()));
+  for (std::size_t k = 0; k < task.phases.size(); ++k) {
+    out.phases.push_back(task::integrated(task, problem.models[k]));
+    out.impacts.push_back(task.phases[k].impact ? task::impact_of(task, task.phases[k], problem.state) : nullptr);
+  }
+  out.terminal = task::terminal_of(problem.models.back());
   return out;
 }
 
 // The robots of one part by blocks: all in one unless bonds can join them, and for kAuto unless that costs less.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
-  std::vector<std::vector<int>> blocks = divide_robots(part);
+  std::vector<std::vector<int>> blocks;
+  if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
   if (blocks.size() > 1 && (solver == TaskSolver::kSparse || blocks_are_cheaper(part, blocks)) &&
       bonds_are_independent(part, blocks))
     return blocks;
@@ -138,13 +142,17 @@ std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver)
 
 // us: per phase.
 void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::VectorXd>& us, TaskProblem& out) {
-  Nodes running;
-  for (const int k : phase_of_node(task)) {
-    running.push_back(nodes[static_cast<std::size_t>(k)]);
-    out.us.push_back(us[static_cast<std::size_t>(k)]);
+  ShootingProblem::Models running;
+  for (std::size_t k = 0; k < task.phases.size(); ++k) {
+    if (task.phases[k].impact) {
+      running.push_back(nodes.impacts[k]);
+      out.us.emplace_back(0);
+    }
+    running.insert(running.end(), static_cast<std::size_t>(task.phases[k].nodes), nodes.phases[k]);
+    out.us.insert(out.us.end(), static_cast<std::size_t>(task.phases[k].nodes), us[k]);
   }
   const Eigen::VectorXd x0 = task::x0_of(task.scene);
-  out.problem = std::make_shared<ShootingProblem>(x0, running, nodes.back());
+  out.problem = std::make_shared<ShootingProblem>(x0, running, nodes.terminal);
   out.xs.assign(running.size() + 1, x0);
 }
 
@@ -165,21 +173,37 @@ std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
   return out;
 }
 
+// A node of all the parts; without controls where it is an impact.
+std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::vector<ActionPart> parts) {
+  std::size_t nu = 0;
+  for (const ActionPart& part : parts) nu += part.u.size();
+  auto out = std::make_shared<ActionModelParts>(problem.state, nu, std::move(parts));
+  out->set_storage(MatrixStorage::kSparse);
+  return out;
+}
+
 // Nodes and guess of every part, put together.
 void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
-  const std::size_t nu = out.actuation->get_nu(), phases = task.phases.size();
-  std::vector<std::vector<ActionPart>> of_nodes(phases + 1);
-  std::vector<Eigen::VectorXd> us(phases, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu)));
+  const std::size_t phases = task.phases.size();
+  std::vector<std::vector<ActionPart>> of_phases(phases), of_impacts(phases);
+  std::vector<ActionPart> of_terminal;
+  std::vector<Eigen::VectorXd> us(phases, Eigen::VectorXd::Zero(task.scene.scene.nu));
   for (const Part& own : parts) {
     const Nodes nodes = own.blocks.size() > 1 ? task::joined_nodes(own.task, own.blocks)
                                               : nodes_of(own.task, models_of(own.task, MatrixStorage::kDense));
     const std::vector<Eigen::VectorXd> own_us = task::guess_of(own.task);
     ActionPart part = coordinates_of(task.scene.scene, own.robots);
-    for (std::size_t k = 0; k <= phases; ++k) {
-      part.model = nodes[k];
-      of_nodes[k].push_back(part);
-      if (k < phases) scatter(own_us[k], part.u, us[k]);
+    const auto add = [&part](const std::shared_ptr<ActionModelAbstract>& model, std::vector<ActionPart>& to) {
+      to.push_back(part);
+      to.back().model = model;
+      if (model->get_nu() == 0) to.back().u.clear();
+    };
+    for (std::size_t k = 0; k < phases; ++k) {
+      add(nodes.phases[k], of_phases[k]);
+      if (nodes.impacts[k]) add(nodes.impacts[k], of_impacts[k]);
+      scatter(own_us[k], part.u, us[k]);
     }
+    add(nodes.terminal, of_terminal);
     out.parts.push_back(own.robots);
     for (const std::vector<int>& block : own.blocks) {
       out.blocks.emplace_back();
@@ -187,11 +211,11 @@ void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskP
     }
   }
   Nodes nodes;
-  for (std::vector<ActionPart>& own : of_nodes) {
-    auto model = std::make_shared<ActionModelParts>(out.state, nu, std::move(own));
-    model->set_storage(MatrixStorage::kSparse);
-    nodes.push_back(std::move(model));
+  for (std::size_t k = 0; k < phases; ++k) {
+    nodes.phases.push_back(together(out, std::move(of_phases[k])));
+    nodes.impacts.push_back(task.phases[k].impact ? together(out, std::move(of_impacts[k])) : nullptr);
   }
+  nodes.terminal = together(out, std::move(of_terminal));
   finish(task, nodes, us, out);
 }
 
@@ -203,9 +227,8 @@ bool has_constraints(const TaskFile& task) {
 }
 
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver) {
-  const bool by_parts = (solver == TaskSolver::kSparse || solver == TaskSolver::kAuto) && !has_constraints(task);
   std::vector<Part> parts;
-  if (by_parts) parts = parts_of(task, solver);
+  if (solver != TaskSolver::kFddp) parts = parts_of(task, solver);
   if (parts.empty() || (parts.size() == 1 && parts[0].blocks.size() == 1)) return make_problem(task);
   TaskProblem out = models_of(task, MatrixStorage::kSparse);
   finish_by_parts(task, parts, out);
@@ -221,11 +244,21 @@ TaskProblem make_problem(const TaskFile& task) {
   return out;
 }
 
-std::vector<int> phase_of_node(const TaskFile& task) {
-  std::vector<int> out;
-  for (std::size_t k = 0; k < task.phases.size(); ++k)
-    out.insert(out.end(), static_cast<std::size_t>(task.phases[k].nodes), static_cast<int>(k));
+std::vector<TaskNode> timeline(const TaskFile& task) {
+  std::vector<TaskNode> out;
+  int steps = 0;
+  for (std::size_t k = 0; k < task.phases.size(); ++k) {
+    const int phase = static_cast<int>(k);
+    if (task.phases[k].impact) out.push_back({phase, true, steps * task.step});
+    for (int i = 0; i < task.phases[k].nodes; ++i) out.push_back({phase, false, steps++ * task.step});
+  }
+  out.push_back({static_cast<int>(task.phases.size()), false, steps * task.step});
   return out;
+}
+
+const TaskPhase& phase_at(const TaskFile& task, const TaskNode& node) {
+  const std::size_t k = static_cast<std::size_t>(node.phase);
+  return k < task.phases.size() ? task.phases[k] : task.terminal;
 }
 
 }  // namespace manycontact

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "manycontact/contact/reference.hpp"
 #include "manycontact/control/parts.hpp"
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
+#include "nodes.hpp"
 
 namespace manycontact {
 
@@ -14,6 +16,7 @@ namespace {
 Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen::VectorXd& dx) {
   Eigen::VectorXd u = solution.us[t];
   for (const TaskGains& part : solution.gains) {
+    if (part.K[t].rows() == 0) continue;
     Eigen::VectorXd own;
     gather(dx, part.dx, own);
     const Eigen::VectorXd du = part.K[t] * own;
@@ -22,31 +25,61 @@ Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen
   return u;
 }
 
-}  // namespace
+void check_fits(const TaskFile& task, const TaskSolution& solution, const StateMultibody& state) {
+  const std::size_t T = static_cast<std::size_t>(task.nodes());
+  bool fits = solution.xs.size() == T + 1 && solution.us.size() == T;
+  for (const TaskGains& part : solution.gains) fits = fits && part.K.size() == T;
+  for (const Eigen::VectorXd& x : solution.xs) fits = fits && x.size() == static_cast<Eigen::Index>(state.get_nx());
+  require(fits, "simulate", "the solution is of another task");
+}
 
-SimulatedMotion simulate(const TaskFile& task, const TaskProblem& problem, const TaskSolution& solution,
-                         Integrator integrator, int substeps) {
-  require(substeps >= 1, "simulate", "a step to a node at least is expected");
-  Scene scene = task.scene.scene;
-  const double h = task.step / substeps;
+// The phase's contacts; those that close hold what they find. False where the impact failed.
+bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, SimulatedMotion& out) {
+  const std::vector<char> active(phase.active.begin(), phase.active.end());
+  for (std::size_t c = 0; c < active.size(); ++c)
+    if (active[c] && !world.dynamics.active[c]) resolve_reference(scene, world.q, true, true, scene.contacts[c]);
+  const VelocityJump jump = switch_contacts(scene, active, world);
+  out.energy_lost += jump.energy_lost;
+  return jump.status != Status::kFailed;
+}
+
+// The scene as the simulation holds it.
+Scene held(const TaskFile& task, Integrator integrator, double h) {
+  Scene scene = task::scene_with(task, task.phases.front().active);
   const Gains gains = recommended_gains(integrator, h);
   for (Contact& contact : scene.contacts) {
     contact.alpha = gains.alpha;
     contact.beta = gains.beta;
   }
+  return scene;
+}
+
+}  // namespace
+
+SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps) {
+  require(substeps >= 1, "simulate", "a step to a node at least is expected");
+  const StateMultibody state(task.scene.scene);
+  check_fits(task, solution, state);
+  const double h = task.step / substeps;
+  Scene scene = held(task, integrator, h);
   SimulationData world(scene, task.scene.q, task.scene.v, integrator, h);
   InvariantsData room(scene);
-  const std::vector<int> phases = phase_of_node(task);
   Eigen::VectorXd x(scene.nq + scene.nv), dx(2 * scene.nv);
   SimulatedMotion out;
+  const std::vector<TaskNode> nodes = timeline(task);
   for (std::size_t t = 0;; ++t) {
     x << world.q, world.v;
-    problem.state->diff(solution.xs[t], x, dx);
+    state.diff(solution.xs[t], x, dx);
     out.xs.push_back(x);
     out.distance = std::max(out.distance, dx.lpNorm<Eigen::Infinity>());
-    if (t == phases.size()) return out;
-    const std::vector<bool>& active = task.phases[static_cast<std::size_t>(phases[t])].active;
-    std::copy(active.begin(), active.end(), world.dynamics.active.begin());
+    if (t + 1 == nodes.size()) return out;
+    if (!switch_to(phase_at(task, nodes[t]), scene, world, out)) {
+      out.stopped = StepStatus::kSolverFailed;
+      return out;
+    }
+    if (nodes[t].impact) continue;
+    x << world.q, world.v;
+    state.diff(solution.xs[t], x, dx);
     const Eigen::VectorXd u = torques(solution, t, dx);
     for (int k = 0; k < substeps; ++k) {
       out.stopped = step(scene, u, world);

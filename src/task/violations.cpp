@@ -4,6 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "manycontact/control/integrated_action.hpp"
+#include "manycontact/control/joined.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -20,7 +23,7 @@ double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Ei
 }
 
 // g and h are stacked in the order of the constraints' names.
-void add_node(std::size_t t, const ConstraintModelManager& constraints, bool terminal, const ActionDataAbstract& data,
+void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   const Eigen::VectorXd& lower = terminal ? constraints.get_lb_T() : constraints.get_lb();
   const Eigen::VectorXd& upper = terminal ? constraints.get_ub_T() : constraints.get_ub();
@@ -38,17 +41,30 @@ void add_node(std::size_t t, const ConstraintModelManager& constraints, bool ter
   }
 }
 
+// Of parts and blocks, each one's. Impacts have no constraints.
+void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, const ActionDataAbstract& data,
+              Worst& worst) {
+  if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {
+    const auto& parts = dynamic_cast<const ActionDataParts&>(data).parts;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      add_node(t, *whole->get_parts()[i].model, terminal, *parts[i], worst);
+  } else if (const auto* joined = dynamic_cast<const ActionModelJoined*>(&model)) {
+    const auto& blocks = dynamic_cast<const ActionDataJoined&>(data).parts;
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      add_node(t, *joined->get_parts()[i].model, terminal, *blocks[i], worst);
+  } else if (const auto* node = dynamic_cast<const IntegratedActionModelAbstract*>(&model)) {
+    const auto& dynamics = dynamic_cast<const DifferentialActionModelContactFwdDynamics&>(*node->get_differential());
+    if (dynamics.get_constraints()) add_rows(t, *dynamics.get_constraints(), terminal, data, worst);
+  }
+}
+
 }  // namespace
 
-std::vector<TaskViolation> violations(const TaskFile& task, const TaskProblem& problem) {
+std::vector<TaskViolation> violations(const TaskProblem& problem) {
   const ShootingProblem& shooting = *problem.problem;
-  const std::vector<int> phases = phase_of_node(task);
   Worst worst;
-  for (std::size_t t = 0; t <= shooting.get_T(); ++t) {
-    const auto& model = t < phases.size() ? problem.models[static_cast<std::size_t>(phases[t])] : problem.models.back();
-    if (model->get_constraints())
-      add_node(t, *model->get_constraints(), shooting.by_state_alone(t), *shooting.data(t), worst);
-  }
+  for (std::size_t t = 0; t <= shooting.get_T(); ++t)
+    add_node(t, *shooting.model(t), shooting.by_state_alone(t), *shooting.data(t), worst);
   std::vector<TaskViolation> out;
   for (const auto& [name, own] : worst) out.push_back(own);
   return out;

@@ -94,6 +94,25 @@ TEST_F(Optimize, FollowsTheMotionInSimulation) {
   EXPECT_EQ(run(words(task("humanoid_reaches"), {"--simulate", "0"})).status, 2);
 }
 
+// Two landings: rows of the CSV and torques of the JSON leave impacts out.
+TEST_F(Optimize, TrotsInSimulation) {
+  const Outcome outcome = run(words(task("quadruped_trots"), {"--simulate", "1e-3", "--view", path("m.html")}));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "54 nodes of 0.01 s and 2 impacts");
+  expect_contains(outcome.out, "; impacts take ");
+  const nlohmann::json j = json(), simulation = j["report"]["simulation"];
+  EXPECT_EQ(simulation["completed"], true);
+  EXPECT_LT(simulation["position_drift"], 1e-6);
+  EXPECT_LT(simulation["distance"], 1);  // of a foot about to land, rad/s
+  EXPECT_EQ(j["xs"].size(), 57u);
+  EXPECT_EQ(j["us"][24].size(), 0u);
+  EXPECT_EQ(j["us"][25].size(), 12u);
+  const std::vector<std::string> rows = lines_of(read_text(path("m.csv")));
+  ASSERT_EQ(rows.size(), 56u);
+  EXPECT_EQ(rows[25].rfind("0.24,", 0), 0u) << rows[25];
+  EXPECT_EQ(rows[26].rfind("0.25,", 0), 0u) << rows[26];
+}
+
 TEST_F(Optimize, DrawsCharts) {
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot here";
   EXPECT_EQ(run(words(task("humanoid_points"), {"--charts", path("charts")})).status, 0);

@@ -221,6 +221,121 @@ TEST(AugmentedLagrangian, KeepsControlLimitsToo) {
   EXPECT_GT(at_limit, 0);
 }
 
+// ---- separate parts
+// --------------------------------------------------------------------------------------------------
+
+// Two unicycles that never meet. Gates of each, off the way that it would take.
+struct TwoGated {
+  std::shared_ptr<ShootingProblem> problem;
+  double y10, other_y10, other_x14;  // where the gates are, of the first and of the other
+};
+
+TwoGated two_gated(MatrixStorage storage, double limit = kInfinity) {
+  const auto node = [=](std::shared_ptr<ActionModelUnicycle> first, std::shared_ptr<ActionModelUnicycle> second) {
+    std::vector<ActionPart> parts{{std::move(first), {0, 2, 4}, {0, 2, 4}, {0, 2}},
+                                  {std::move(second), {1, 3, 5}, {1, 3, 5}, {1, 3}}};
+    for (ActionPart& part : parts) {
+      part.model->set_u_lb(Eigen::Vector2d::Constant(-limit));
+      part.model->set_u_ub(Eigen::Vector2d::Constant(limit));
+    }
+    auto out = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(6), 4, std::move(parts));
+    out->set_storage(storage);
+    return out;
+  };
+  const auto plain = [] { return std::make_shared<ActionModelUnicycle>(); };
+  std::vector<NodePtr> nodes(20, node(plain(), plain()));
+  const Eigen::VectorXd x0 = (Eigen::VectorXd(6) << -1, 1, -1, 1, 1, 0.5).finished();
+  SolverSparse free(std::make_shared<ShootingProblem>(x0, nodes, nodes[0]), limit < kInfinity);
+  EXPECT_TRUE(free.solve());
+  const Vectors& xs = free.get_xs();
+  TwoGated out{nullptr, xs[10][2] - 0.1, xs[10][3] + 0.1, xs[14][1] + 0.02};
+  nodes[10] = node(std::make_shared<Gate>(-kInfinity, out.y10), std::make_shared<Gate>(out.other_y10, 2));
+  nodes[14] = node(std::make_shared<Gate>(-2, 2), std::make_shared<Gate>(-2, 2, out.other_x14));
+  out.problem = std::make_shared<ShootingProblem>(x0, nodes, node(plain(), std::make_shared<Gate>(-2, 2)));
+  out.problem->set_nthreads(1);
+  return out;
+}
+
+TEST(AugmentedLagrangian, OfSeparatePartsTakesTheStepsOfTheWhole) {
+  for (const double limit : {kInfinity, 1.5}) {
+    SCOPED_TRACE(limit);
+    const TwoGated gates = two_gated(MatrixStorage::kSparse, limit);
+    SolverAugmentedLagrangian dense(two_gated(MatrixStorage::kDense, limit).problem), sparse(gates.problem);
+    EXPECT_EQ(dynamic_cast<SolverSparse*>(dense.get_inner().get()), nullptr);
+    ASSERT_NE(dynamic_cast<SolverSparse*>(sparse.get_inner().get()), nullptr);
+    EXPECT_EQ(sparse.get_inner()->keeps_limits(), limit < kInfinity);
+    const auto dense_log = std::make_shared<CallbackLogger>(), sparse_log = std::make_shared<CallbackLogger>();
+    dense.setCallbacks({dense_log});
+    sparse.setCallbacks({sparse_log});
+    EXPECT_TRUE(dense.solve({}, {}, 300)) << to_string(dense.reason());
+    EXPECT_TRUE(sparse.solve({}, {}, 300)) << to_string(sparse.reason());
+    EXPECT_GT(sparse.get_outer_iter(), 2u);
+    EXPECT_EQ(sparse.get_outer_iter(), dense.get_outer_iter());
+    ASSERT_EQ(sparse_log->costs.size(), dense_log->costs.size());
+    EXPECT_EQ(sparse_log->steps, dense_log->steps);
+    for (std::size_t k = 0; k < dense_log->costs.size(); ++k)
+      EXPECT_LT(std::abs(sparse_log->costs[k] - dense_log->costs[k]), 1e-9 * dense_log->costs[k]) << k;
+    EXPECT_LT(difference_of(stacked(sparse), stacked(dense)), 1e-7);
+    const Vectors& xs = sparse.get_xs();
+    EXPECT_NEAR(xs[10][2], gates.y10, 1e-8);
+    EXPECT_NEAR(xs[10][3], gates.other_y10, 1e-8);
+    EXPECT_NEAR(xs[14][1], gates.other_x14, 1e-8);
+    EXPECT_LT(residual_of(sparse, limit < kInfinity), 1e-6);
+    // of a node: g of both parts, then h
+    const Vectors y = sparse.get_multipliers();
+    ASSERT_EQ(y[10].size(), 2);
+    ASSERT_EQ(y[14].size(), 3);
+    EXPECT_EQ(y[20].size(), 1);
+    EXPECT_EQ(y[0].size(), 0);
+    EXPECT_GT(y[10][0], 1e-3);
+    EXPECT_LT(y[10][1], -1e-3);
+    EXPECT_EQ(y[14][0], 0);
+    EXPECT_GT(std::abs(y[14][2]), 1e-3);
+    for (std::size_t t = 0; t < y.size(); ++t)
+      for (Eigen::Index i = 0; i < y[t].size(); ++i)
+        EXPECT_NEAR(y[t][i], dense.get_multipliers()[t][i], 1e-5 * (1 + std::abs(y[t][i]))) << t << " " << i;
+  }
+}
+
+TEST(AugmentedLagrangian, OfSeparatePartsStartsFromItsLastMultipliers) {
+  const TwoGated gates = two_gated(MatrixStorage::kSparse);
+  SolverAugmentedLagrangian solver(gates.problem);
+  ASSERT_TRUE(solver.solve({}, {}, 300));
+  const Vectors xs = solver.get_xs(), us = solver.get_us(), y = solver.get_multipliers();
+  solver.reset();
+  EXPECT_EQ(solver.get_multipliers()[10], Eigen::VectorXd::Zero(2));
+  solver.set_multipliers(y);
+  EXPECT_EQ(solver.get_multipliers()[10], y[10]);
+  EXPECT_TRUE(solver.solve(xs, us, 100, true));
+  EXPECT_LE(solver.get_outer_iter(), 2u);
+  solver.circularAppend(gates.problem->get_runningModels()[0]);
+  EXPECT_EQ(solver.get_multipliers()[9].size(), 2);
+  EXPECT_EQ(solver.get_multipliers()[19].size(), 0);
+  gates.problem->set_x0(xs[1]);
+  solver.solve(xs, us, 30);
+  EXPECT_LE(solver.get_xs()[9][2], gates.y10 + 0.01);
+  EXPECT_NEAR(solver.get_xs()[13][1], gates.other_x14, 0.01);
+}
+
+// Parts that never meet have the solutions that each has alone.
+TEST(AugmentedLagrangian, OfSeparatePartsIsThatOfEach) {
+  const TwoGated gates = two_gated(MatrixStorage::kSparse);
+  SolverAugmentedLagrangian both(gates.problem);
+  ASSERT_TRUE(both.solve({}, {}, 300));
+  double cost = 0;
+  for (const ShootingPart& part : separate(*gates.problem)) {
+    SolverAugmentedLagrangian own(part.problem);
+    ASSERT_TRUE(own.solve({}, {}, 300)) << to_string(own.reason());
+    cost += own.get_cost();
+    for (std::size_t t = 0; t < own.get_xs().size(); ++t) {
+      Eigen::VectorXd x;
+      gather(both.get_xs()[t], part.x, x);
+      EXPECT_LT((x - own.get_xs()[t]).lpNorm<Eigen::Infinity>(), 1e-6) << t;
+    }
+  }
+  EXPECT_NEAR(both.get_cost(), cost, 1e-7 * cost);
+}
+
 // ---- warm starts ----------------------------------------------------------------------------------------------------
 
 TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {

@@ -85,7 +85,7 @@ TEST(KktResidual, OfOnePartIsThatOfItsNodes) {
   EXPECT_EQ(kkt_residual(of_part, part_xs, part_us, part_l, false), residual);
 }
 
-TEST(AugmentedLagrangian, RefusesNodesWhoseDataHoldNoMatrices) {
+TEST(AugmentedLagrangian, RefusesANodeWhoseDataHoldNoMatrices) {
   class Bounded : public ActionModelUnicycle {
    public:
     Bounded() { nh_ = nh_T_ = 1; }
@@ -94,10 +94,8 @@ TEST(AugmentedLagrangian, RefusesNodesWhoseDataHoldNoMatrices) {
   const auto parts = std::make_shared<ActionModelParts>(own->get_state(), 2,
                                                         std::vector<ActionPart>{{own, {0, 1, 2}, {0, 1, 2}, {0, 1}}});
   parts->set_storage(MatrixStorage::kSparse);
-  const auto problem =
-      std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(4, parts), parts);
   try {
-    SolverAugmentedLagrangian{problem};
+    (void)ActionModelAugmentedLagrangian(parts).createData();
     ADD_FAILURE() << "it was taken";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("kDense is expected"), std::string::npos) << error.what();

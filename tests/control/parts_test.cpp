@@ -14,10 +14,14 @@ std::vector<int> every_other(int first, int count) {
   return out;
 }
 
-// Three unicycles: two of the node's coordinates interleaved, the last behind them.
-std::vector<ActionPart> three_unicycles() {
+// Three unicycles: two of the node's coordinates interleaved, the last behind them. limit: of their controls.
+std::vector<ActionPart> three_unicycles(double limit = INFINITY) {
   std::vector<ActionPart> parts(3);
-  for (ActionPart& part : parts) part.model = std::make_shared<ActionModelUnicycle>();
+  for (ActionPart& part : parts) {
+    part.model = std::make_shared<ActionModelUnicycle>();
+    part.model->set_u_lb(Eigen::Vector2d::Constant(-limit));
+    part.model->set_u_ub(Eigen::Vector2d::Constant(limit));
+  }
   for (int i : {0, 1}) {
     parts[i].x = parts[i].dx = every_other(i, 3);
     parts[i].u = every_other(i, 2);
@@ -27,15 +31,17 @@ std::vector<ActionPart> three_unicycles() {
   return parts;
 }
 
-std::shared_ptr<ActionModelParts> node(MatrixStorage storage) {
-  auto model = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(9), 6, three_unicycles());
+std::shared_ptr<ActionModelParts> node(MatrixStorage storage, double limit = INFINITY) {
+  auto model = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(9), 6, three_unicycles(limit));
   model->set_storage(storage);
   return model;
 }
 
-std::shared_ptr<ShootingProblem> unicycles(MatrixStorage storage, std::size_t T = 20) {
-  const Eigen::VectorXd x0 = (Eigen::VectorXd(9) << 1, -1, 0.5, 1, 2, 0.3, 0.4, -0.7, 2).finished();
-  const auto problem = std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(T, node(storage)), node(storage));
+std::shared_ptr<ShootingProblem> unicycles(MatrixStorage storage, std::size_t T = 20, double limit = INFINITY) {
+  Eigen::VectorXd x0(9);
+  x0 << 1, -1, 0.5, 1, 2, 0.3, 0.4, -0.7, 2;
+  const auto problem =
+      std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(T, node(storage, limit)), node(storage));
   problem->set_nthreads(1);
   return problem;
 }
@@ -101,9 +107,7 @@ TEST(SolverSparse, DirectionsAreTheDenseOnes) {
   }
 }
 
-TEST(SolverSparse, IteratesAreFDDPs) {
-  SolverFDDP dense(unicycles(MatrixStorage::kDense));
-  SolverSparse sparse(unicycles(MatrixStorage::kSparse));
+void expect_the_same_iterates(SolverFDDP& dense, SolverSparse& sparse) {
   const auto dense_log = std::make_shared<CallbackLogger>(), sparse_log = std::make_shared<CallbackLogger>();
   dense.setCallbacks({dense_log});
   sparse.setCallbacks({sparse_log});
@@ -120,6 +124,29 @@ TEST(SolverSparse, IteratesAreFDDPs) {
     EXPECT_LT(std::abs(sparse_log->costs[k] - dense_log->costs[k]), 1e-9 * dense_log->costs[k]);
   for (std::size_t t = 0; t <= 20; ++t) EXPECT_LT(difference_of(sparse.get_xs()[t], dense.get_xs()[t]), 1e-9);
   for (std::size_t t = 0; t < 20; ++t) EXPECT_LT(difference_of(sparse.get_us()[t], dense.get_us()[t]), 1e-9);
+}
+
+TEST(SolverSparse, IteratesAreFDDPs) {
+  SolverFDDP dense(unicycles(MatrixStorage::kDense));
+  SolverSparse sparse(unicycles(MatrixStorage::kSparse));
+  expect_the_same_iterates(dense, sparse);
+}
+
+// The box QP of three is that of each; a QP ends with a Newton step on its free controls, exact up to rounding.
+TEST(SolverSparse, IteratesWithLimitsAreBoxFDDPs) {
+  SolverBoxFDDP dense(unicycles(MatrixStorage::kDense, 20, 1.2));
+  SolverSparse sparse(unicycles(MatrixStorage::kSparse, 20, 1.2), true);
+  expect_the_same_iterates(dense, sparse);
+  EXPECT_EQ(sparse.get_th_stop(), dense.get_th_stop());
+  int at_limit = 0;
+  for (const Eigen::VectorXd& u : sparse.get_us()) {
+    EXPECT_LE(u.lpNorm<Eigen::Infinity>(), 1.2);
+    at_limit += static_cast<int>((u.array().abs() == 1.2).count());
+  }
+  EXPECT_GT(at_limit, 5);
+  SolverSparse free(unicycles(MatrixStorage::kSparse, 20, 1.2));
+  EXPECT_TRUE(free.solve());
+  EXPECT_LT(free.get_cost(), sparse.get_cost());
 }
 
 TEST(SolverSparse, OnePartGivesTheBitsOfFDDP) {
@@ -156,10 +183,14 @@ TEST(SolverSparse, TakesNoMemoryInItsIterations) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
   const auto problem = unicycles(MatrixStorage::kSparse);
   problem->set_nthreads(1);
-  SolverSparse solver(problem);
+  const auto limited = unicycles(MatrixStorage::kSparse, 20, 1.2);
+  limited->set_nthreads(1);
+  SolverSparse solver(problem), box(limited, true);
   const Vectors xs = random_vectors(21, 9, 6), us = random_vectors(20, 6, 7);
-  solver.solve(xs, us, 3);
-  EXPECT_EQ(allocations([&] { solver.solve(xs, us, 3); }), 0u);
+  for (SolverSparse* own : {&solver, &box}) {
+    own->solve(xs, us, 5);
+    EXPECT_EQ(allocations([&] { own->solve(xs, us, 5); }), 0u);
+  }
 }
 
 TEST(SolverSparse, RefusesWhatItCannotTakeApart) {
@@ -171,6 +202,14 @@ TEST(SolverSparse, RefusesWhatItCannotTakeApart) {
   EXPECT_THROW(SolverSparse{some}, std::invalid_argument);
   some->updateModel(3, std::make_shared<ActionModelLQR>(9, 6));
   EXPECT_THROW(SolverSparse{some}, std::invalid_argument);
+  // alone, a part without controls would stand still
+  std::vector<ActionPart> parts = three_unicycles();
+  parts[2].model = std::make_shared<ActionModelLQR>(3, 0);
+  parts[2].u.clear();
+  const auto passive = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(9), 4, parts);
+  EXPECT_THROW(SolverSparse(std::make_shared<ShootingProblem>(Eigen::VectorXd::Zero(9),
+                                                              std::vector<NodePtr>(3, passive), passive)),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -43,5 +43,6 @@ mistake(scene humanoid_standing.xml "base=\"floating\"" "base=\"floating\" rpy=\
 mistake(scene herd.xml "copies=\"64\"" "copies=\"0\"")
 mistake(task tasks/quadruped_trots.xml "weight=\"1e-3\"" "weight=\"-1\"")
 mistake(task tasks/quadruped_trots.xml "nodes=" "knots=")
+mistake(task tasks/quadruped_trots.xml "impact=\"true\"" "impact=\"yes\"")
 mistake(task tasks/quadruped_trots.xml "type=\"friction_cone\"" "type=\"cone\"")
 mistake(task tasks/quadruped_trots.xml "<terminal" "<terminal nodes=\"1\"")

@@ -48,7 +48,7 @@ def objects():
     pool += [m.createData() for m in (model, node, actuation, wheel)]
     pool += [mc.FrictionCone(), mc.WrenchCone(np.eye(3), 0.7, [0.1, 0.1]), mc.CoPSupport(np.eye(3), [0.1, 0.1])]
     pool += [mc.SE3(), scene.contacts[0], mc.Attachment(), scene.robots[0].model, mc.Options(), mc.BatchData(scene, 1)]
-    pool += [mc.SimulationData(scene, file.q, file.v, "rk4", 1e-3), mc.Gains(1, 1)]
+    pool += [mc.SimulationData(scene, file.q, file.v, "rk4", 1e-3), mc.Gains(1, 1), mc.optimize(task)]
     pool += [mc.Dependence(q=True), mc.DerivativeRequest(), mc.ActivationBounds([0.0], [1.0]), mc.StateVector(3)]
     pool += [mc.CostModelResidual(state, residual), mc.ConstraintModelResidual(state, residual), mc.CallbackLogger()]
     pool += [mc.DifferentialActionModelNumDiff(model), mc.ActionModelNumDiff(node), mc.ActionModelLQR(3, 2)]
@@ -116,7 +116,7 @@ class Fuzzer:
                 positional.append(self.random.choice(known))
             elif parameter_name != "self" and annotation and not (default and self.random.random() < 0.5):
                 named[parameter_name] = self.value(stubs.type_of(annotation[0]))
-        named.update({k: 3 for k in ("steps", "maxiter") if k in named})
+        named.update({k: 3 for k in ("steps", "substeps", "maxiter") if k in named})
         log(owner.__name__ if owner else "", name, {k: str(v)[:60] for k, v in named.items()})
         (owner if name == "__init__" else member)(*positional, **named)
 

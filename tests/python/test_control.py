@@ -151,7 +151,51 @@ def test_task_as_the_program_solves_it(program, tmp_path):
     assert len(again.iterations) <= 2
     stopped = mc.optimize(task, each=lambda iteration: False)
     assert len(stopped.iterations) == 1 and not stopped.converged
+    with pytest.raises(ValueError, match="another task"):
+        mc.simulate(mc.load_task(str(MODELS / "tasks" / "quadruped_trots.xml")), solution)
     with pytest.raises(mc.InputError, match=r"^nowhere\.xml:1: "):
         mc.load_task("nowhere.xml")
     with pytest.raises(ValueError, match="unknown solver"):
         mc.optimize(task, solver="ipopt")
+
+
+def test_solution_in_simulation_by_its_gains(program, tmp_path):
+    path = str(MODELS / "tasks" / "quadruped_trots.xml")
+    out = tmp_path / "out.json"
+    subprocess.run(
+        [program, "optimize", path, "--out", str(tmp_path / "out.csv"), "--json", str(out), "--simulate", "1e-3"],
+        capture_output=True,
+    )
+    report = json.loads(out.read_text())["report"]
+    task = mc.load_task(path)
+    solution = mc.optimize(task)
+    assert solution.direction == report["direction"] == "Riccati" and solution.blocks == report["blocks"] == [12]
+    assert solution.times.total > solution.times.direction > 0
+    (gains,) = solution.gains
+    assert gains.dx == list(range(36)) and gains.u == list(range(12)) and len(gains.K) == task.nodes == 56
+    assert gains.K[0].shape == (12, 36) and gains.K[24].shape == (0, 36)
+    motion = mc.simulate(task, solution, "rk4", 10)
+    theirs = report["simulation"]
+    assert motion.stopped == mc.StepStatus.kOk and theirs["completed"]
+    assert motion.distance == theirs["distance"] and motion.energy_lost == theirs["energy_lost"] > 0
+    assert len(motion.xs) == 57 and np.all(np.isfinite(motion.xs))
+    u = solution.us[5] - gains.K[5] @ np.full(36, 0.01)  # feedback of a state that is off
+    assert np.max(np.abs(u - solution.us[5])) > 0.1
+    with pytest.raises(ValueError, match="a step"):
+        mc.simulate(task, solution, substeps=0)
+    with pytest.raises(ValueError, match="unknown integrator"):
+        mc.simulate(task, solution, "euler")
+
+
+def test_parts_of_a_task(tmp_path):
+    scene = (MODELS / "tasks" / "quadruped_scene.xml").read_text().replace("../", str(MODELS) + "/")
+    scene = scene.replace('name="quadruped" urdf', 'name="quadruped" copies="2" spacing="1.5" arrange="line" urdf')
+    (tmp_path / "quadruped_scene.xml").write_text(scene)
+    (tmp_path / "task.xml").write_text((MODELS / "tasks" / "quadruped_trots.xml").read_text())
+    task = mc.load_task(str(tmp_path / "task.xml"))
+    problem = mc.make_problem(task, "sparse")
+    assert problem.parts == problem.blocks == [[0], [1]]
+    solution = mc.optimize(task, problem, solver="sparse")
+    assert solution.converged and solution.blocks == [12, 12] and len(solution.gains) == 2
+    assert solution.gains[1].u == list(range(12, 24)) and solution.gains[1].dx[0] == 18
+    assert mc.simulate(task, solution).stopped == mc.StepStatus.kOk

@@ -79,6 +79,14 @@ TEST_F(BadTask, Structure) {
   refused(write(head() + "\n<phase nodes=\"1\"/></task>"), 2, "no attribute 'contacts'");
   refused(write(head() + "\n<phase nodes=\"1\" contacts=\"lf lg\"/></task>"), 2, "there is no contact 'lg'");
   refused(write(head() + "\n<phase nodes=\"1\" contacts=\"lf lf\"/></task>"), 2, "names 'lf' twice");
+  refused(write(head() + "\n<phase nodes=\"1\" contacts=\"lf\" impact=\"true\"/></task>"), 2,
+          "true in the first phase");
+  refused(write(head() +
+                "<phase nodes=\"1\" contacts=\"lf rf\"/>\n<phase nodes=\"1\" contacts=\"lf\" impact=\"true\"/></task>"),
+          2, "expected one that closes");
+  refused(
+      write(head() + "<phase nodes=\"1\" contacts=\"lf\"/>\n<phase nodes=\"1\" contacts=\"rf\" impact=\"1\"/></task>"),
+      2, "impact of <phase> is '1'");
   const std::string good = head() + "<phase nodes=\"1\" contacts=\"\"/>\n";
   refused(write(good + "<terminal/>\n<terminal/></task>"), 3, "has a second <terminal>, the first is on line 2");
   refused(write(good + "<solver type=\"ddp\"/></task>"), 2, "type of <solver> is 'ddp'");

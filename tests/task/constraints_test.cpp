@@ -96,5 +96,18 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
   EXPECT_EQ(s.violations[0].node, task.nodes());
 }
 
+// Not far out of reach a minimisation crawls, for hundreds of iterations if it may.
+TEST_F(Constraints, ThatAreOutOfReachAreReportedInTheFilesIterations) {
+  const TaskFile task = with("",
+                             R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
+                                    xyz="0 0 3" lower="0 0 0" upper="0 0 0"/>)");
+  TaskProblem problem = make_problem(task);
+  const TaskSolution s = optimize(task, problem, {TaskSolver::kFddp, 1, {}});
+  EXPECT_FALSE(s.converged);
+  EXPECT_GT(s.constraint_violation, 0.5);
+  EXPECT_EQ(s.reason.rfind("infeasible constraints: there, by ", 0), 0u) << s.reason;
+  EXPECT_LT(s.iterations.size(), 100u);
+}
+
 }  // namespace
 }  // namespace manycontact

@@ -45,7 +45,8 @@ TEST(Copies, TrotAsOneDoes) {
   for (const Robot& robot : scene.robots) {
     double worst = 0;
     for (std::size_t t = 0; t < a.us.size(); ++t)
-      worst = std::max(worst, (b.us[t].segment(robot.idx_u, 12) - a.us[t]).lpNorm<Eigen::Infinity>());
+      if (a.us[t].size() > 0)  // not at impacts
+        worst = std::max(worst, (b.us[t].segment(robot.idx_u, 12) - a.us[t]).lpNorm<Eigen::Infinity>());
     EXPECT_LE(worst, 1e-4) << robot.name;
   }
 }

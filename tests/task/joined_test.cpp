@@ -12,7 +12,7 @@
 
 #include "manycontact/control/joined_solver.hpp"
 #include "manycontact/task/forces.hpp"
-#include "manycontact/task/optimize.hpp"
+#include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
@@ -63,12 +63,12 @@ const std::string kCosts =
     "<cost name='turn' type='frame_rotation' frame='q/trunk' weight='5' quat_xyzw='0 0 0.05 0.99875'/>";
 const std::string kTerminal = "<terminal><cost name='state' type='state' weight='10'/></terminal>";
 
-// Joined in the middle alone.
+// Joined in the middle alone. `more`: terms of the second phase.
 TaskFile chain(int robots, const std::string& frame = "local", const std::string& damping = "0",
-               const std::string& type = "6d") {
+               const std::string& type = "6d", const std::string& more = "", const std::string& terminal = kTerminal) {
   return task_of("chain" + std::to_string(robots) + frame + damping + type, chain_scene(robots, frame, damping, type),
                  "<phase nodes='3' contacts='RF LH RH'>" + kCosts +
-                     "</phase><phase nodes='4' contacts='RF LH RH hold'>" + kCosts + "</phase>" + kTerminal);
+                     "</phase><phase nodes='4' contacts='RF LH RH hold'>" + kCosts + more + "</phase>" + terminal);
 }
 
 TaskFile always(int robots, int nodes) {
@@ -126,8 +126,24 @@ void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
     EXPECT_LT(error_of(data->Lu, expected->Lu), 1e-10);
     EXPECT_LT(error_of(data->Lxu, expected->Lxu), 1e-10);
     EXPECT_LT(error_of(data->Luu, expected->Luu), 1e-10);
+    ASSERT_EQ(data->g.size(), expected->g.size());
+    ASSERT_EQ(data->h.size(), expected->h.size());
+    EXPECT_EQ(model->get_g_lb(), reference.get_g_lb());
+    EXPECT_EQ(model->get_g_ub(), reference.get_g_ub());
+    if (data->g.size() == 0) continue;
+    EXPECT_LT(error_of(data->g, expected->g), 1e-10);
+    EXPECT_LT(error_of(data->h, expected->h), 1e-10);
+    EXPECT_LT(error_of(data->Gx, expected->Gx), 1e-10);
+    EXPECT_LT(error_of(data->Gu, expected->Gu), 1e-10);
+    EXPECT_LT(error_of(data->Hx, expected->Hx), 1e-10);
+    EXPECT_LT(error_of(data->Hu, expected->Hu), 1e-10);
   }
 }
+
+// Of each robot's foot, whose force the bonds' wrenches have a part in: one inequality, one equality.
+const std::string kPush =
+    "<constraint name='push' type='contact_force' contact='RF' lower='3 -inf 40' upper='3 inf inf'/>";
+TEST(JoinedNodes, WithConstraints) { expect_nodes_of_the_whole(chain(3, "local", "0", "6d", kPush), 3); }
 
 TEST(JoinedNodes, AreThoseOfTheWholeScene) { expect_nodes_of_the_whole(chain(3), 3); }
 TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "local_world_aligned"), 2); }
@@ -284,6 +300,61 @@ void expect_dense_optimum(const TaskFile& task, std::size_t blocks) {
 TEST(JoinedTask, OptimumOfAChainThatForms) { expect_dense_optimum(chain(3), 3); }
 TEST(JoinedTask, OptimumOfARing) { expect_dense_optimum(humanoids(3, true, 6), 3); }
 TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3); }
+
+// A force exact in x and at least so much in z, which binds; what each robot is held to goes through the bonds too.
+// Constraints are met to 1e-9, the KKT residual to 1e-6.
+TEST(JoinedTask, OptimumWithConstraints) {
+  TaskFile task = chain(3, "local", "0", "6d", kPush);
+  task.iterations = 200;
+  TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  ASSERT_EQ(joined.blocks.size(), 3u);
+  const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
+  const TaskSolution ours = optimize(task, joined, {TaskSolver::kSparse, 1, {}});
+  EXPECT_TRUE(dense.converged) << dense.reason;
+  EXPECT_TRUE(ours.converged) << ours.reason;
+  EXPECT_LE(ours.constraint_violation, 1e-9);
+  EXPECT_LT(ours.kkt_residual, 1e-6);
+  EXPECT_NEAR(ours.cost, dense.cost, 1e-6 * dense.cost);
+  for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(ours.xs[t], dense.xs[t]), 1e-5) << t;
+  const std::vector<Eigen::VectorXd> f = contact_forces(task, joined, 5), expected = contact_forces(task, whole, 5);
+  double least = 1000;
+  for (std::size_t c = 0; c < f.size(); ++c) {
+    ASSERT_EQ(f[c].size(), expected[c].size()) << c;
+    if (f[c].size() > 0) {
+      EXPECT_LT(difference_of(f[c], expected[c]), 1e-2) << c;
+    }
+    if (task.scene.scene.contacts[c].name.rfind("RF", 0) == 0) {
+      EXPECT_NEAR(f[c][0], 3, 1e-8);
+      least = std::min(least, f[c][2]);
+    }
+  }
+  EXPECT_NEAR(least, 40, 1e-8);
+  ASSERT_EQ(ours.violations.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(ours.violations[k].constraint, dense.violations[k].constraint);
+}
+
+// Each robot's feedback alone, which takes the wrenches on it as given, holds all of them.
+TEST(JoinedTask, GainsOfBlocksHoldTheMotionInSimulation) {
+  const TaskFile task = beam(25);
+  TaskProblem problem = make_problem(task, TaskSolver::kSparse);
+  TaskSolution s = optimize(task, problem, {TaskSolver::kSparse, 1, {}});
+  ASSERT_TRUE(s.converged) << s.reason;
+  for (std::size_t t = 0; t < s.us.size(); ++t) {
+    std::vector<int> count(static_cast<std::size_t>(s.us[t].size()));
+    for (const TaskGains& own : s.gains) {
+      if (own.K[t].rows() == 0) continue;
+      EXPECT_EQ(own.K[t].rows(), static_cast<Eigen::Index>(own.u.size()));
+      EXPECT_EQ(own.K[t].cols(), static_cast<Eigen::Index>(own.dx.size()));
+      for (const int i : own.u) ++count[static_cast<std::size_t>(i)];
+    }
+    for (const int k : count) EXPECT_EQ(k, 1) << t;
+  }
+  const SimulatedMotion held = simulate(task, s, Integrator::kRk4, 5);
+  s.gains.clear();
+  const SimulatedMotion alone = simulate(task, s, Integrator::kRk4, 5);
+  EXPECT_EQ(held.stopped, StepStatus::kOk);
+  EXPECT_GT(alone.distance, 3 * held.distance);
+}
 
 TEST(JoinedTask, AutoTakesBlocksWhereTheyCostLess) {
   const TaskFile task = humanoids(6, false, 3);

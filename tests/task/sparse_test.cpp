@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <regex>
+#include <sstream>
 
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"
@@ -29,9 +31,9 @@ TaskFile task_of(const std::string& name, const std::string& scene, const std::s
 }
 
 // Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
-std::string herd(int robots, const std::string& more = "") {
-  std::string out = "<scene name='herd'><robot name='herd' urdf='" + kModels +
-                    "quadruped.urdf' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
+std::string herd(int robots, const std::string& more = "", const std::string& urdf = kModels + "quadruped.urdf") {
+  std::string out = "<scene name='herd'><robot name='herd' urdf='" + urdf +
+                    "' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
                     "' arrange='circle' spacing='1'>";
   for (const char* leg : {"LF", "RF", "LH", "RH"})
     out += std::string("<joint name='") + leg + "_hip' q='0.7'/><joint name='" + leg + "_knee' q='-1.4'/>";
@@ -85,19 +87,29 @@ TaskFile joined_task() {
                      "</phase><phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kTerminal);
 }
 
-void expect_dense_iterates(const TaskFile& task, std::size_t parts) {
-  TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
-  ASSERT_EQ(by_parts.parts.size(), parts);
-  for (std::size_t t = 0; t < whole.us.size(); ++t) EXPECT_LT(difference_of(by_parts.us[t], whole.us[t]), 1e-9);
-  const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
-  const TaskSolution sparse = optimize(task, by_parts, {TaskSolver::kSparse, 1, {}});
-  EXPECT_EQ(sparse.solver, "sparse");
-  EXPECT_EQ(sparse.blocks.size(), parts);
+// The solutions of the whole scene and by parts.
+struct Both {
+  TaskSolution dense, sparse;
+};
+
+Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver of_whole = TaskSolver::kFddp,
+                           TaskSolver of_parts = TaskSolver::kSparse, std::size_t blocks = 0) {
+  TaskProblem whole = make_problem(task), by_parts = make_problem(task, of_parts);
+  EXPECT_EQ(by_parts.parts.size(), parts);
+  for (std::size_t t = 0; t < whole.us.size(); ++t)
+    if (whole.us[t].size() > 0) {
+      EXPECT_LT(difference_of(by_parts.us[t], whole.us[t]), 1e-9);
+    }
+  const Both both{optimize(task, whole, {of_whole, 1, {}}), optimize(task, by_parts, {of_parts, 1, {}})};
+  const TaskSolution &dense = both.dense, &sparse = both.sparse;
+  EXPECT_EQ(sparse.solver, to_string(of_parts));
+  EXPECT_EQ(sparse.blocks.size(), blocks > 0 ? blocks : parts);
+  EXPECT_EQ(dense.blocks.size(), 1u);
   EXPECT_EQ(sparse.converged, dense.converged) << dense.reason << ", " << sparse.reason;
   EXPECT_LT(sparse.kkt_residual, 2 * dense.kkt_residual + 1e-9);
-  ASSERT_EQ(sparse.iterations.size(), dense.iterations.size());
+  EXPECT_EQ(sparse.iterations.size(), dense.iterations.size());
   EXPECT_GE(dense.iterations.size(), 3u);
-  for (std::size_t k = 0; k < dense.iterations.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(sparse.iterations.size(), dense.iterations.size()); ++k) {
     SCOPED_TRACE("iteration " + std::to_string(k));
     const TaskIteration &s = sparse.iterations[k], &d = dense.iterations[k];
     EXPECT_NEAR(s.cost, d.cost, 1e-9 * d.cost);
@@ -109,12 +121,84 @@ void expect_dense_iterates(const TaskFile& task, std::size_t parts) {
     EXPECT_NEAR(s.gaps, d.gaps, 1e-9 * d.gaps + 1e-12);
   }
   for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(sparse.xs[t], dense.xs[t]), 1e-7);
-  for (std::size_t t = 0; t < dense.us.size(); ++t) EXPECT_LT(difference_of(sparse.us[t], dense.us[t]), 1e-6);
+  for (std::size_t t = 0; t < dense.us.size(); ++t)
+    if (dense.us[t].size() > 0) {
+      EXPECT_LT(difference_of(sparse.us[t], dense.us[t]), 1e-6);
+    }
+  return both;
 }
 
 TEST(SparseTask, SeparateRobotsTakeTheStepsOfDenseRiccati) { expect_dense_iterates(separate_task(3), 3); }
 TEST(SparseTask, RobotsThatHoldEachOtherForAWhileTakeTheStepsOfDenseRiccati) {
   expect_dense_iterates(joined_task(), 2);
+}
+
+// A box that falls has no torques: alone its nodes would be taken for terminal ones, and it would stand in the air.
+TEST(SparseTask, WhatHasNoTorquesMovesToo) {
+  const TaskFile task = task_of("passive", herd(2, "<robot name='box' urdf='" + kModels + "box.urdf' xyz='5 0 3'/>"),
+                                "<phase nodes='8' contacts='LF RF LH RH'>" + costs("") + "</phase>" + kTerminal);
+  EXPECT_EQ(separate_robots(task), (std::vector<std::vector<int>>{{0, 2}, {1}}));
+  const Both both = expect_dense_iterates(task, 2, TaskSolver::kFddp, TaskSolver::kSparse, 3);
+  EXPECT_LT(both.sparse.xs.back()[task.scene.scene.robots[2].idx_q + 2], 2.98);
+}
+
+TEST(SparseTask, ImpactsOfSeparateRobots) {
+  const TaskFile task = task_of("impacts", herd(2),
+                                "<phase nodes='5' contacts='RF LH RH'>" + costs(kSwing) +
+                                    "</phase><phase nodes='4' contacts='LF RF LH RH' impact='true'>" + costs("") +
+                                    "</phase>" + kTerminal);
+  const Both both = expect_dense_iterates(task, 2);
+  EXPECT_EQ(both.sparse.us[5].size(), 0);
+  EXPECT_GT((both.sparse.xs[6] - both.sparse.xs[5]).norm(), 0.1);  // of the two robots' velocities
+}
+
+// Torques within limits that a good part of them is at. The box QP of all is that of each; each is solved exactly once
+// its active set is found, so that iterates agree as without limits.
+TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
+  std::ostringstream urdf;
+  urdf << std::ifstream(kModels + "quadruped.urdf").rdbuf();
+  const std::string weak = testing::TempDir() + "manycontact_weak.urdf";
+  std::ofstream(weak) << std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"17\"");
+  const TaskFile task =
+      task_of("limits", herd(3, "", weak),
+              "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") + "</phase><phase nodes='6' contacts='RF LH RH'>" +
+                  costs(kSwing) + "</phase>" + kTerminal);
+  const Both both = expect_dense_iterates(task, 3, TaskSolver::kBoxFddp, TaskSolver::kBoxFddp);
+  EXPECT_TRUE(both.sparse.converged) << both.sparse.reason;
+  EXPECT_EQ(both.sparse.blocks, (std::vector<int>{12, 12, 12}));
+  int at_limit = 0;
+  for (const Eigen::VectorXd& u : both.sparse.us) {
+    EXPECT_LE(u.lpNorm<Eigen::Infinity>(), 17);
+    at_limit += static_cast<int>((u.array().abs() == 17).count());
+  }
+  EXPECT_GT(at_limit, 10);
+}
+
+// A centre of mass held exactly in y, between bounds in x, in the end; torques of 22 Nm at most on the way, which bind.
+// Penalties are common to all robots.
+TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
+  const std::string on_the_way = "<constraint name='weak' type='control' robot='herd' lower='" + repeated("-22", 12) +
+                                 "' upper='" + repeated("22", 12) + "'/>";
+  for (const TaskSolver whole : {TaskSolver::kFddp, TaskSolver::kBoxFddp}) {
+    const TaskFile task = task_of(
+        "constrained", herd(2),
+        "<phase nodes='12' contacts='LF RF LH RH'>" + costs("") + on_the_way +
+            "</phase><terminal><cost name='state' type='state' weight='10'/><constraint name='com' type='com' "
+            "robot='herd' reference='-0.016 0.002 0.34' lower='-0.001 0 -0.01' upper='0.001 0 0.01'/></terminal>"
+            "<solver iterations='200' tolerance='1e-14'/>");
+    const Both both = expect_dense_iterates(task, 2, whole, whole == TaskSolver::kFddp ? TaskSolver::kSparse : whole);
+    const TaskSolution &sparse = both.sparse, &dense = both.dense;
+    EXPECT_TRUE(sparse.converged) << sparse.reason;
+    EXPECT_LE(sparse.constraint_violation, 1e-8);
+    EXPECT_LT(sparse.kkt_residual, 1e-6);
+    EXPECT_GT(sparse.outer_iterations, 2u);
+    EXPECT_EQ(sparse.outer_iterations, dense.outer_iterations);
+    double most = 0;
+    for (const Eigen::VectorXd& u : sparse.us) most = std::max(most, u.lpNorm<Eigen::Infinity>());
+    EXPECT_NEAR(most, 22, 1e-8);
+    ASSERT_EQ(sparse.violations.size(), 3u);  // by the names that they have in the whole scene: com0, com1, weak
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(sparse.violations[k].constraint, dense.violations[k].constraint);
+  }
 }
 
 // Steps k and gains K at one candidate with gaps.
@@ -173,22 +257,6 @@ TEST(SparseTask, AutoTakesPartsWhereThereAreSome) {
   EXPECT_EQ(optimize(one, problem, {TaskSolver::kAuto, 1, {}}).solver, "fddp");
 }
 
-TEST(SparseTask, ConstraintsTakeNodesOfTheWholeScene) {
-  const TaskFile task =
-      task_of("constrained", herd(2),
-              "<phase nodes='6' contacts='LF RF LH RH'>" + costs("") +
-                  "</phase><terminal><cost name='state' type='state' weight='10'/><constraint name='com' type='com' "
-                  "robot='herd' reference='0.01 0.005 0.34' lower='-0.002 0 -0.01' upper='0.002 0 0.01'/></terminal>"
-                  "<solver iterations='200' tolerance='1e-14'/>");
-  TaskProblem problem = make_problem(task, TaskSolver::kAuto);
-  EXPECT_EQ(problem.parts.size(), 1u);
-  const TaskSolution solution = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
-  EXPECT_EQ(solution.solver, "fddp");
-  EXPECT_LE(solution.constraint_violation, 1e-8);
-  problem = make_problem(task, TaskSolver::kSparse);
-  EXPECT_THROW((void)optimize(task, problem, {TaskSolver::kSparse, 1, {}}), InputError);
-}
-
 TEST(SparseTask, ForcesAreThoseOfTheWholeScene) {
   const TaskFile task = joined_task();
   const TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
@@ -198,7 +266,9 @@ TEST(SparseTask, ForcesAreThoseOfTheWholeScene) {
     ASSERT_EQ(ours.size(), dense.size());
     for (std::size_t c = 0; c < dense.size(); ++c) {
       ASSERT_EQ(ours[c].size(), dense[c].size()) << c;
-      if (dense[c].size() > 0) EXPECT_LT(difference_of(ours[c], dense[c]), 1e-9) << c;
+      if (dense[c].size() > 0) {
+        EXPECT_LT(difference_of(ours[c], dense[c]), 1e-9) << c;
+      }
     }
   }
 }

@@ -7,7 +7,8 @@
 // until violation and KKT residual are small (Andreani, Birgin, Martinez, Schuverdt, SIAM J. Optim. 18, 2007; Nocedal &
 // Wright 17.4). m is the violation, and for inequalities that do not bind the distance of y to zero. Since multipliers
 // converge, constraints are met to rounding at a moderate penalty. A minimisation stops where its expected reduction is
-// below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m.
+// below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m. It also stops
+// where ten iterations gained less than a hundredth of what the constraints add to the cost.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
@@ -24,7 +25,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
  public:
   /// The unconstrained solver, of a problem it is given.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
-  /// By SolverBoxFDDP where a model has control limits, else by SolverFDDP.
+  /// By SolverBoxFDDP where a model has control limits, else by SolverFDDP; by SolverSparse where nodes are
+  /// ActionModelParts without matrices of their own.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
   ~SolverAugmentedLagrangian() override;
@@ -76,16 +78,39 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
 
  private:
   class Relay;  // the unconstrained solver's callback
-  using Node = std::shared_ptr<ActionModelAugmentedLagrangian>;
-  void decorate();
+  /// A node with constraints, or such a part of ActionModelParts or ActionModelJoined, within the augmented Lagrangian.
+  struct Augmented {
+    std::shared_ptr<ActionModelAugmentedLagrangian> model;
+    std::shared_ptr<ActionDataAugmentedLagrangian> data;
+    std::vector<int> rows;  // which of the node's [g; h] are its
+  };
+  struct Copy {  // a model, and its data
+    std::shared_ptr<ActionModelAbstract> model;
+    std::shared_ptr<ActionDataAbstract> data;
+  };
+  struct Node {
+    Copy own, copy;                    // of the problem, and what became of it
+    std::vector<Augmented> augmented;  // none without constraints: the problem's own node
+    Eigen::Index rows = 0;             // of the problem's [g; h]
+  };
+  Copy augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+               std::vector<Augmented>& out) const;
+  Copy augment_leaf(const Copy& of, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                    std::vector<Augmented>& out) const;
+  template <class Model, class Data>
+  Copy augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
+                     const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const;
   Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;
+  void decorate();
   bool is_decorated() const;
+  void collectParts();
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
              bool is_feasible);
   void minimise(std::size_t maxiter, double init_reg);
   void takeCandidate();
   void reportIteration();
   void measureViolation();
+  bool crawls();
   void assess();
   StopReason judge(std::size_t maxiter);
   bool comesNoCloser(StopReason inner);
@@ -93,8 +118,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
 
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
-  std::vector<Node> nodes_;              // T + 1, null without constraints
-  std::vector<Eigen::VectorXd> y_next_;  // T + 1
+  std::vector<Node> nodes_;  // T + 1
   Eigen::VectorXd gap_;
   double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
@@ -102,9 +126,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   double violation_ = 0, kkt_ = 0;
   double measure_ = 0, last_measure_ = 0;  // m of the minimisation just done, of the one before
   double last_violation_ = 0, best_kkt_ = 0;
-  bool moved_ = false;  // the minimisation accepted a step
-  int stuck_ = 0;       // minimisations in a row that brought nothing
-  int flat_ = 0;        // that brought constraints no closer, though these outweigh the cost
+  double window_merit_ = 0, window_violation_ = 0;
+  int window_ = 0;       // iterations of the minimisation
+  bool crawls_ = false;  // it was ended for that
+  bool moved_ = false;   // the minimisation accepted a step
+  int stuck_ = 0;        // minimisations in a row that brought nothing
+  int flat_ = 0;         // that brought constraints no closer, though these outweigh the cost
   std::size_t outer_ = 0, total_ = 0;
 };
 

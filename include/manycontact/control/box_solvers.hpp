@@ -13,7 +13,7 @@ namespace manycontact {
 template <class Base>
 class SolverWithBox : public Base {
  public:
-  explicit SolverWithBox(std::shared_ptr<ShootingProblem> problem);
+  explicit SolverWithBox(typename Base::Source source);
   void allocateData() override;
   void computeGains(std::size_t t) override;
   bool keeps_limits() const override { return true; }

@@ -21,6 +21,7 @@ struct IntegratedActionDataEuler;
 class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Source = std::shared_ptr<ShootingProblem>;  // what it is made of
 
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
 
@@ -50,6 +51,10 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void allocateData();
   /// Whether controls stay within the models' limits.
   virtual bool keeps_limits() const { return false; }
+  /// Whether the last iteration took a step.
+  bool has_stepped() const { return stepped_; }
+  /// What a full step is expected to reduce the cost by, at the direction of a candidate without gaps.
+  virtual double expectedReduction() const;
 
   double get_reg_incfactor() const { return reg_incfactor_; }
   double get_reg_decfactor() const { return reg_decfactor_; }
@@ -126,7 +131,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
-  bool sound_ = false;
+  bool sound_ = false, stepped_ = false;
 
  private:
   /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.

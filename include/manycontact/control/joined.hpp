@@ -30,7 +30,8 @@
 namespace manycontact {
 
 /// model: an IntegratedActionModelEuler of a DifferentialActionModelContactFwdDynamics of these robots and their own
-/// contacts, actuated by ActuationModelWrenches: its controls are [u; wrenches]. u: the node's controls among them.
+/// contacts, actuated by ActuationModelWrenches: its controls are [u; wrenches]. Or that within an augmented Lagrangian
+/// (augmented_action.hpp). u: the node's controls among them.
 struct JoinedPart : ActionPart {
   std::vector<int> robots;  // of the scene, in the order of the model's
 };
@@ -49,8 +50,10 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<JoinedB
 class ActionModelJoined;
 
 struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part and bond by bond
-  explicit ActionDataJoined(const ActionModelJoined* model);
-  ActionDataJoined(const ActionModelJoined* model, WithoutMatrices);
+  /// parts: data of the parts' models.
+  ActionDataJoined(const ActionModelJoined* model, std::vector<std::shared_ptr<ActionDataAbstract>> parts);
+  ActionDataJoined(const ActionModelJoined* model, std::vector<std::shared_ptr<ActionDataAbstract>> parts,
+                   WithoutMatrices);
 
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
   std::vector<Eigen::VectorXd> x, u;  // of each part, as last given; u with the wrenches on it: by calc
@@ -85,7 +88,8 @@ struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part 
 class ActionModelJoined : public ActionModelAbstract {  // robots that hold each other as one node
  public:
   /// scene: the state's robots, with the contacts that its flags say active, and damping. Controls are the scene's
-  /// torques. Throws std::invalid_argument where parts and scene do not fit, and for parts with constraints.
+  /// torques. g and h are the parts', one after the other. Throws std::invalid_argument where parts and scene do not
+  /// fit.
   ActionModelJoined(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<JoinedPart> parts);
 
   using ActionModelAbstract::calc;
@@ -96,9 +100,15 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
+  /// Around data of the parts' models, which are evaluated with it.
+  std::shared_ptr<ActionDataAbstract> createData(std::vector<std::shared_ptr<ActionDataAbstract>> parts);
   bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  /// Cost, xnext, g and h, of the parts' data as they are; forces stay those of the last calc.
+  void collect(const std::shared_ptr<ActionDataAbstract>& data) const;
   void print(std::ostream& os) const override;
 
+  const Eigen::VectorXd& get_g_lb_T() const override { return g_lb_T_; }
+  const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
   const Scene& get_scene() const { return scene_; }
   const std::vector<JoinedPart>& get_parts() const { return parts_; }
   const std::vector<JoinedBond>& get_bonds() const { return bonds_; }
@@ -111,6 +121,7 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
 
  private:
   void check_parts() const;
+  void collect_values(ActionDataJoined& data) const;
   void solve_bonds(ActionDataJoined& data, const ConstVectorRef& x, const ConstVectorRef& u) const;
   void differentiate_bonds(ActionDataJoined& data) const;
   void share_of_end(ActionDataJoined& data, std::size_t bond, bool of_a) const;
@@ -122,6 +133,7 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
   std::vector<JoinedBond> bonds_;
   std::vector<std::vector<int>> bonds_of_;
   std::vector<int> local_robot_;  // per robot of the scene: its number in its part
+  Eigen::VectorXd g_lb_T_, g_ub_T_;
   MatrixStorage storage_ = MatrixStorage::kDense;
 };
 

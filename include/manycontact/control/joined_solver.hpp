@@ -37,6 +37,7 @@ class SolverJoinedPart : public SolverSparsePart {
   /// contradict.
   void backwardPass() override;
   const Eigen::Vector2d& expectedImprovement() override { return d_; }
+  double expectedReduction() const override { return d_[0] + 0.5 * d_[1]; }
   /// Not offered: std::logic_error.
   void computeActionValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&,
                                   const std::shared_ptr<ActionDataAbstract>&) override;
@@ -49,6 +50,15 @@ class SolverJoinedPart : public SolverSparsePart {
   const lq::Problem& problem_of_direction() const { return lq_; }
   const lq::Point& solution_of_direction() const { return z_; }
   const lq::Outcome& outcome() const { return outcome_; }
+
+  /// Of a cluster's coordinates of the part's dx and u, where dx and du of the direction are zero: u = us - K (x (-)
+  /// xs).
+  struct Gains {
+    std::vector<int> dx, u;
+    Eigen::MatrixXd K;
+  };
+  /// The clusters' of node t; none before a direction.
+  std::vector<Gains> gains(std::size_t t) const;
 
  protected:
   void prepareImprovement() override {}

@@ -37,7 +37,11 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
+  /// Around data of the parts' models, which are evaluated with it.
+  std::shared_ptr<ActionDataAbstract> createData(std::vector<std::shared_ptr<ActionDataAbstract>> parts);
   bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  /// Cost, xnext, g and h, of the parts' data as they are.
+  void collect(const std::shared_ptr<ActionDataAbstract>& data) const;
   /// By each part's.
   void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;

@@ -9,8 +9,11 @@
 // for rounding; of one part they are the same bits. Parts are worked on in parallel, over the problem's threads; the
 // numbers do not depend on how many. A part whose nodes are ActionModelJoined takes its directions by
 // control/joined_solver.hpp, where gains differ.
+//
+// With limits the iterates are SolverBoxFDDP's: the box QP of a node is that of each part's controls, since Quu and the
+// box are. (Each is solved to the tolerance that the whole is.)
 
-#include "manycontact/control/fddp.hpp"
+#include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/parts.hpp"
 
 namespace manycontact {
@@ -18,6 +21,7 @@ namespace manycontact {
 /// A part's share: passes, gains, value function.
 class SolverSparsePart : public SolverFDDP {
  public:
+  using Source = ShootingPart;
   const ShootingPart& part() const { return part_; }
   /// How its directions are found.
   virtual const char* direction() const { return "Riccati"; }
@@ -25,21 +29,24 @@ class SolverSparsePart : public SolverFDDP {
   virtual std::vector<int> blocks() const;
 
  protected:
+  explicit SolverSparsePart(ShootingPart part) : SolverFDDP(part.problem), part_(std::move(part)) {}
   SolverSparsePart(ShootingPart part, WithoutMatrices none) : SolverFDDP(part.problem, none), part_(std::move(part)) {}
 
  private:
   friend class SolverSparse;
-  explicit SolverSparsePart(ShootingPart part) : SolverFDDP(part.problem), part_(std::move(part)) {}
   ShootingPart part_;
 };
+
+extern template class SolverWithBox<SolverSparsePart>;
 
 /// Of what SolverDDP holds of the backward pass, get_Vx and get_k are the whole's; get_K, get_Vxx and the others are
 /// empty: parts() have theirs.
 class SolverSparse : public SolverFDDP {
  public:
-  /// Throws std::invalid_argument where nodes differ in their parts (see `separate`). A problem without
-  /// ActionModelParts is one part.
-  explicit SolverSparse(std::shared_ptr<ShootingProblem> problem);
+  /// limits: controls stay within the models'. Throws std::invalid_argument where nodes differ in their parts (see
+  /// `separate`), for limits of ActionModelJoined, and for a part without controls at a node that has some: alone it
+  /// would be evaluated as terminal nodes are, and stand still. A problem without ActionModelParts is one part.
+  explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
   double calcDiff() override;
   void backwardPass() override;
@@ -51,6 +58,8 @@ class SolverSparse : public SolverFDDP {
   void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) override;
   void computeGains(std::size_t t) override;
   void allocateData() override;
+  bool keeps_limits() const override { return limits_; }
+  double expectedReduction() const override;
 
   const std::vector<std::unique_ptr<SolverSparsePart>>& parts() const { return parts_; }
   /// Controls of each part (of one joined by bonds, of each cluster of it): the sizes of the matrices Quu that are
@@ -66,6 +75,8 @@ class SolverSparse : public SolverFDDP {
   void share_candidate();
   template <class Work>
   void each_part(Work&& work);
+  std::unique_ptr<SolverSparsePart> solver_of(ShootingPart part) const;
+  bool limits_;
   std::vector<std::unique_ptr<SolverSparsePart>> parts_;
   std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // that the parts were made of
   std::shared_ptr<ActionDataAbstract> terminal_;

@@ -65,7 +65,8 @@ struct TaskTerm {
 /// A phase, or the terminal node, whose contacts are the last phase's.
 struct TaskPhase {
   int line = 1;
-  int nodes = 0;
+  int nodes = 0;             // without that of an impact
+  bool impact = false;       // before them: contacts stop their frames' velocity at once
   std::vector<bool> active;  // per contact of the scene
   std::vector<TaskTerm> costs, constraints;
 };
@@ -90,7 +91,7 @@ struct TaskFile {  // A task as its file has it.
   double tolerance = 1e-9;  // of the stopping value |d1 + d2/2|
   TaskGuess guess = TaskGuess::kQuasiStatic;
 
-  int nodes() const;  // running ones
+  int nodes() const;  // running ones, impacts among them
 };
 
 /// Throws InputError, for the scene's file too.

@@ -7,9 +7,9 @@
 namespace manycontact {
 
 /// The task's robots by blocks, each ascending, in the order of their first ones. One block are robots that are joined
-/// by a contact which no bond can be (of a fixed base), by a cost on a contact between them, by a centre of
-/// mass or momentum of the whole scene, or by a residual of torques with the bonds' forces in it (joint_effort,
-/// control_grav, contact_control_grav). All robots are one block where there are constraints or the integrator is not
+/// by a contact which no bond can be (of a fixed base), by a cost or constraint on a contact between them, by a centre
+/// of mass or momentum of the whole scene, or by a residual of torques with the bonds' forces in it (joint_effort,
+/// control_grav, contact_control_grav). All robots are one block where there are impacts, or the integrator is not
 /// euler.
 std::vector<std::vector<int>> divide_robots(const TaskFile& task);
 

@@ -29,7 +29,7 @@ struct TaskTimes {
 /// Feedback of robots that are solved together, u = us_t - K_t (x (-) xs_t), of their coordinates of u and dx.
 struct TaskGains {
   std::vector<int> dx, u;
-  std::vector<Eigen::MatrixXd> K;  // by node
+  std::vector<Eigen::MatrixXd> K;  // by node; without rows at impacts, and where they are solved with others
 };
 
 struct TaskSolution {  // What optimize found, and how.
@@ -39,7 +39,7 @@ struct TaskSolution {  // What optimize found, and how.
   std::vector<TaskIteration> iterations;  // until the task's tolerance
   std::size_t polishing_iterations = 0;   // after these, to the KKT residual
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1, nodes
-  std::vector<TaskGains> gains;           // by part; none where the solver has none, or made no step
+  std::vector<TaskGains> gains;           // by part, or cluster of one; none where no direction was found
   std::string solver;
   std::string direction;    // how directions were found: "Riccati", or a name of lq::DirectionSolver
   std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part or cluster
@@ -57,12 +57,11 @@ struct TaskOptions {  // How to solve, where the file does not say it.
   std::function<bool(const TaskIteration&)> each = {};
 };
 
-/// The problem is make_problem's for this solver: FDDP and Box-FDDP need nodes of the whole scene. kAuto: sparse where
-/// the problem has more than one block, else FDDP. From the problem's guess, with the task's iterations and tolerance.
-/// Where the stopping value is below the tolerance it goes on until the KKT residual is below 1e-6: both are what
-/// `converged` means. Constraints are met to 1e-9 by SolverAugmentedLagrangian around FDDP or Box-FDDP. Throws
-/// InputError, with the line of the task's <solver>, where sparse is asked for and there are constraints. Numerical
-/// failure is no exception: `reason` says it.
+/// The problem is make_problem's for this solver: FDDP needs nodes of the whole scene, Box-FDDP takes these or parts.
+/// kAuto: sparse where the problem has more than one block, else FDDP. From the problem's guess, with the task's
+/// iterations and tolerance. Where the stopping value is below the tolerance it goes on until the KKT residual is below
+/// 1e-6: both are what `converged` means. Constraints are met to 1e-9 by SolverAugmentedLagrangian around any of these
+/// solvers. Numerical failure is no exception: `reason` says it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
 }  // namespace manycontact

@@ -1,6 +1,8 @@
 #pragma once
 // The shooting problem of a task file: one differential model per phase, shared by its nodes, integrated over the
-// task's step; the terminal node is Euler's with step 0.
+// task's step; the terminal node is Euler's with step 0. Before the nodes of a phase with an impact stands one of
+// ActionModelImpulseFwdDynamics: no controls, no costs, and v+ the nearest velocity that all the phase's contacts
+// allow.
 //
 // A term about copied robots holds for every copy: places, and twists and momenta in world axes, are given for the
 // robot as its element places it and are moved as `arrange` moves the copies; a reference left out is the copy's own
@@ -30,11 +32,17 @@ bool has_constraints(const TaskFile& task);
 
 /// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; parts that
 /// divide_robots takes apart (task/joined.hpp) are ActionModelJoined of these blocks, unless their bonds depend on each
-/// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. With a single
-/// block, and with constraints, nodes of the whole scene.
+/// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. kBoxFddp: parts
+/// are not taken apart. With a single block, and for kFddp, nodes of the whole scene.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 
-/// Per running node, the index of its phase.
-std::vector<int> phase_of_node(const TaskFile& task);
+struct TaskNode {       // A node of a task's horizon.
+  int phase = 0;        // of the task's; as many as there are: the terminal one
+  bool impact = false;  // the one before the phase's, which takes no time
+  double time = 0;      // at its start, s
+};
+/// The running nodes, then the terminal one.
+std::vector<TaskNode> timeline(const TaskFile& task);
+const TaskPhase& phase_at(const TaskFile& task, const TaskNode& node);
 
 }  // namespace manycontact

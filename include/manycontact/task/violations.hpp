@@ -11,7 +11,7 @@ struct TaskViolation {  // How far a constraint is from being met.
   std::size_t node = 0;  // where
 };
 
-/// Of every constraint, by name, at the problem's last calc; nodes of the whole scene.
-std::vector<TaskViolation> violations(const TaskFile& task, const TaskProblem& problem);
+/// Of every constraint, by name, at the problem's last calc.
+std::vector<TaskViolation> violations(const TaskProblem& problem);
 
 }  // namespace manycontact

@@ -90,7 +90,7 @@ void draw_convergence(const OptimizedTask& motion, const std::string& base) {
 
 // Of torques with limits their share of it, where any has a limit, else Nm or N.
 void draw_torques(const OptimizedTask& motion, const std::string& base) {
-  const auto& us = motion.solution.us;
+  const std::vector<TaskNode> nodes = timeline(motion.task);
   const Eigen::VectorXd& limits = motion.problem.models.front()->get_u_ub();
   const std::vector<std::string> names = torque_names(motion.task.scene.scene);
   const bool limited = limits.array().isFinite().any();
@@ -98,8 +98,10 @@ void draw_torques(const OptimizedTask& motion, const std::string& base) {
   for (Eigen::Index i = 0; i < limits.size(); ++i) {
     if (limited && !(std::isfinite(limits[i]) && limits[i] > 0)) continue;
     Curve curve{names[static_cast<std::size_t>(i)], 0, {}};
-    for (const Eigen::VectorXd& u : us) {
-      curve.y.push_back(limited ? 100 * u[i] / limits[i] : u[i]);
+    for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
+      if (nodes[t].impact) continue;
+      const double u = motion.solution.us[t][i];
+      curve.y.push_back(limited ? 100 * u / limits[i] : u);
       curve.weight = std::max(curve.weight, std::abs(curve.y.back()));
     }
     curves.push_back(std::move(curve));
@@ -119,10 +121,11 @@ void draw_torques(const OptimizedTask& motion, const std::string& base) {
 // Per contact: the normal force, and tangential over normal.
 void draw_forces(const OptimizedTask& motion, const std::string& base) {
   const auto& contacts = motion.task.scene.scene.contacts;
-  const std::vector<int> phases = phase_of_node(motion.task);
+  const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<Curve> normal(contacts.size()), ratio(contacts.size());
   double mu = INFINITY;
-  for (std::size_t t = 0; t < phases.size(); ++t) {
+  for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
+    if (nodes[t].impact) continue;
     const auto forces = contact_forces(motion.task, motion.problem, t);
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const Eigen::VectorXd& f = forces[c];
@@ -131,7 +134,7 @@ void draw_forces(const OptimizedTask& motion, const std::string& base) {
       ratio[c].y.push_back(bears && f[2] > 0 ? f.head<2>().norm() / f[2] : NAN);
       if (!bears) continue;
       normal[c].weight = std::max(normal[c].weight, std::abs(f[2]));
-      mu = std::min(mu, friction_of(motion.task.phases[static_cast<std::size_t>(phases[t])], static_cast<int>(c)));
+      mu = std::min(mu, friction_of(phase_at(motion.task, nodes[t]), static_cast<int>(c)));
     }
   }
   std::vector<std::pair<Curve, Curve>> both;

@@ -50,13 +50,15 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
   const auto& us = motion.solution.us;
   const std::vector<std::string> names = torque_names(motion.task.scene.scene);
   const Eigen::VectorXd& limits = motion.problem.models.front()->get_u_ub();
+  const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<Torque> list(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     list[i].name = names[i];
     list[i].limit = limits[static_cast<Eigen::Index>(i)];
     for (std::size_t t = 0; t < us.size(); ++t) {
+      if (nodes[t].impact) continue;
       const double u = us[t][static_cast<Eigen::Index>(i)];
-      if (std::abs(u) > std::abs(list[i].u)) list[i].u = u, list[i].time = motion.task.step * static_cast<double>(t);
+      if (std::abs(u) > std::abs(list[i].u)) list[i].u = u, list[i].time = nodes[t].time;
     }
   }
   const std::size_t shown = std::min(kMostTorques, list.size());
@@ -76,16 +78,15 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
 
 void print_forces(std::ostream& out, const OptimizedTask& motion) {
   const TaskFile& task = motion.task;
-  const std::vector<int> phases = phase_of_node(task);
+  const std::vector<TaskNode> nodes = timeline(task);
   std::map<std::size_t, Bore> bores;  // by contact group
-  for (std::size_t t = 0; t < phases.size(); ++t) {
+  for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
     const auto forces = contact_forces(task, motion.problem, t);
     for (std::size_t g = 0; g < task.scene.contact_groups.size(); ++g) {
       const ContactGroup& group = task.scene.contact_groups[g];
       for (int c = group.first; c < group.first + group.count; ++c)
         if (forces[static_cast<std::size_t>(c)].size() >= 3)
-          add_force(forces[static_cast<std::size_t>(c)],
-                    friction_of(task.phases[static_cast<std::size_t>(phases[t])], c), bores[g]);
+          add_force(forces[static_cast<std::size_t>(c)], friction_of(phase_at(task, nodes[t]), c), bores[g]);
     }
   }
   Table table({{"contact forces", Table::kLeft, 40},

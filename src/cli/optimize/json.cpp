@@ -42,6 +42,7 @@ Json report(const OptimizedTask& motion) {
     out["simulation"] = {{"completed", simulation->stopped == StepStatus::kOk},
                          {"position_drift", simulation->position_drift},
                          {"velocity_drift", simulation->velocity_drift},
+                         {"energy_lost", simulation->energy_lost},
                          {"distance", simulation->distance}};
   return out;
 }

@@ -63,11 +63,11 @@ void prepare_charts(const std::string& folder) {
   if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --charts");
 }
 
-std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task, const TaskProblem& problem,
+std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskFile& task,
                                          const TaskSolution& solution) {
   if (!arguments.has("--simulate")) return std::nullopt;
   const double substeps = std::clamp(std::ceil(task.step / arguments.positive("--simulate") - 1e-9), 1.0, 1e9);
-  return manycontact::simulate(task, problem, solution, Integrator::kRk4, static_cast<int>(substeps));
+  return manycontact::simulate(task, solution, Integrator::kRk4, static_cast<int>(substeps));
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ int run_optimize(const Arguments& arguments) {
                                                            show(k++, iteration);
                                                            return !stop.is_set();
                                                          }});
-  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, problem, solution)};
+  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution)};
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);

@@ -21,7 +21,7 @@ struct OptimizedTask {
 /// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
-/// CSV in the columns of `simulate`: a row per node.
+/// CSV in the columns of `simulate`: a row per node, but for those of impacts, whose time is that of the next.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// convergence, torques and forces, .svg and .png, into the folder, by gnuplot. Throws as draw does.

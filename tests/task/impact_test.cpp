@@ -1,0 +1,62 @@
+// Phases that begin with an impact: nodes, times, and what the impact does.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "manycontact/simulation/switch.hpp"
+#include "manycontact/task/forces.hpp"
+#include "manycontact/task/optimize.hpp"
+#include "support/random.hpp"
+
+namespace manycontact::test {
+namespace {
+
+const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
+
+TEST(Impact, IsANodeBeforeThoseOfItsPhase) {
+  const TaskFile task = read_task(kTasks + "quadruped_trots.xml");
+  const std::vector<TaskNode> nodes = timeline(task);
+  ASSERT_EQ(nodes.size(), 57u);
+  EXPECT_EQ(task.nodes(), 56);
+  for (std::size_t t = 0; t < nodes.size(); ++t) EXPECT_EQ(nodes[t].impact, t == 24 || t == 47) << t;
+  EXPECT_EQ(nodes[23].phase, 2);
+  EXPECT_EQ(nodes[24].phase, 3);
+  EXPECT_EQ(nodes[25].phase, 3);
+  EXPECT_EQ(nodes[24].time, nodes[25].time);
+  EXPECT_DOUBLE_EQ(nodes[25].time, 0.24);
+  EXPECT_EQ(nodes[56].phase, 7);
+  EXPECT_DOUBLE_EQ(nodes[56].time, 0.54);
+  EXPECT_EQ(&phase_at(task, nodes[56]), &task.terminal);
+  const TaskProblem problem = make_problem(task);
+  EXPECT_EQ(problem.problem->get_T(), 56u);
+  EXPECT_EQ(problem.xs.size(), 57u);
+  for (std::size_t t = 0; t < 56; ++t) EXPECT_EQ(problem.us[t].size(), nodes[t].impact ? 0 : 12) << t;
+  problem.problem->calc(problem.xs, problem.us);
+  for (const Eigen::VectorXd& f : contact_forces(task, problem, 24)) EXPECT_EQ(f.size(), 0);
+  for (const Eigen::VectorXd& f : contact_forces(task, problem, 25)) EXPECT_EQ(f.size(), 3);
+}
+
+// The node's jump is that of the simulation, which the floor simulation tests; far from where the contacts were.
+TEST(Impact, IsThatOfTheSimulation) {
+  TaskFile task = read_task(kTasks + "quadruped_trots.xml");
+  for (Contact& contact : task.scene.scene.contacts) contact.alpha = 7;  // an impact has no error to correct
+  const Scene& scene = task.scene.scene;
+  const TaskProblem problem = make_problem(task);
+  std::mt19937 rng(1);
+  const Eigen::VectorXd x = problem.state->integrate_x(problem.xs[24], random_vector(36, rng, 0.3));
+  SimulationData sim(scene, x.head(scene.nq), x.tail(scene.nv), Integrator::kRk4, 1e-3);
+  sim.dynamics.active = {0, 1, 1, 0};
+  EXPECT_GT(switch_contacts(scene, {1, 1, 1, 1}, sim).energy_lost, 0.1);
+  const auto& model = problem.problem->get_runningModels()[24];
+  const auto data = model->createData();
+  model->calc(data, x);
+  EXPECT_EQ(data->cost, 0);
+  EXPECT_EQ(data->xnext.head(scene.nq), x.head(scene.nq));
+  const Eigen::VectorXd v = data->xnext.tail(scene.nv);
+  EXPECT_LT((v - sim.v).norm(), 1e-11 * v.norm());
+  EXPECT_GT((v - x.tail(scene.nv)).norm(), 0.1);
+}
+
+}  // namespace
+}  // namespace manycontact::test
