@@ -152,8 +152,8 @@ std::string find_mesh(const std::string& urdf, const std::string& name) {
 bool is_mesh_format(const std::string& path) { return extension(path) == ".stl" || extension(path) == ".obj"; }
 
 Mesh load_mesh(const std::string& path) {
-  std::string problem;
-  const std::string bytes = io::read_file(path, problem);
+  std::string problem = io::file_problem(path, true);  // a path from a URDF
+  const std::string bytes = problem.empty() ? io::read_file(path, problem) : "";
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a mesh");
   if (!is_mesh_format(path)) throw InputError(path, 1, "is no mesh that can be read, expected .stl or .obj");
   const bool is_obj = extension(path) == ".obj";
