@@ -43,6 +43,7 @@ struct TaskNode {       // A node of a task's horizon.
 };
 /// The running nodes, then the terminal one.
 std::vector<TaskNode> timeline(const TaskFile& task);
+/// Its phase, or the terminal node's terms.
 const TaskPhase& phase_at(const TaskFile& task, const TaskNode& node);
 
 }  // namespace manycontact
