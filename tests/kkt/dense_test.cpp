@@ -94,7 +94,8 @@ TEST_P(Dense, FullRankEqualsLuInQuad) {
 
 TEST_P(Dense, OracleInQuadIsGoodToQuad) {
   const RandomScene scene = kkt_scene(GetParam());
-  const IslandNumbers n = std::move(islands_of(scene)[0]);
+  const std::deque<IslandNumbers> islands = islands_of(scene);
+  const IslandNumbers& n = islands.front();
   const Solved s(n.M, n.J, 0, random(n.M.rows(), 1), random(n.J.rows(), 1));
   DenseKkt<Quad> kkt;
   kkt.M = n.M.cast<Quad>();

@@ -2,6 +2,7 @@
 // M and J of one island, packed as the KKT code takes them and dense.
 
 #include <algorithm>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -54,8 +55,7 @@ struct IslandNumbers {
     M_spans.assign(packed.begin(), packed.end());
     J_spans.assign(rows.begin(), rows.end());
   }
-  IslandNumbers(IslandNumbers&&) = default;  // the spans' memory moves along
-  IslandNumbers(const IslandNumbers&) = delete;
+  IslandNumbers(const IslandNumbers&) = delete;  // spans point into it
 
   /// All of them, one after the other.
   std::vector<double> all_packed() const { return concatenated(packed); }
@@ -76,8 +76,8 @@ struct IslandNumbers {
   }
 };
 
-inline std::vector<IslandNumbers> islands_of(const RandomScene& s) {
-  std::vector<IslandNumbers> out;
+inline std::deque<IslandNumbers> islands_of(const RandomScene& s) {
+  std::deque<IslandNumbers> out;
   for (Island& island : find_islands(s.scene, active_flags(s.scene))) out.emplace_back(s, std::move(island));
   return out;
 }

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 class Patterns : public testing::TestWithParam<unsigned> {
  protected:
   RandomScene s = kkt_scene(GetParam());
-  std::vector<IslandNumbers> islands = islands_of(s);
+  std::deque<IslandNumbers> islands = islands_of(s);
   std::mt19937 rng{GetParam()};
 
   struct System {
@@ -172,7 +172,7 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
   }
   legged.q = random_configuration(model, rng);
   legged.v = random_vector(model.nv, rng);
-  const std::vector<IslandNumbers> islands = islands_of(legged);
+  const std::deque<IslandNumbers> islands = islands_of(legged);
   const KktPattern& early = *islands[0].shape.pattern(Order::kContactsEarly);
   const KktPattern& last = *islands[0].shape.pattern(Order::kLeafToRoot);
   for (int leg = 0; leg < 4; ++leg)

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 class Schur : public testing::TestWithParam<unsigned> {
  protected:
   RandomScene s = kkt_scene(GetParam());
-  std::vector<IslandNumbers> islands = islands_of(s);
+  std::deque<IslandNumbers> islands = islands_of(s);
   std::mt19937 rng{GetParam()};
 };
 INSTANTIATE_TEST_SUITE_P(Seed, Schur, testing::Range(1u, 9u));
