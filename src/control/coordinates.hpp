@@ -68,6 +68,18 @@ inline void stack_constraints(const std::vector<std::shared_ptr<ActionDataAbstra
   stack(parts.size(), h, to.h);
 }
 
+/// Cost, xnext, g and h of a node from its parts' data.
+template <class Part>
+void collect_values(const std::vector<Part>& parts, const std::vector<std::shared_ptr<ActionDataAbstract>>& datas,
+                    ActionDataAbstract& to) {
+  to.cost = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    to.cost += datas[i]->cost;
+    put(datas[i]->xnext, parts[i].x, to.xnext);
+  }
+  stack_constraints(datas, to);
+}
+
 /// Which rows of a node's [g; h] are each part's. terminal: of a node evaluated by its state alone.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {

@@ -250,7 +250,7 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x, const
     internal::take(u, part.u, d.u[i].head(static_cast<Index>(part.u.size())));
     part.model->calc(d.parts[i], d.x[i], d.u[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x) {
@@ -260,20 +260,12 @@ void ActionModelJoined::calc(const DataPtr& data, const ConstVectorRef& x) {
     internal::take(x, parts_[i].x, d.x[i]);
     parts_[i].model->calc(d.parts[i], d.x[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelJoined::collect(const DataPtr& data) const {
-  collect_values(internal::own_data<ActionDataJoined>("ActionModelJoined::collect", data));
-}
-
-void ActionModelJoined::collect_values(ActionDataJoined& d) const {
-  d.cost = 0;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    d.cost += d.parts[i]->cost;
-    scatter(d.parts[i]->xnext, parts_[i].x, d.xnext);
-  }
-  internal::stack_constraints(d.parts, d);
+  auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::collect", data);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelJoined::print(std::ostream& os) const {

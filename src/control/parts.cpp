@@ -106,7 +106,7 @@ void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x, const 
     take(u, parts_[i].u, d.u[i]);
     parts_[i].model->calc(d.parts[i], d.x[i], d.u[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
@@ -116,20 +116,12 @@ void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
     take(x, parts_[i].x, d.x[i]);
     parts_[i].model->calc(d.parts[i], d.x[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelParts::collect(const DataPtr& data) const {
-  collect_values(internal::own_data<ActionDataParts>("ActionModelParts::collect", data));
-}
-
-void ActionModelParts::collect_values(ActionDataParts& d) const {
-  d.cost = 0;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    d.cost += d.parts[i]->cost;
-    put(d.parts[i]->xnext, parts_[i].x, d.xnext);
-  }
-  internal::stack_constraints(d.parts, d);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::collect", data);
+  internal::collect_values(parts_, d.parts, d);
 }
 
 void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
@@ -140,7 +132,7 @@ void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, co
     take(u, parts_[i].u, d.u[i]);
     parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
   if (d.Fx.size() > 0) collect_derivatives(d);
 }
 
@@ -151,7 +143,7 @@ void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
     take(x, parts_[i].x, d.x[i]);
     parts_[i].model->calcDiff(d.parts[i], d.x[i]);
   }
-  collect_values(d);
+  internal::collect_values(parts_, d.parts, d);
   if (d.Fx.size() > 0) collect_derivatives(d);
 }
 

@@ -74,17 +74,12 @@ std::vector<std::string> force_names(const Scene& scene, const SceneData& data) 
 
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
                                                         const std::string& contact) {
-  const auto found = scene.contact_index.find(contact);
-  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, contact));
-  return contact_force(scene, data, found->second);
+  return contact_force(scene, data, contact_called(scene, contact));
 }
 
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact) {
   internal::check_solved(scene, data, "contact_force");
-  const int count = static_cast<int>(scene.contacts.size());
-  if (contact < 0 || contact >= count)
-    throw std::invalid_argument("contact_force: there is no contact " + std::to_string(contact) + " of " +
-                                std::to_string(count));
+  (void)contact_at(scene, contact, "contact_force");
   if (data.f_offset[contact] < 0)
     throw std::logic_error("contact_force: contact " + quote(scene.contacts[contact].name) + " is not active");
   return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());

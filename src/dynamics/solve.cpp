@@ -103,50 +103,22 @@ void reset(IslandReport& report, const Island& island) {
   report.nc = report.rank = island.nc;
 }
 
-}  // namespace internal
+namespace {
 
-const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
-                    SceneData& data) {
-  internal::check_scene(scene, data, "solve");
-  internal::check_size("solve", "q", q.size(), scene.nq);
-  internal::check_size("solve", "v", v.size(), scene.nv);
-  internal::check_size("solve", "u", u.size(), scene.nu);
-  internal::give_up_solution(data);
-  internal::remake(data.tau, scene.nv);
-  for (const Robot& robot : scene.robots) {
-    data.tau.segment(robot.idx_v, robot.model->nv).setZero();
-    for (int k = 0; k < robot.model->nu(); ++k) data.tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
-  }
-  return internal::solve_checked(scene, q, v, data.tau, data);
-}
-
-const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                        SceneData& data) {
-  using namespace internal;
-  check_scene(scene, data, "solve_tau");
-  check_size("solve_tau", "q", q.size(), scene.nq);
-  check_size("solve_tau", "v", v.size(), scene.nv);
-  check_size("solve_tau", "tau", tau.size(), scene.nv);
-  give_up_solution(data);
-  return solve_checked(scene, q, v, tau, data);
-}
-
-const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                        const ConstVector& wanted, SceneData& data) {
-  using namespace internal;
-  check_scene(scene, data, "solve_tau");
-  check_size("solve_tau", "q", q.size(), scene.nq);
-  check_size("solve_tau", "v", v.size(), scene.nv);
-  check_size("solve_tau", "tau", tau.size(), scene.nv);
+// Checks what every solve is given, u or tau by its name and size, and prepares.
+void begin(const char* function, const Scene& scene, const ConstVector& q, const ConstVector& v, const char* name,
+           const ConstVector& torques, int size, SceneData& data) {
+  check_scene(scene, data, function);
+  check_size(function, "q", q.size(), scene.nq);
+  check_size(function, "v", v.size(), scene.nv);
+  check_size(function, name, torques.size(), size);
   give_up_solution(data);
   prepare_checked(scene, data);
-  check_size("solve_tau", "wanted", wanted.size(), data.f.size());
-  return solve_checked(scene, q, v, tau, data, wanted.data());
 }
 
-const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, SceneData& data, const double* wanted) {
-  prepare_checked(scene, data);
+// After begin. wanted: nullptr, or of the rows of f.
+const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                             SceneData& data, const double* wanted = nullptr) {
   Workspace& w = *data.workspace;
   w.wanted = wanted;
   w.asked = wanted != nullptr;
@@ -169,6 +141,34 @@ const Report& internal::solve_checked(const Scene& scene, const ConstVector& q, 
   w.wanted = nullptr;
   data.serial = w.current = ++w.solves;
   return data.report;
+}
+
+}  // namespace
+
+}  // namespace internal
+
+const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
+                    SceneData& data) {
+  internal::begin("solve", scene, q, v, "u", u, scene.nu, data);
+  internal::remake(data.tau, scene.nv);
+  for (const Robot& robot : scene.robots) {
+    data.tau.segment(robot.idx_v, robot.model->nv).setZero();
+    for (int k = 0; k < robot.model->nu(); ++k) data.tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
+  }
+  return internal::solve_prepared(scene, q, v, data.tau, data);
+}
+
+const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                        SceneData& data) {
+  internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
+  return internal::solve_prepared(scene, q, v, tau, data);
+}
+
+const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                        const ConstVector& wanted, SceneData& data) {
+  internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
+  internal::check_size("solve_tau", "wanted", wanted.size(), data.f.size());
+  return internal::solve_prepared(scene, q, v, tau, data, wanted.data());
 }
 
 }  // namespace manycontact

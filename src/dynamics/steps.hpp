@@ -6,9 +6,7 @@
 
 namespace manycontact::internal {
 
-/// solve_tau and prepare, of a scene and sizes already checked.
-const Report& solve_checked(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                            SceneData& data, const double* wanted = nullptr);
+/// prepare, of a scene already checked.
 void prepare_checked(const Scene& scene, SceneData& data);
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,

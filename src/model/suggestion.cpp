@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
 namespace manycontact {
 
@@ -61,6 +62,20 @@ std::string no_robot(const Scene& scene, const std::string& name) {
 
 std::string no_contact(const Scene& scene, const std::string& name) {
   return "there is no contact " + quote(name) + ", " + suggestion(name, names_of(scene.contacts));
+}
+
+int contact_called(const Scene& scene, const std::string& name) {
+  const auto found = scene.contact_index.find(name);
+  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, name));
+  return found->second;
+}
+
+int contact_at(const Scene& scene, int number, const char* function) {
+  const int count = static_cast<int>(scene.contacts.size());
+  if (number < 0 || number >= count)
+    throw std::invalid_argument(std::string(function) + ": there is no contact " + std::to_string(number) + " of " +
+                                std::to_string(count));
+  return number;
 }
 
 std::string no_frame(const std::string& robot, const Model& model, const std::string& name) {

@@ -66,16 +66,11 @@ StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) 
 
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
                                                         const std::string& contact) {
-  const auto found = scene.contact_index.find(contact);
-  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, contact));
-  return contact_force(scene, data, found->second);
+  return contact_force(scene, data, contact_called(scene, contact));
 }
 
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact) {
-  const int count = static_cast<int>(scene.contacts.size());
-  if (contact < 0 || contact >= count)
-    throw std::invalid_argument("contact_force: there is no contact " + std::to_string(contact) + " of " +
-                                std::to_string(count));
+  (void)contact_at(scene, contact, "contact_force");
   if (data.f_offset.empty()) throw std::logic_error("contact_force: step first");
   if (data.f_offset.size() != scene.contacts.size())
     throw std::invalid_argument("contact_force: the data are of another scene");

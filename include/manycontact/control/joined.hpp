@@ -121,7 +121,6 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
 
  private:
   void check_parts() const;
-  void collect_values(ActionDataJoined& data) const;
   void solve_bonds(ActionDataJoined& data, const ConstVectorRef& x, const ConstVectorRef& u) const;
   void differentiate_bonds(ActionDataJoined& data) const;
   void share_of_end(ActionDataJoined& data, std::size_t bond, bool of_a) const;

@@ -58,7 +58,6 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
   MatrixStorage get_storage() const { return storage_; }
 
  private:
-  void collect_values(ActionDataParts& data) const;
   void collect_derivatives(ActionDataParts& data) const;
   std::vector<ActionPart> parts_;
   Eigen::VectorXd g_lb_T_, g_ub_T_;

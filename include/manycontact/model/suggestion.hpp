@@ -22,4 +22,9 @@ std::string no_contact(const Scene& scene, const std::string& name);
 std::string no_frame(const std::string& robot, const Model& model, const std::string& name);
 std::string no_joint(const Model& model, const std::string& name);
 
+/// The number of the contact of that name; `number` itself where there is such a contact. Throw std::invalid_argument
+/// with no_contact, or in the name of `function`.
+int contact_called(const Scene& scene, const std::string& name);
+int contact_at(const Scene& scene, int number, const char* function);
+
 }  // namespace manycontact
