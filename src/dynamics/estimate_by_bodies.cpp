@@ -77,6 +77,7 @@ double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
 
 void bound_by_bodies(IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
+  (void)backward_error(form.factor.system, form.solution.b, form.solution.x, form.solution.residual);
   const std::vector<double> w = uncertainty(form);
   const auto relative = [](double error, const Eigen::VectorXd& x) {
     return x.size() == 0 || error == 0 ? 0 : error / x.cwiseAbs().maxCoeff();
