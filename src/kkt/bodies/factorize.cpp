@@ -275,6 +275,7 @@ void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
   constexpr double kIndependent = 1e-2;  // of a row's length, across those before it
+  constexpr double kKept = 1e-2;         // of C along Q, for a body without inertia of its own
   BodyHold& h = d.hold[s.hold[i]];
   const int* own = s.own.data() + s.own_first[s.hold[i]];
   const int m = s.own_first[s.hold[i] + 1] - s.own_first[s.hold[i]];
@@ -303,10 +304,13 @@ void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   }
   M6 Y;
   set(system.Y[i], Y);
-  if (m < 6) {
-    h.C = d.P[i] - Y;
+  h.C = d.P[i] - Y;
+  if (m == 6) {
+    Y += kKept * h.C;
+  } else {
     const M6 C = h.C - Q * (Q.transpose() * h.C).eval();
     Y += C - (C * Q).eval() * Q.transpose();
+    Y += kKept * (Q * (Q.transpose() * h.C * Q).eval()).eval() * Q.transpose();
   }
   d.P[i] = Y;
 }

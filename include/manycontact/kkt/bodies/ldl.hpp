@@ -29,8 +29,9 @@ namespace manycontact {
 ///   a = N a + a_g,  a_g = Q R^-T g,  N = 1 - Q Q^T:
 ///   C <- N C N,  p <- N (p + C a_g),  G_j <- N G_j,  g_j <- g_j - G_j^T a_g      C, p, G_j: from the children
 ///
-/// It changes y of these rows alone, which the body's own equation gives back once the children's forces are known.
-/// Without it, stiffness of all that hangs below piles up along the chain, and cancels in every digit.
+/// Along Q anything may be added to C. It changes y of these rows alone, which the body's own equation gives back once
+/// the children's forces are known. Without it, stiffness of all that hangs below piles up along the chain, and cancels
+/// in every digit.
 struct BodyHold {
   int rows = 0;  // 0: not done, the rows depend on each other or are damped
   Mat6<double> Q, R, C;
