@@ -5,6 +5,7 @@
 
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "pairs.hpp"
 #include "sweep.hpp"
 
 namespace manycontact {
@@ -63,21 +64,11 @@ Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
 //   [A, B'; B'^T, C - B^T [r]x + [r]x B'],   B' = B - A [r]x
 void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   const double x = r[0], y = r[1], z = r[2];
-  M6 T = P;
-  for (int i = 0; i < 6; ++i) {  // P X
-    T(i, 3) += y * P(i, 2) - z * P(i, 1);
-    T(i, 4) += z * P(i, 0) - x * P(i, 2);
-    T(i, 5) += x * P(i, 1) - y * P(i, 0);
-  }
-  for (int j = 0; j < 3; ++j) {  // its upper right part is the lower left one's transpose
-    T(3, j) = T(j, 3), T(4, j) = T(j, 4), T(5, j) = T(j, 5);
-  }
-  for (int j = 3; j < 6; ++j) {  // X^T (P X)
-    T(3, j) += y * T(2, j) - z * T(1, j);
-    T(4, j) += z * T(0, j) - x * T(2, j);
-    T(5, j) += x * T(1, j) - y * T(0, j);
-  }
-  Q += T;
+  const auto add = [&](int j, const V6& column) { Q.col(j) += pairs::force_from(column, r); };  // X^T (P X)
+  for (int j = 0; j < 3; ++j) add(j, P.col(j));
+  add(3, P.col(3) + (y * P.col(2) - z * P.col(1)));
+  add(4, P.col(4) + (z * P.col(0) - x * P.col(2)));
+  add(5, P.col(5) + (x * P.col(1) - y * P.col(0)));
 }
 
 // Q = Y.
@@ -111,7 +102,7 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
     for (int k = first; k < from.m; ++k) {
       const int row = from.row[k];
       const int to = d.place[row] >= 0 ? d.place[row] : open_row(at, row, d.place);
-      at.G[to] += force_from(from.H[k], system.r[child]);  // G a = H X a
+      at.G[to] += pairs::force_from(from.H[k], system.r[child]);  // G a = H X a
     }
     for (int k = first; k < from.m; ++k)
       for (int j = first; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);

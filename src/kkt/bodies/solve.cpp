@@ -1,4 +1,5 @@
 #include "manycontact/kkt/bodies/ldl.hpp"
+#include "pairs.hpp"
 #include "sweep.hpp"
 
 namespace manycontact {
@@ -27,7 +28,7 @@ void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
   solve_transposed(h, w);
   const V6 a = Q * w.head(h.rows);
   for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
-    const V6 at_child = motion_at(a, system.r[child]);
+    const V6 at_child = pairs::motion_at(a, system.r[child]);
     const std::size_t at = d.row_first[child];
     for (int k = d.gone[child]; k < d.count[child]; ++k) d.g[d.row[at + k]] -= d.H[at + k].dot(at_child);
   }
@@ -106,8 +107,8 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   const BodyHold& h = d.hold[s.hold[i]];
   if (h.rows == 0) return;
   const int* own = s.own.data() + s.own_first[s.hold[i]];
-  V6 f = x.force[i] - b.force[i] - system.Y[i] * x.motion[i];
-  for (int child = i + 1; child < s.end[i]; child = s.end[child]) f -= force_from(x.force[child], system.r[child]);
+  V6 f = x.force[i] - b.force[i] - pairs::times(system.Y[i], x.motion[i]);
+  for (int child = i + 1; child < s.end[i]; child = s.end[child]) f -= pairs::force_from(x.force[child], system.r[child]);
   for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
     const int row = s.at[q];
     if (s.A[row] < 0 || s.B[row] < 0) continue;
@@ -146,7 +147,7 @@ void drop_all(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVe
   };
   for (int i = 0; i < s.nodes; ++i) {
     const int parent = s.parent[i];
-    const V6 a = parent < 0 ? V6(V6::Zero()) : motion_at(x.motion[parent], system.r[i]);
+    const V6 a = parent < 0 ? V6(V6::Zero()) : pairs::motion_at(x.motion[parent], system.r[i]);
     if (s.ndof[i] == 1)
       drop<1>(system, d, b, i, a, x);
     else if (s.ndof[i] == 3)
@@ -170,9 +171,9 @@ void lift_node(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
   const int parent = s.parent[i];
   if (parent < 0) return;
   if (s.end[i] == s.end[parent])
-    d.p[parent] = b.force[parent] + force_from(p, system.r[i]);
+    d.p[parent] = b.force[parent] + pairs::force_from(p, system.r[i]);
   else
-    d.p[parent] += force_from(p, system.r[i]);
+    d.p[parent] += pairs::force_from(p, system.r[i]);
 }
 
 void lift_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pairs.hpp"
+
 namespace manycontact {
 
 void BodySystem::reset(std::shared_ptr<const BodyPattern> p) {
@@ -54,7 +56,7 @@ template <int N>
   r = b.motion[i] - a;
   scale[0] = std::max(lin(b.motion[i]), lin(a)), scale[1] = std::max(ang(b.motion[i]), ang(a));
   if (parent >= 0) {
-    const V6 ap = motion_at(x.motion[parent], s.r[i]);
+    const V6 ap = pairs::motion_at(x.motion[parent], s.r[i]);
     r += ap;
     const double turning = ang(ap);
     scale[0] = std::max({scale[0], lin(ap), reach(s.r[i]) * turning});
@@ -81,7 +83,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   const BodyPattern& p = *s.pattern;
   for (int child = i + 1; child < p.end[i]; child = p.end[child]) {
     const V6& f = x.force[child];
-    r += force_from(f, s.r[child]);
+    r += pairs::force_from(f, s.r[child]);
     const double size = lin(f);
     scale[2] = std::max(scale[2], size);
     scale[3] = std::max({scale[3], ang(f), reach(s.r[child]) * size});
@@ -126,7 +128,7 @@ void BodyJudge::equations(int i, const double* more) {
   scale[2] = std::max({lin(f), lin(b_.force[i]), Y.m * a_lin + h * a_ang});
   scale[3] = std::max({ang(f), ang(b_.force[i]), h * a_lin + I * a_ang});
   r = b_.force[i] - f;
-  r += Y * a;
+  r += pairs::times(Y, a);
   outer_forces(s_, x_, i, more, r, scale);
   out_.r.force[i] = r;
   sum_ += r.sum();

@@ -1,0 +1,57 @@
+#pragma once
+// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product, written by pairs of entries, as Eigen
+// reads six-vectors next: a pair read before its halves, written apart, have left the processor's store buffer waits for
+// them, and the sweeps did little else.
+
+#include <cstring>
+
+#include "manycontact/spatial/inertia.hpp"
+
+namespace manycontact::pairs {
+
+typedef double Two __attribute__((vector_size(16)));
+
+inline Two load(const double* x) {
+  Two t;
+  std::memcpy(&t, x, sizeof(t));
+  return t;
+}
+
+/// A six-vector of three pairs.
+[[gnu::always_inline]] inline Vec6<double> joined(Two a, Two b, Two c) {
+  Vec6<double> out;
+  std::memcpy(out.data(), &a, sizeof(a));
+  std::memcpy(out.data() + 2, &b, sizeof(b));
+  std::memcpy(out.data() + 4, &c, sizeof(c));
+  return out;
+}
+
+/// [m + w x r; w] of m = [., w].
+[[gnu::always_inline]] inline Vec6<double> motion_at(const Vec6<double>& m, const Vec3<double>& r) {
+  const double x = r[0], y = r[1], z = r[2], w0 = m[3], w1 = m[4], w2 = m[5];
+  return joined(load(m.data()) + (Two{w1, w2} * Two{z, x} - Two{w2, w0} * Two{y, z}),
+                Two{m[2] + (w0 * y - w1 * x), w0}, Two{w1, w2});
+}
+
+/// [f; . + r x f] of a force [f, .] at six doubles.
+[[gnu::always_inline]] inline Vec6<double> force_from(const double* f, const Vec3<double>& r) {
+  const double x = r[0], y = r[1], z = r[2], f0 = f[0], f1 = f[1], f2 = f[2];
+  return joined(load(f), Two{f2, f[3] + (y * f2 - z * f1)},
+                load(f + 4) + (Two{z, x} * Two{f0, f1} - Two{x, y} * Two{f2, f0}));
+}
+[[gnu::always_inline]] inline Vec6<double> force_from(const Vec6<double>& f, const Vec3<double>& r) {
+  return force_from(f.data(), r);
+}
+
+/// Y a
+[[gnu::always_inline]] inline Vec6<double> times(const Inertia<double>& Y, const Vec6<double>& a) {
+  const double v0 = a[0], v1 = a[1], v2 = a[2], w0 = a[3], w1 = a[4], w2 = a[5];
+  const double h0 = Y.h[0], h1 = Y.h[1], h2 = Y.h[2], *I = Y.I.data();
+  const Two f = Y.m * load(a.data()) - (Two{h1, h2} * Two{w2, w0} - Two{h2, h0} * Two{w1, w2});
+  const Two n = load(I + 1) * w0 + load(I + 4) * w1 + load(I + 7) * w2;
+  return joined(
+      f, Two{Y.m * v2 - (h0 * w1 - h1 * w0), I[0] * w0 + I[3] * w1 + I[6] * w2 + (h1 * v2 - h2 * v1)},
+      n + (Two{h2, h0} * Two{v0, v1} - Two{h0, h1} * Two{v2, v0}));
+}
+
+}  // namespace manycontact::pairs
