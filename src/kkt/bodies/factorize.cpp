@@ -73,11 +73,15 @@ void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
 
 // Q = Y.
 void set(const Inertia<double>& Y, M6& Q) {
-  Q.setZero();
-  Q(0, 0) = Q(1, 1) = Q(2, 2) = Y.m;
-  Q(5, 1) = Q(1, 5) = Y.h[0], Q(3, 2) = Q(2, 3) = Y.h[1], Q(4, 0) = Q(0, 4) = Y.h[2];
-  Q(4, 2) = Q(2, 4) = -Y.h[0], Q(5, 0) = Q(0, 5) = -Y.h[1], Q(3, 1) = Q(1, 3) = -Y.h[2];
-  Q.bottomRightCorner<3, 3>() = Y.I;
+  using pairs::Two;
+  const double m = Y.m, x = Y.h[0], y = Y.h[1], z = Y.h[2];
+  const auto column = [&](int j, Two a, Two b, Two c) { Q.col(j) = pairs::joined(a, b, c); };
+  column(0, Two{m, 0}, Two{0, 0}, Two{z, -y});
+  column(1, Two{0, m}, Two{0, -z}, Two{0, x});
+  column(2, Two{0, 0}, Two{m, y}, Two{-x, 0});
+  column(3, Two{0, -z}, Two{y, Y.I(0, 0)}, Two{Y.I(1, 0), Y.I(2, 0)});
+  column(4, Two{z, 0}, Two{-x, Y.I(0, 1)}, Two{Y.I(1, 1), Y.I(2, 1)});
+  column(5, Two{-y, x}, Two{0, Y.I(0, 2)}, Two{Y.I(1, 2), Y.I(2, 2)});
 }
 
 // Appends row k at a node, with nothing of its own yet.
@@ -174,12 +178,14 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// The inverse of what row k would have if its body were free, by the diagonal of P alone.
-double compliance(const V6& G, const V6& P) {
-  double sum = 0;
-  for (int j = 0; j < 6; ++j)
-    if (G[j] != 0) sum += G[j] * G[j] / P[j];
-  return sum;
+// The inverse of what row k would have if its body were free, by the diagonal of P alone, of which `inverse` is.
+double compliance(const V6& G, const V6& inverse) {
+  pairs::Two sum{0, 0};
+  for (int j = 0; j < 6; j += 2) {
+    const pairs::Two g = pairs::load(G.data() + j), none{0, 0};
+    sum += g != none ? g * g * pairs::load(inverse.data() + j) : none;  // a massless body moves by no end
+  }
+  return sum[0] + sum[1];
 }
 
 // Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
@@ -191,7 +197,7 @@ double least_left(const BodyLdl& d) {
 
 // Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
-  const V6 diagonal = d.P[i].diagonal();
+  const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
   while (done < at.m) {
     int best = -1, complete = 0;
@@ -201,7 +207,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       ++complete;
       const double E = at.e(k, k);
       const bool left = E > least_left(d) * d.reach[at.row[k]];
-      const double ratio = left ? E / compliance(at.H[k], diagonal) : 0;
+      const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0 || (most < tolerance::kRowMoves && complete <= kMostOpen)) break;
@@ -340,9 +346,9 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     square_first += static_cast<std::size_t>(at.m) * s.most[i];
     project(system, d, i, at);
     d.gone[i] = 0;
-    const V6 diagonal = d.P[i].diagonal();
+    const V6 inverse = d.P[i].diagonal().cwiseInverse();
     for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free
-      if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.reach[at.row[k]] += compliance(at.G[k], diagonal);
+      if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.reach[at.row[k]] += compliance(at.G[k], inverse);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
                           : s.ndof[i] == 3 ? eliminate_joint<3>(system, d, i, size, at, P)

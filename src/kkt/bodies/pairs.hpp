@@ -1,7 +1,7 @@
 #pragma once
 // motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product, written by pairs of entries, as Eigen
-// reads six-vectors next: a pair read before its halves, written apart, have left the processor's store buffer waits for
-// them, and the sweeps did little else.
+// reads six-vectors next: a pair read before its halves, written apart, have left the processor's store buffer waits
+// for them, and the sweeps did little else.
 
 #include <cstring>
 
@@ -26,11 +26,23 @@ inline Two load(const double* x) {
   return out;
 }
 
+inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
+
+inline Two max(Two x, Two y) { return x < y ? y : x; }
+
+/// The largest of the linear and of the angular entries' sizes.
+[[gnu::always_inline]] inline Two sizes(const Vec6<double>& x) {
+  const Two a = load(x.data()), b = load(x.data() + 2), c = load(x.data() + 4);
+  const Two first{a[0], b[1]}, second{a[1], c[0]}, third{b[0], c[1]};
+  const auto absolute = [](Two t) { return max(t, -t); };
+  return max(absolute(first), max(absolute(second), absolute(third)));
+}
+
 /// [m + w x r; w] of m = [., w].
 [[gnu::always_inline]] inline Vec6<double> motion_at(const Vec6<double>& m, const Vec3<double>& r) {
   const double x = r[0], y = r[1], z = r[2], w0 = m[3], w1 = m[4], w2 = m[5];
-  return joined(load(m.data()) + (Two{w1, w2} * Two{z, x} - Two{w2, w0} * Two{y, z}),
-                Two{m[2] + (w0 * y - w1 * x), w0}, Two{w1, w2});
+  return joined(load(m.data()) + (Two{w1, w2} * Two{z, x} - Two{w2, w0} * Two{y, z}), Two{m[2] + (w0 * y - w1 * x), w0},
+                Two{w1, w2});
 }
 
 /// [f; . + r x f] of a force [f, .] at six doubles.
@@ -49,9 +61,8 @@ inline Two load(const double* x) {
   const double h0 = Y.h[0], h1 = Y.h[1], h2 = Y.h[2], *I = Y.I.data();
   const Two f = Y.m * load(a.data()) - (Two{h1, h2} * Two{w2, w0} - Two{h2, h0} * Two{w1, w2});
   const Two n = load(I + 1) * w0 + load(I + 4) * w1 + load(I + 7) * w2;
-  return joined(
-      f, Two{Y.m * v2 - (h0 * w1 - h1 * w0), I[0] * w0 + I[3] * w1 + I[6] * w2 + (h1 * v2 - h2 * v1)},
-      n + (Two{h2, h0} * Two{v0, v1} - Two{h0, h1} * Two{v2, v0}));
+  return joined(f, Two{Y.m * v2 - (h0 * w1 - h1 * w0), I[0] * w0 + I[3] * w1 + I[6] * w2 + (h1 * v2 - h2 * v1)},
+                n + (Two{h2, h0} * Two{v0, v1} - Two{h0, h1} * Two{v2, v0}));
 }
 
 }  // namespace manycontact::pairs

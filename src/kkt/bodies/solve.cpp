@@ -108,7 +108,8 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   if (h.rows == 0) return;
   const int* own = s.own.data() + s.own_first[s.hold[i]];
   V6 f = x.force[i] - b.force[i] - pairs::times(system.Y[i], x.motion[i]);
-  for (int child = i + 1; child < s.end[i]; child = s.end[child]) f -= pairs::force_from(x.force[child], system.r[child]);
+  for (int child = i + 1; child < s.end[i]; child = s.end[child])
+    f -= pairs::force_from(x.force[child], system.r[child]);
   for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
     const int row = s.at[q];
     if (s.A[row] < 0 || s.B[row] < 0) continue;

@@ -41,35 +41,33 @@ void BodyResidual::resize(const BodyPattern& p) {
 namespace {
 
 using V6 = Vec6<double>;
+using pairs::Two, pairs::max, pairs::sizes;
 
-double lin(const V6& x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); }
-double ang(const V6& x) { return std::max({std::abs(x[3]), std::abs(x[4]), std::abs(x[5])}); }
 double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
 // Terms of a motion's equation, and a residual with it.
 template <int N>
 [[gnu::always_inline]] inline void motion_equation(const BodySystem& s, const BodyVectors& b, const BodyVectors& x,
-                                                   int i, V6& r, double* scale) {
+                                                   int i, V6& r, Two& scale) {
   const BodyPattern& p = *s.pattern;
   const V6& a = x.motion[i];
   const int parent = p.parent[i], first = p.first_dof[i];
   r = b.motion[i] - a;
-  scale[0] = std::max(lin(b.motion[i]), lin(a)), scale[1] = std::max(ang(b.motion[i]), ang(a));
+  scale = max(sizes(b.motion[i]), sizes(a));
   if (parent >= 0) {
     const V6 ap = pairs::motion_at(x.motion[parent], s.r[i]);
     r += ap;
-    const double turning = ang(ap);
-    scale[0] = std::max({scale[0], lin(ap), reach(s.r[i]) * turning});
-    scale[1] = std::max(scale[1], turning);
+    const Two ap_sizes = sizes(ap);
+    scale = max(scale, max(ap_sizes, Two{reach(s.r[i]) * ap_sizes[1], 0}));
   }
   for (int k = first; k < first + N; ++k) {
     const V6 Sx = s.S.col(k) * x.joints[k];
     r += Sx;
-    scale[0] = std::max(scale[0], lin(Sx)), scale[1] = std::max(scale[1], ang(Sx));
+    scale = max(scale, sizes(Sx));
   }
 }
 
-void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& x, int i, double* scale) {
+void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& x, int i, Two& scale) {
   V6 r;
   const int n = s.pattern->ndof[i];
   n == 1   ? motion_equation<1>(s, b, x, i, r, scale)
@@ -79,14 +77,13 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
 
 // The rows' forces and the children's on node i.
 [[gnu::always_inline]] inline void outer_forces(const BodySystem& s, const BodyVectors& x, int i, const double* more,
-                                                V6& r, double* scale) {
+                                                V6& r, Two& scale) {
   const BodyPattern& p = *s.pattern;
   for (int child = i + 1; child < p.end[i]; child = p.end[child]) {
     const V6& f = x.force[child];
     r += pairs::force_from(f, s.r[child]);
-    const double size = lin(f);
-    scale[2] = std::max(scale[2], size);
-    scale[3] = std::max({scale[3], ang(f), reach(s.r[child]) * size});
+    const Two f_sizes = sizes(f);
+    scale = max(scale, max(f_sizes, Two{0, reach(s.r[child]) * f_sizes[0]}));
   }
   for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q) {
     const int row = p.at[q];
@@ -94,7 +91,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
     const auto end = [&](const auto& G) {
       const V6 F = G * y;
       r += F;
-      scale[2] = std::max(scale[2], lin(F)), scale[3] = std::max(scale[3], ang(F));
+      scale = max(scale, sizes(F));
     };
     if (p.A[row] == i)
       end(s.GA.col(row));
@@ -110,6 +107,9 @@ void take_largest(double& largest, double x) {
 void take_ratio(double& error, double r, double scale) {
   if (r > error * scale) error = r / scale;
 }
+void take_ratios(double& error, Two r, Two scale) {
+  take_ratio(error, r[0], scale[0]), take_ratio(error, r[1], scale[1]);
+}
 
 }  // namespace
 
@@ -117,35 +117,37 @@ template <int N, bool Keep>
 void BodyJudge::equations(int i, const double* more) {
   const V6 &a = x_.motion[i], &f = x_.force[i];
   const int first = s_.pattern->first_dof[i];
-  double scale[4];
+  Two motion_scale, scale;
   V6 r;
-  motion_equation<N>(s_, b_, x_, i, r, scale);
+  motion_equation<N>(s_, b_, x_, i, r, motion_scale);
   out_.r.motion[i] = r;
   sum_ += r.sum();
-  take_ratio(error_, lin(r), scale[0]), take_ratio(error_, ang(r), scale[1]);
+  take_ratios(error_, sizes(r), motion_scale);
   const Inertia<double>& Y = s_.Y[i];
-  const double h = reach(Y.h), I = std::max({Y.I(0, 0), Y.I(1, 1), Y.I(2, 2)}), a_lin = lin(a), a_ang = ang(a);
-  scale[2] = std::max({lin(f), lin(b_.force[i]), Y.m * a_lin + h * a_ang});
-  scale[3] = std::max({ang(f), ang(b_.force[i]), h * a_lin + I * a_ang});
+  const double h = reach(Y.h), I = std::max({Y.I(0, 0), Y.I(1, 1), Y.I(2, 2)});
+  const Two a_sizes = sizes(a);
+  scale = max(max(sizes(f), sizes(b_.force[i])), Two{Y.m, h} * a_sizes[0] + Two{h, I} * a_sizes[1]);
   r = b_.force[i] - f;
   r += pairs::times(Y, a);
   outer_forces(s_, x_, i, more, r, scale);
   out_.r.force[i] = r;
   sum_ += r.sum();
-  const double r_lin = lin(r), r_ang = ang(r);
-  take_ratio(error_, r_lin, scale[2]), take_ratio(error_, r_ang, scale[3]);
-  take_largest(dynamics_, std::max(r_lin, r_ang));
-  for (int k = 0; k < 4; ++k) take_largest(largest_[k], scale[k]);
-  if constexpr (Keep) out_.body_scale[i] = Eigen::Map<const Eigen::Vector4d>(scale);
+  const Two left = sizes(r);
+  take_ratios(error_, left, scale);
+  take_largest(dynamics_, std::max(left[0], left[1]));
+  pairs::store(max(pairs::load(largest_), motion_scale), largest_);
+  pairs::store(max(pairs::load(largest_ + 2), scale), largest_ + 2);
+  if constexpr (Keep) out_.body_scale[i] << motion_scale[0], motion_scale[1], scale[0], scale[1];
   for (int k = first; k < first + N; ++k) {
     const V6 S = s_.S.col(k);
     const double inertia = s_.armature[k] * x_.joints[k];
-    const double left = b_.joints[k] - S.dot(f) - inertia;
-    const double terms = std::abs(b_.joints[k]) + std::abs(inertia) + lin(S) * scale[2] + ang(S) * scale[3];
-    out_.r.joints[k] = left;
-    sum_ += left;
-    take_ratio(error_, std::abs(left), terms);
-    take_largest(dynamics_, std::abs(left));
+    const double r_joint = b_.joints[k] - S.dot(f) - inertia;
+    const Two of_f = sizes(S) * scale;
+    const double terms = std::abs(b_.joints[k]) + std::abs(inertia) + of_f[0] + of_f[1];
+    out_.r.joints[k] = r_joint;
+    sum_ += r_joint;
+    take_ratio(error_, std::abs(r_joint), terms);
+    take_largest(dynamics_, std::abs(r_joint));
     take_largest(joint_, terms);
     if constexpr (Keep) out_.joint_scale[k] = terms;
   }
@@ -159,7 +161,7 @@ void BodyJudge::node(int i, const double* more) {
 void BodyJudge::rows() {
   const BodyPattern& p = *s_.pattern;
   int last[2] = {-1, -1};  // of which node `terms` are
-  double terms[2][4];
+  Two terms[2];
   for (int k = 0; k < p.nc; ++k) {
     const double y = x_.rows[k];
     double r = b_.rows[k] + s_.delta * y, scale = std::abs(b_.rows[k]) + std::abs(s_.delta * y);
@@ -168,7 +170,8 @@ void BodyJudge::rows() {
       if (last[which] != node) motion_terms(s_, b_, x_, node, terms[which]);
       last[which] = node;
       r -= G.dot(x_.motion[node]);
-      scale += lin(G) * terms[which][0] + ang(G) * terms[which][1];
+      const Two of_a = sizes(G) * terms[which];
+      scale += of_a[0] + of_a[1];
     };
     end(p.A[k], s_.GA.col(k), 0);
     end(p.B[k], s_.GB.col(k), 1);
@@ -205,8 +208,8 @@ double backward_error(const BodySystem& s, const BodyVectors& b, const BodyVecto
   error = 0;
   for (int i = 0; i < p.nodes; ++i) {
     const Eigen::Vector4d scale = out.body_scale[i].cwiseMax(least);
-    take_ratio(error, lin(out.r.motion[i]), scale[0]), take_ratio(error, ang(out.r.motion[i]), scale[1]);
-    take_ratio(error, lin(out.r.force[i]), scale[2]), take_ratio(error, ang(out.r.force[i]), scale[3]);
+    take_ratios(error, sizes(out.r.motion[i]), pairs::load(scale.data()));
+    take_ratios(error, sizes(out.r.force[i]), pairs::load(scale.data() + 2));
   }
   for (int k = 0; k < p.nv; ++k)
     take_ratio(error, std::abs(out.r.joints[k]), std::max(out.joint_scale[k], eps * judge.joint_));
