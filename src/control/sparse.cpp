@@ -20,8 +20,9 @@ std::unique_ptr<SolverSparsePart> SolverSparse::solver_of(ShootingPart part) con
     require(!part.u[t].empty() || problem_->by_state_alone(t), "SolverSparse",
             "a part has no controls where others have some, it is expected with one of these");
   const bool joined = SolverJoinedPart::serves(*part.problem);
-  require(!joined || !limits_, "SolverSparse", "limits of robots that hold each other, of separate ones are expected");
-  if (joined) return std::make_unique<SolverJoinedPart>(std::move(part));
+  if (joined && !limits_) return std::make_unique<SolverJoinedPart>(std::move(part));
+  require(!joined || part.problem->get_terminalData()->Fx.size() > 0, "SolverSparse",
+          "limits of robots that hold each other by nodes of storage kSparse, kDense is expected");
   if (limits_) return std::make_unique<SolverWithBox<SolverSparsePart>>(std::move(part));
   return std::unique_ptr<SolverSparsePart>(new SolverSparsePart(std::move(part)));
 }
@@ -120,6 +121,46 @@ double SolverSparse::expectedReduction() const {
   double out = 0;
   for (const auto& own : parts_) out += own->expectedReduction();
   return out;
+}
+
+// Work on each part's share of the vectors, which is put back.
+template <class Work>
+void SolverSparse::each_feed_forward(std::vector<VectorXd>& whole, Work&& work) {
+  whole.resize(us_.size());
+  for (std::size_t t = 0; t < us_.size(); ++t) whole[t].resize(us_[t].size());
+  each_part([&](SolverSparsePart& own) {
+    own.feed_forward_.resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(whole[t], own.part_.u[t], own.feed_forward_[t]);
+    work(own, own.feed_forward_);
+    for (std::size_t t = 0; t < us_.size(); ++t) scatter(own.feed_forward_[t], own.part_.u[t], whole[t]);
+  });
+}
+
+void SolverSparse::setFeedForward(const std::vector<VectorXd>& nu) {
+  share_candidate();
+  SolverFDDP::setFeedForward(nu);
+  each_part([&](SolverSparsePart& own) {
+    own.feed_forward_.resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(nu[t], own.part_.u[t], own.feed_forward_[t]);
+    own.setFeedForward(own.feed_forward_);
+  });
+}
+
+void SolverSparse::computeFeedForwardGradient(std::vector<VectorXd>& g) {
+  each_feed_forward(g, [this](SolverSparsePart& own, std::vector<VectorXd>& own_g) {
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(us_try_[t], own.part_.u[t], own.us_try_[t]);
+    own.held_changed_ = false;
+    own.computeFeedForwardGradient(own_g);
+  });
+  for (const auto& own : parts_) held_changed_ |= own->held_changed_;
+}
+
+void SolverSparse::preconditionFeedForward(std::vector<VectorXd>& g) {
+  each_feed_forward(g, [](SolverSparsePart& own, auto& own_g) { own.preconditionFeedForward(own_g); });
+}
+
+void SolverSparse::holdFeedForward(std::vector<VectorXd>& nu) {
+  each_feed_forward(nu, [](SolverSparsePart& own, auto& own_nu) { own.holdFeedForward(own_nu); });
 }
 
 void SolverSparse::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&,

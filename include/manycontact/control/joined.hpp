@@ -136,9 +136,10 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
   MatrixStorage storage_ = MatrixStorage::kDense;
 };
 
-/// Gradients of l(x, u) + next^T x'(x, u) with the wrenches eliminated, at the data's last calcDiff; of a terminal node
-/// gu is left alone. Throws nothing; not finite where bonds depend on each other.
+/// Gradients of l(x, u) + next^T x'(x, u) + y^T [g; h](x, u) with the wrenches eliminated, at the data's last calcDiff;
+/// of a terminal node gu is left alone. y: of the node's constraints, or none. Throws nothing; not finite where bonds
+/// depend on each other.
 void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& data, const Eigen::VectorXd& next,
-                     bool terminal, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
+                     bool terminal, const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
 
 }  // namespace manycontact
