@@ -130,6 +130,7 @@ void AL::resizeData() {
   SolverAbstract::resizeData();
   if (!is_decorated()) decorate();
   inner_->resizeData();
+  inner_->allocateDescent();
 }
 
 void AL::circularAppend(std::shared_ptr<ActionModelAbstract> model) {

@@ -56,16 +56,16 @@ void SolverWithBox<Base>::limitControl(std::size_t t) {
     this->us_try_[t] = this->us_try_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
 }
 
-// Of controls that the backward pass left free.
+// Of controls that do not stand at a limit: those that the box QP took to one would not move at all.
 template <class Base>
 void SolverWithBox<Base>::preconditionFeedForward(std::vector<Eigen::VectorXd>& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;
-    if (this->problem_->get_runningModels()[t]->get_has_control_limits())
-      g[t] = Quu_inv_[t] * g[t];
-    else
-      this->Quu_llt_[t].solveInPlace(g[t]);
+    auto& llt = this->Quu_llt_[t];
+    if (this->problem_->get_runningModels()[t]->get_has_control_limits()) llt.compute(this->Quu_[t]);
+    if (llt.info() == Eigen::Success) llt.solveInPlace(g[t]);
   }
+  holdFeedForward(g);
 }
 
 template <class Base>

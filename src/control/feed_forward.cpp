@@ -19,6 +19,14 @@ constexpr double kShort = 0.11, kVeryShort = 0.01;  // step lengths: twice, once
 
 }  // namespace
 
+void SolverDDP::allocateDescent() {
+  for (Vectors* all : {&nu_, &g_, &g_try_}) {
+    all->resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) (*all)[t].resize(us_[t].size());
+  }
+  bfgs_.reserve(us_);
+}
+
 void SolverDDP::setFeedForward(const Vectors& nu) {
   for (std::size_t t = 0; t < k_.size(); ++t) k_[t] = -nu[t];
 }
@@ -95,6 +103,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  allocateDescent();
   computeFeedForwardGradient(g_);
   bfgs_.forget();
   int short_steps = 0;

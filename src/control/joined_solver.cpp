@@ -173,7 +173,7 @@ void SolverJoinedPart::allocateData() {
   xnext_ = VectorXd::Zero(nx);
   lq_ = structure_of(*problem_);
   layout_ = lq::Layout(lq_);
-  z_ = lq::Point(lq_, layout_);
+  z_ = preconditioned_ = lq::Point(lq_, layout_);
   direction_ = lq::choose(lq_);
   const auto* schur = dynamic_cast<const lq::BondSchur*>(direction_.get());
   policies_ = schur ? &schur->clusters() : dynamic_cast<const lq::Riccati*>(direction_.get());

@@ -1,6 +1,7 @@
 #include "manycontact/control/limited_bfgs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace manycontact {
 
@@ -20,11 +21,18 @@ double dot(const LimitedBfgs::Vectors& a, const LimitedBfgs::Vectors& b) {
   return sum;
 }
 
-void LimitedBfgs::add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next) {
+void LimitedBfgs::reserve(const Vectors& sizes) {
   pairs_.resize(most_);
+  for (Pair& pair : pairs_)
+    for (Vectors* part : {&pair.s, &pair.y}) {
+      part->resize(sizes.size());
+      for (std::size_t t = 0; t < sizes.size(); ++t) (*part)[t].resize(sizes[t].size());
+    }
+}
+
+void LimitedBfgs::add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next) {
+  if (pairs_.empty() || pairs_.front().s.size() != direction.size()) reserve(direction);
   Pair& pair = pairs_[next_];
-  pair.s.resize(direction.size());
-  pair.y.resize(direction.size());
   for (std::size_t t = 0; t < direction.size(); ++t) {
     pair.s[t] = step * direction[t];
     pair.y[t] = g_next[t] - g[t];

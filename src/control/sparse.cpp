@@ -49,6 +49,7 @@ void SolverSparse::allocateData() {
   for (ShootingPart& part : separate(*problem_)) {
     part.problem->set_nthreads(1);
     parts_.push_back(solver_of(std::move(part)));
+    parts_.back()->feed_forward_ = parts_.back()->us_;
   }
   nodes_ = problem_->get_runningDatas();
   terminal_ = problem_->get_terminalData();

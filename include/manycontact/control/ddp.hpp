@@ -66,6 +66,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   /// J. Optim. 16, 2005, (4.1)). Callbacks are called after each, as in solve. kNoStep also where steps stay short: the
   /// candidate is too far for one backward pass to serve.
   StopReason descend(std::size_t maxiter);
+  /// The memory of `descend`, which takes it at its first call otherwise.
+  void allocateDescent();
   /// Whether controls stay within the models' limits.
   virtual bool keeps_limits() const { return false; }
   /// Whether the last iteration took a step.

@@ -88,8 +88,8 @@ struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part 
 class ActionModelJoined : public ActionModelAbstract {  // robots that hold each other as one node
  public:
   /// scene: the state's robots, with the contacts that its flags say active, and damping. Controls are the scene's
-  /// torques. g and h are the parts', one after the other. Throws std::invalid_argument where parts and scene do not
-  /// fit.
+  /// torques, limited by the joints' efforts. g and h are the parts', one after the other. Throws std::invalid_argument
+  /// where parts and scene do not fit.
   ActionModelJoined(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<JoinedPart> parts);
 
   using ActionModelAbstract::calc;

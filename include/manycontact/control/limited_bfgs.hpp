@@ -14,13 +14,15 @@
 
 namespace manycontact {
 
-class LimitedBfgs {
+class LimitedBfgs {  // inverse Hessians learnt from gradients
  public:
   using Vectors = std::vector<Eigen::VectorXd>;  // a number for each variable, by node
 
   /// most: pairs that are kept, > 0.
   explicit LimitedBfgs(std::size_t most = 20) : most_(most) {}
 
+  /// Takes the memory of vectors of these sizes.
+  void reserve(const Vectors& sizes);
   void forget() { count_ = 0; }
   /// s = step * direction, y = g_next - g. Without positive curvature nothing is added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
