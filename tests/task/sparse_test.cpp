@@ -115,7 +115,9 @@ Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver o
     EXPECT_NEAR(s.cost, d.cost, 1e-9 * d.cost);
     if (d.stop < 1e-6) continue;  // the business of rounding
     EXPECT_NEAR(s.stop, d.stop, 1e-6 * d.stop);
-    EXPECT_EQ(s.step_length, d.step_length);
+    // A half, a quarter, ...; quasi-Newton's are interpolated between costs, of whose differences fewer digits are
+    // left.
+    EXPECT_NEAR(s.step_length, d.step_length, 1e-3 * d.step_length);
     EXPECT_EQ(s.regularisation, d.regularisation);
     EXPECT_EQ(s.feasible, d.feasible);
     EXPECT_NEAR(s.gaps, d.gaps, 1e-9 * d.gaps + 1e-12);
