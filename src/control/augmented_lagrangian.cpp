@@ -29,6 +29,7 @@ constexpr double kOutweighs = 10;       // what constraints add to the cost, of 
 constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
 constexpr int kWindow = 10;             // iterations that are to gain more than the next, or a minimisation crawls
 constexpr double kSlow = 0.1;           // of `stop`, by two iterations
+constexpr double kStillSlow = 0.3;      // by the last of them
 constexpr double kNearer = 0.1;         // of `stop` where quasi-Newton steps failed, to try again
 constexpr double kCrawl = 0.01;         // of what constraints add to the cost
 
@@ -174,7 +175,7 @@ void SolverAugmentedLagrangian::reportIteration() {
 // Gauss-Newton's steps, near enough to a minimum for them to be fast.
 bool SolverAugmentedLagrangian::isSlow() {
   slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
-          stop_ < kNearer * failed_stop_;
+          stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
   last_stops_ = {last_stops_[1], stop_};
   return slow_;
 }
