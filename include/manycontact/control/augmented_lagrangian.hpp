@@ -13,8 +13,8 @@
 // Gauss-Newton's Hessian lacks the constraints' and the dynamics' curvature, weighted by their multipliers. Where these
 // are large (a hand at the end of its reach: the Hessian is five times Gauss-Newton's in some directions) its steps
 // overshoot, and its minimisations converge slowly or not at all. Where `stop` fell by less than ten times in two
-// iterations, and by less than three in the last, SolverDDP::descend goes on with what it learns of that curvature; where
-// that fails too, the solver goes on until `stop` is ten times less.
+// iterations, and by less than three in the last, SolverDDP::descend goes on with what it learns of that curvature;
+// where that fails too, the solver goes on until `stop` is ten times less.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
