@@ -11,7 +11,8 @@
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/contact/products.hpp"
-#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/ldl_panel_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
@@ -31,6 +32,19 @@ const Pack<W>* numbers(const Pack<W>* x) {
 /// Lanes without an island of their own repeat the last one.
 inline const Island& in_lane(std::span<const Island* const> islands, int lane) {
   return *islands[std::min<std::size_t>(lane, islands.size() - 1)];
+}
+/// from[k] of lane l to to[l stride + k], k < count.
+template <int W>
+void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_t stride) {
+  std::size_t k = 0;
+  for (; k + W <= count; k += W) {
+    Pack<W> block[W];
+    for (int i = 0; i < W; ++i) block[i] = from[k + i];
+    transpose(block);
+    for (int l = 0; l < W; ++l) std::memcpy(to + l * stride + k, &block[l], sizeof block[l]);
+  }
+  for (; k < count; ++k)
+    for (int l = 0; l < W; ++l) to[l * stride + k] = from[k][l];
 }
 template <class To>
 void load_lane(int lane, const double* from, To& to) {
@@ -64,8 +78,8 @@ class SideBySide {
 
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// Of a panel at a time: a multiple of W, few enough that they stay in the first cache.
-  static constexpr int kColumns = W == 1 ? 4 * sparse::kernel::kRegister : 8;
+  static constexpr int kColumns = sparse::kernel::kPanel;  // of a panel at a time: a multiple of W
+  static_assert(kColumns % W == 0 && (kColumns <= 8 || kColumns == 16), "chunks of a multiple of eight columns");
 
   void find_places();
   template <class Job>
@@ -97,9 +111,11 @@ class SideBySide {
   void right_sides(const DerivativeJob& job, Panels& X);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
-  void solve_panels(Panels& X);
-  void store(const Panels& X, std::span<const Panel> panels) const;
-  void refine_panel(int lane, const Panels& B, const Panel& panel);
+  Mask accurate_unrefined();
+  void solve_panels(std::span<const Panel> panels, Mask plain);
+  template <int N>
+  void solve_columns(int first, std::span<const Panel> panels, Mask plain);
+  void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
@@ -136,10 +152,16 @@ class SideBySide {
   std::vector<std::vector<int>> columns_;    // per contact: its coordinates
   std::vector<std::pair<int, int>> places_;  // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;                // that reach_ is of
-  std::vector<char> reach_, nonzero_;        // per row of K, in the pattern's order; reach_: for each chunk of columns
-  std::vector<S> X_;                         // the panels side by side, where there are several
-  std::vector<double> Lx_, Dx_, Kx_, R_;     // one lane's L, D, K, and the residual of its panel
-  std::vector<BodyVariationOf<S>> body_;     // products: tangents, or adjoints
+  // Per row of K, in the pattern's order, for each chunk of columns: where right-hand sides, and L^-1 times them, may
+  // be other than zero.
+  std::vector<char> reach_, reached_;
+  std::vector<char> nonzero_;             // per row of K
+  std::vector<S> B_;                      // right-hand sides, zero but for places_ and torques
+  std::vector<double> Lx_, inverse_;      // L and 1 / D lane by lane
+  std::vector<double> Dx_, Kx_;           // one lane's
+  std::vector<double> work_;              // a chunk of each lane's columns; of solve_refined
+  double rounding_;                       // sparse::ldl_rounding
+  std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
 };
@@ -175,9 +197,12 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       rnea_(*model_),
       columns_(support.columns),
       nonzero_(pattern_->size()),
-      Lx_(L_.size()),
+      Lx_(W * L_.size()),
+      inverse_(W * D_.size()),
       Dx_(D_.size()),
       Kx_(K_.size()),
+      work_(std::max(W * D_.size() * kColumns + 8, sparse::panel_kernels().work_size(D_.size()))),
+      rounding_(sparse::ldl_rounding(pattern_->ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
       dfext_(model_->njoints()),
@@ -463,14 +488,17 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
   linearise(job, islands);
   derivative_terms(job.scene, first);
   find_reach(job, panels.front().ld);
-  Panels X(X_.data(), pattern_->size(), panels.front().ld);
-  right_sides(job, X);
-  solve_panels(X);
-  store(X, panels);
-  if (std::none_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) return;
-  right_sides(job, X);
+  Panels B(B_.data(), pattern_->size(), panels.front().ld);
+  right_sides(job, B);
+  Mask plain = S(0) <= S(0);
+  if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
+    S wanted(0);
+    for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
+    plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
+  }
+  solve_panels(panels, plain);
   for (std::size_t l = 0; l < panels.size(); ++l)
-    if (panels[l].refine) refine_panel(static_cast<int>(l), X, panels[l]);
+    if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
 }
 
 template <class S>
@@ -522,28 +550,35 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
   }
 }
 
-/// Rows of the right-hand sides that are not zero, for each chunk of columns; and memory.
+/// Rows of the right-hand sides that are not zero, for each chunk of columns; and memory. What never changes of them.
 template <class S>
 void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   const int size = pattern_->size(), chunks = (ld + kColumns - 1) / kColumns;
   if (request_ == job.request && reach_.size() == static_cast<std::size_t>(chunks) * size) return;
-  X_.resize(static_cast<std::size_t>(size) * ld);
-  R_.resize(X_.size());
+  B_.assign(static_cast<std::size_t>(size) * ld, S(0));
   reach_.assign(static_cast<std::size_t>(chunks) * size, 0);
   const auto reach = [&](int row, int column) { reach_[column / kColumns * size + pattern_->iperm[row]] = 1; };
   for (const auto& [i, j] : places_) {
     if (job.request.q) reach(i, job.q_first + j);
     if (job.request.v) reach(i, job.v_first + j);
   }
-  for (int i = 0; job.request.u && i < torques(job); ++i) reach(torque(job, i), job.u_first + i);
+  for (int i = 0; job.request.u && i < torques(job); ++i) {
+    reach(torque(job, i), job.u_first + i);
+    B_[torque(job, i) * static_cast<std::size_t>(ld) + job.u_first + i] = S(1);
+  }
+  reached_ = reach_;
+  for (int c = 0; c < chunks; ++c) sparse::ldl_scheduled_reach(pattern_->schedule(), reached_.data() + c * size);
   request_ = job.request;
 }
 
-/// X = [-dr/dq -dr/dv S], S selecting the torques.
+/// X = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
 template <class S>
 void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
   const int nv = model_->nv;
-  X.setZero();
+  for (const auto& [i, j] : places_) {
+    if (job.request.q) X(i, job.q_first + j) = S(0);
+    if (job.request.v) X(i, job.v_first + j) = S(0);
+  }
   const auto rows = [&](std::size_t k, int first) {
     return X.block(nv + row_offset_[k], first, contacts_[k].a0.size(), nv);
   };
@@ -561,57 +596,73 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
   }
-  for (int i = 0; job.request.u && i < torques(job); ++i) X(torque(job, i), job.u_first + i) = S(1);
 }
 
-/// X <- K^-1 X
+/// Lanes in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
+/// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
 template <class S>
-void SideBySide<S>::solve_panels(Panels& X) {
-  const int size = pattern_->size(), ld = static_cast<int>(X.cols());
-  for (int c = 0; c < ld; c += kColumns) {
-    std::copy_n(reach_.begin() + c / kColumns * size, size, nonzero_.begin());
-    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
-                                      pattern_->perm.data(), numbers(X.data()), ld, c, std::min(kColumns, ld - c),
-                                      nonzero_.data());
+typename S::Mask SideBySide<S>::accurate_unrefined() {
+  sparse::ldl_row_sums(pattern_->K, numbers(K_.data()), pattern_->ldl, numbers(L_.data()), numbers(D_.data()),
+                       numbers(r_.data()), numbers(scale_.data()));
+  S of_factor(0), of_K(0);
+  for (std::size_t k = 0; k < r_.size(); ++k) {
+    of_factor = larger(r_[k], of_factor);
+    of_K = larger(scale_[k], of_K);
   }
+  return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// [da; df] of each lane: X, its rows of forces with the other sign.
+/// [da; df] = K^-1 B of the lanes that are plain.
 template <class S>
-void SideBySide<S>::store(const Panels& X, std::span<const Panel> panels) const {
-  for (std::ptrdiff_t row = 0; row < X.rows(); ++row) {
-    const S* from = X.data() + row * X.cols();
-    const S sign = row < model_->nv ? S(1) : S(-1);
-    const auto to = [&](std::size_t lane) { return panels[lane].X + row * X.cols(); };
-    if constexpr (W == 1) {
-      for (int c = 0; c < X.cols(); ++c) to(0)[c] = from[c].v * sign.v;
-    } else {
-      for (int c = 0; c < X.cols(); c += W) {  // W columns of W lanes
-        S block[W];
-        for (int k = 0; k < W; ++k) block[k] = from[c + k] * sign;
-        transpose(block);
-        for (std::size_t l = 0; l < panels.size(); ++l) std::memcpy(to(l) + c, &block[l], sizeof(S));
-      }
-    }
-  }
+void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
+  for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
+  spread_lanes(L_.data(), L_.size(), Lx_.data(), L_.size());
+  spread_lanes(correction_.data(), D_.size(), inverse_.data(), D_.size());
+  const int ld = panels.front().ld;
+  int c = 0;
+  for (; c + kColumns <= ld; c += kColumns) solve_columns<kColumns>(c, panels, plain);
+  if (c < ld) solve_columns<std::min(kColumns, 8)>(c, panels, plain);
 }
 
-/// X += K^-1 (B - K X) for one lane's panel (kkt/factor/refined.cpp).
+/// N columns from `first` on, lane by lane: what one lane needs at a time stays in the first cache.
 template <class S>
-void SideBySide<S>::refine_panel(int lane, const Panels& B, const Panel& panel) {
-  const auto take = [lane](const S* from, std::vector<double>& to) {
-    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k][lane];
-  };
-  take(L_.data(), Lx_), take(D_.data(), Dx_), take(K_.data(), Kx_), take(B.data(), R_);
-  const std::size_t forces = static_cast<std::size_t>(model_->nv) * panel.ld;
-  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
+template <int N>
+void SideBySide<S>::solve_columns(int first, std::span<const Panel> panels, Mask plain) {
+  const int size = pattern_->size(), nv = model_->nv;
+  const std::ptrdiff_t ld = panels.front().ld;
   const int* perm = pattern_->perm.data();
-  sparse::residual_panel(pattern_->K, Kx_.data(), perm, panel.X, R_.data(), panel.ld, panel.ld);
+  const char *reach = reach_.data() + first / kColumns * size, *reached = reached_.data() + first / kColumns * size;
+  double* work = work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
+  const std::ptrdiff_t of_lane = static_cast<std::ptrdiff_t>(size) * N;
+  for (int k = 0; k < size; ++k) {
+    if (reach[k])
+      spread_lanes(B_.data() + perm[k] * ld + first, N, work + k * N, of_lane);
+    else
+      for (int l = 0; l < W; ++l) std::fill_n(work + l * of_lane + k * N, N, 0.0);
+  }
+  for (std::size_t l = 0; l < panels.size(); ++l) {
+    if (!plain[static_cast<int>(l)]) continue;
+    double* X = panels[l].X + first;
+    sparse::kernel::solve_columns<N>(
+        pattern_->schedule(), Lx_.data() + l * L_.size(), inverse_.data() + l * D_.size(), reached, work + l * of_lane,
+        [&](int k, const auto& row) { row.times(perm[k] < nv ? 1.0 : -1.0).store(X + perm[k] * ld); });
+  }
+}
+
+/// X + K^-1 (B - K X) of one lane, X = K^-1 B.
+template <class S>
+void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
+  const auto take = [lane](const S* from, std::size_t count, double* to) {
+    for (std::size_t k = 0; k < count; ++k) to[k] = from[k][lane];
+  };
+  take(D_.data(), D_.size(), Dx_.data());
+  take(K_.data(), K_.size(), Kx_.data());
+  take(B_.data(), B_.size(), panel.X);
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::ldl_scheduled_solve_panel(pattern_->schedule(), Lx_.data(), Dx_.data(), perm, R_.data(), panel.ld, 0,
-                                    panel.ld, nonzero_.data());
-  for (std::size_t k = 0; k < R_.size(); ++k) panel.X[k] += R_[k];
-  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
+  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data() + lane * L_.size(),
+                                        Dx_.data(), pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld,
+                                        nonzero_.data(), work_.data());
+  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < B_.size(); ++k) panel.X[k] = -panel.X[k];
 }
 
 // ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------

@@ -1,0 +1,144 @@
+#pragma once
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: rows four at a
+// time, so that a row read from the cache serves four others. And what such solves are worth.
+//
+// Compiled for several instruction levels: templates only, plain memory, no other library.
+
+#include "manycontact/sparse/ldl_kernels.hpp"
+
+namespace manycontact::sparse {
+
+namespace kernel {
+
+/// Columns at a time: two registers of each of four rows leave room for those they meet.
+inline constexpr int kPanel = 2 * kRegister;
+
+/// t[i] -= l[i][0] x, for R rows.
+template <int R, int N>
+[[gnu::always_inline]] inline void subtract_row(Tile<double, N>* t, const double* const* l, std::ptrdiff_t at,
+                                                const double* row) {
+  const auto x = Tile<double, N>::load(row);
+#pragma GCC unroll 4
+  for (int i = 0; i < R; ++i) t[i].subtract(l[i][at], x);
+}
+
+/// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
+/// l: row r of column `begin`; column c + 1 of a row stands `step - c` behind column c's.
+template <int R, int N>
+[[gnu::always_inline]] inline void subtract_columns(Tile<double, N>* t, const double* l, int step, int begin, int end,
+                                                    const double* own) {
+  for (int c = begin; c < end; ++c) {
+    const auto x = Tile<double, N>::load(own + c * N);
+#pragma GCC unroll 4
+    for (int i = 0; i < R; ++i) t[i].subtract(l[i], x);
+    l += step - c;
+  }
+}
+
+/// X = L \ X for a block. from: its first row that may be other than zero.
+template <int N>
+inline void forward_panel(const LdlSchedule& schedule, int block, int from, const double* Lx, double* X) {
+  const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
+  const int* Lp = schedule.Lp.data() + first;
+  const int step = width + (Lp[width] - Lp[width - 1]) - 2;
+  const double* L = Lx + Lp[from] - from - 1;  // row r of column `from`: L[r]
+  double* own = X + static_cast<std::ptrdiff_t>(first) * N;
+  in_chunks<4>(from, width, [&](int r, auto size) {
+    constexpr int R = size.value;
+    Tile<double, N> t[R];
+#pragma GCC unroll 4
+    for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + (r + i) * N);
+    subtract_columns<R, N>(t, L + r, step, from, r, own);
+#pragma GCC unroll 4
+    for (int i = 0; i < R; ++i) {
+#pragma GCC unroll 4
+      for (int j = 0; j < i; ++j) t[i].subtract(Lx[Lp[r + j] + i - j - 1], t[j]);
+      t[i].store(own + (r + i) * N);
+    }
+  });
+  const int* run = schedule.run.data() + block;
+  for (const LdlSchedule::Run *k = schedule.runs.data() + run[0], *end = schedule.runs.data() + run[1]; k != end; ++k)
+    in_chunks<4>(k->begin, k->end, [&](int b, auto size) {
+      constexpr int R = size.value;
+      double* to = X + static_cast<std::ptrdiff_t>(k->row + b - k->begin) * N;
+      Tile<double, N> t[R];
+#pragma GCC unroll 4
+      for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(to + i * N);
+      subtract_columns<R, N>(t, L + width + b, step, from, width, own);
+#pragma GCC unroll 4
+      for (int i = 0; i < R; ++i) t[i].store(to + i * N);
+    });
+}
+
+/// Rows c ... c+R-1 of a block's X = L^T \ (D \ X), once the rows behind them are known. store(row, its values).
+template <int R, int N, class Store>
+inline void backward_rows(const LdlSchedule& schedule, int block, int c, const double* Lx, const double* inverse,
+                          double* X, Store&& store) {
+  const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
+  const int* Lp = schedule.Lp.data() + first;
+  double* own = X + static_cast<std::ptrdiff_t>(first) * N;
+  Tile<double, N> t[R];
+  const double* l[R];  // row r of column c + i: l[i][r]
+#pragma GCC unroll 4
+  for (int i = 0; i < R; ++i) {
+    t[i] = Tile<double, N>::load(own + (c + i) * N).times(inverse[first + c + i]);
+    l[i] = Lx + Lp[c + i] - (c + i) - 1;
+  }
+  const int* run = schedule.run.data() + block;
+  for (const LdlSchedule::Run *k = schedule.runs.data() + run[0], *end = schedule.runs.data() + run[1]; k != end; ++k) {
+    const double* x = X + static_cast<std::ptrdiff_t>(k->row) * N;
+    for (int b = width + k->begin; b < width + k->end; ++b, x += N) subtract_row<R, N>(t, l, b, x);
+  }
+  for (int a = c + R; a < width; ++a) subtract_row<R, N>(t, l, a, own + a * N);
+#pragma GCC unroll 4
+  for (int i = R - 1; i >= 0; --i) {
+#pragma GCC unroll 4
+    for (int j = R - 1; j > i; --j) t[i].subtract(l[i][c + j], t[j]);
+    t[i].store(own + (c + i) * N);
+    store(first + c + i, t[i]);
+  }
+}
+
+/// X = A \ X for N columns: X is n x N, in A's order; inverse: of the pivots. Rows that `reached` does not flag are
+/// zero before they are divided by the pivots (ldl_scheduled_reach). store(k, row k of the answer as a tile), as each
+/// is known.
+template <int N, class Store>
+inline void solve_columns(const LdlSchedule& schedule, const double* Lx, const double* inverse, const char* reached,
+                          double* X, Store&& store) {
+  const int* block = schedule.block.data();
+  for (int k = 0; k < schedule.blocks(); ++k) {
+    int from = block[k];
+    while (from < block[k + 1] && !reached[from]) ++from;
+    if (from < block[k + 1]) forward_panel<N>(schedule, k, from - block[k], Lx, X);
+  }
+  for (int k = schedule.blocks() - 1; k >= 0; --k) {
+    int c = block[k + 1] - block[k];
+    for (; c >= 4; c -= 4) backward_rows<4, N>(schedule, k, c - 4, Lx, inverse, X, store);
+    if (c & 2) backward_rows<2, N>(schedule, k, c -= 2, Lx, inverse, X, store);
+    if (c & 1) backward_rows<1, N>(schedule, k, c - 1, Lx, inverse, X, store);
+  }
+}
+
+}  // namespace kernel
+
+/// Sums of the rows of |L||D||L^T| and of |A|, of n. For any value V, as in ldl_kernels.hpp.
+template <class V>
+void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, const V* Lx, const V* D, V* of_factor,
+                  V* of_A) {
+  const int *p = A.p.data(), *row = A.i.data(), *Lp = symbolic.Lp.data(), *Li = symbolic.Li.data();
+  for (int k = 0; k < A.n; ++k) of_factor[k] = of_A[k] = V{};
+  for (int j = 0; j < A.n; ++j) {
+    V column(1.0);  // of |L|
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) column = column + absolute(Lx[k]);
+    column = column * absolute(D[j]);
+    of_factor[j] = of_factor[j] + column;
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) of_factor[Li[k]] = multiply_add(absolute(Lx[k]), column, of_factor[Li[k]]);
+    for (int k = p[j]; k < p[j + 1]; ++k) {
+      const V size = absolute(Ax[k]);
+      of_A[j] = of_A[j] + size;
+      if (row[k] != j) of_A[row[k]] = of_A[row[k]] + size;
+    }
+  }
+}
+
+}  // namespace manycontact::sparse
