@@ -95,7 +95,7 @@ void expect_solved(const Factor& f, const Panel& given, int first, int cols, con
   };
   check("by pattern", [&](auto... panel) { sparse::ldl_solve_panel(f.symbolic, panel...); });
   for (const sparse::PanelKernels* level : sparse::panel_levels()) {
-    std::vector<double> work(level->work_size(f.n()), NAN);
+    std::vector<double> work(level->work_size(f.schedule), NAN);
     check(level->name, [&](auto... panel) { level->solve(f.schedule, panel..., work.data()); });
   }
 }
@@ -144,7 +144,7 @@ TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
     for (const sparse::PanelKernels* level : sparse::panel_levels()) {
       const int ld = cols + 3;
       Panel X = given, R = given, refined = given;
-      std::vector<double> work(level->work_size(f.n()), NAN);
+      std::vector<double> work(level->work_size(f.schedule), NAN);
       const auto solve = [&](Panel& panel, std::vector<char> flags) {
         level->solve(f.schedule, f.L.data(), f.D.data(), f.row.data(), panel.data(), ld, 2, cols, flags.data(),
                      work.data());
@@ -195,7 +195,7 @@ TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
     std::iota(row.begin(), row.end(), 0);
     const Panel B = random_matrix(n, cols, rng);
     for (const sparse::PanelKernels* level : sparse::panel_levels()) {
-      std::vector<double> work(level->work_size(n), NAN);
+      std::vector<double> work(level->work_size(schedule), NAN);
       std::vector<char> flags(n, 1);
       Panel X = B;
       level->solve(schedule, L.data(), D.data(), row.data(), X.data(), cols, 0, cols, flags.data(), work.data());

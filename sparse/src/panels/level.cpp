@@ -70,8 +70,11 @@ double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
 }
 
-void invert(const double* D, int n, double* inverse) {
-  for (int k = 0; k < n; ++k) inverse[k] = 1 / D[k];
+// The pivots' inverses into `inverse`, and L's packed entries behind them.
+const double* prepare(const LdlSchedule& schedule, const double* Lx, const double* D, double* inverse) {
+  for (int k = 0; k < schedule.n; ++k) inverse[k] = 1 / D[k];
+  ldl_pack(schedule, Lx, inverse + schedule.n);
+  return inverse + schedule.n;
 }
 
 // A chunk of columns is brought together in A's order and stays in the first cache.
@@ -80,13 +83,13 @@ void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const
   const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
   double *x = aligned(work), *inverse = x + n * kernel::kPanel;
-  invert(D, schedule.n, inverse);
+  const double* packed = prepare(schedule, Lx, D, inverse);
   kernel::in_chunks<kernel::kPanel>(first, first + cols, [&](int c, auto size) {
     constexpr int N = size.value;
     const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
     const double zeros[N] = {};
     for (int k = 0; k < schedule.n; ++k) Tile<double, N>::load(nonzero[k] ? at(k) : zeros).store(x + k * N);
-    kernel::solve_columns<N>(schedule, Lx, inverse, nonzero, x, [&](int k, const auto& t) { t.store(at(k)); });
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [&](int k, const auto& t) { t.store(at(k)); });
   });
 }
 
@@ -135,8 +138,8 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
   const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
   double *x = aligned(work), *r = x + n * kernel::kPanel, *inverse = r + n * kernel::kPanel;
-  char* everywhere = reinterpret_cast<char*>(inverse + n);
-  invert(D, schedule.n, inverse);
+  const double* packed = prepare(schedule, Lx, D, inverse);
+  char* everywhere = reinterpret_cast<char*>(inverse + n + schedule.packed.size());
   std::fill_n(everywhere, n, 1);
   kernel::in_chunks<kernel::kPanel>(first, first + cols, [&](int c, auto size) {
     constexpr int N = size.value;
@@ -147,10 +150,10 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
       b.store(x + k * N);
       b.store(r + k * N);
     }
-    kernel::solve_columns<N>(schedule, Lx, inverse, nonzero, x, [](int, const auto&) {});
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [](int, const auto&) {});
     subtract_product<N>(
         A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
-    kernel::solve_columns<N>(schedule, Lx, inverse, everywhere, r, [&](int k, const auto& t) {
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, everywhere, r, [&](int k, const auto& t) {
       auto sum = Tile<double, N>::load(x + k * N);
       add_times<N>(sum, 1, t);
       sum.store(at(k));

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "../derivative_columns.hpp"
 #include "../drop_rounding.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
@@ -78,8 +77,12 @@ class SideBySide {
 
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  static constexpr int kColumns = sparse::kernel::kPanel;  // of a panel at a time: a multiple of W
-  static_assert(kColumns % W == 0 && (kColumns <= 8 || kColumns == 16), "chunks of a multiple of eight columns");
+  /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W.
+  static constexpr int kColumns = sparse::kernel::kPanel, kPart = std::min(kColumns, 8), kParts = kColumns / kPart;
+  static_assert(kPart % W == 0 && 8 % kPart == 0);
+  struct Chunk {
+    int first[kParts], parts;
+  };
 
   void find_places();
   template <class Job>
@@ -114,7 +117,7 @@ class SideBySide {
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain);
   template <int N>
-  void solve_columns(int first, std::span<const Panel> panels, Mask plain);
+  void solve_columns(std::size_t chunk, std::size_t lane, const Panel& panel);
   void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
@@ -152,16 +155,18 @@ class SideBySide {
   std::vector<std::vector<int>> columns_;    // per contact: its coordinates
   std::vector<std::pair<int, int>> places_;  // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;                // that reach_ is of
-  // Per row of K, in the pattern's order, for each chunk of columns: where right-hand sides, and L^-1 times them, may
-  // be other than zero.
+  std::vector<Chunk> chunks_;                // of all columns
+  // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
+  // than zero.
   std::vector<char> reach_, reached_;
-  std::vector<char> nonzero_;             // per row of K
-  std::vector<S> B_;                      // right-hand sides, zero but for places_ and torques
-  std::vector<double> Lx_, inverse_;      // L and 1 / D lane by lane
-  std::vector<double> Dx_, Kx_;           // one lane's
-  std::vector<double> work_;              // a chunk of each lane's columns; of solve_refined
-  double rounding_;                       // sparse::ldl_rounding
-  std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
+  std::vector<char> nonzero_;  // per row of K
+  std::vector<S> B_;           // right-hand sides, zero but for places_ and torques
+  std::vector<S> packed_;
+  std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
+  std::vector<double> Dx_, Kx_;                       // one lane's
+  std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
+  double rounding_;                                   // sparse::ldl_rounding
+  std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
 };
@@ -197,11 +202,13 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       rnea_(*model_),
       columns_(support.columns),
       nonzero_(pattern_->size()),
+      packed_(pattern_->schedule().packed.size()),
       Lx_(W * L_.size()),
+      packed_x_(W * packed_.size()),
       inverse_(W * D_.size()),
       Dx_(D_.size()),
       Kx_(K_.size()),
-      work_(std::max(W * D_.size() * kColumns + 8, sparse::panel_kernels().work_size(D_.size()))),
+      work_(sparse::panel_kernels().work_size(pattern_->schedule())),
       rounding_(sparse::ldl_rounding(pattern_->ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
@@ -479,27 +486,7 @@ void SideBySide<S>::scatter(const Scene& scene, const std::vector<int>& f_offset
   });
 }
 
-// ---- derivatives: dynamics/differentiate.cpp for all lanes at once -----------------------------------------------
-
-template <class S>
-void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
-                                  std::span<const Panel> panels) {
-  const Island& first = *islands.front();
-  linearise(job, islands);
-  derivative_terms(job.scene, first);
-  find_reach(job, panels.front().ld);
-  Panels B(B_.data(), pattern_->size(), panels.front().ld);
-  right_sides(job, B);
-  Mask plain = S(0) <= S(0);
-  if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
-    S wanted(0);
-    for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
-    plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
-  }
-  solve_panels(panels, plain);
-  for (std::size_t l = 0; l < panels.size(); ++l)
-    if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
-}
+// ---- the solution once more, for derivatives (derivatives.hpp) and products -------------------------------------
 
 template <class S>
 void SideBySide<S>::keep(std::uint64_t serial, std::span<const Island* const> islands) {
@@ -531,138 +518,6 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
   if (kept) return;
   assemble(job.scene.damping);
   factor();
-}
-
-/// Contact forces on the bodies, and the terms of -dr.
-template <class S>
-void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
-  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    add_force<S>(contact, contacts_[k], contacts_[k].W.transpose() * contact_f_[k], fext_);
-  }
-  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const bool between = contact.B.robot >= 0;
-    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
-                           contact_f_[k], contacts_[k], contact_terms_[k]);
-  }
-}
-
-/// Rows of the right-hand sides that are not zero, for each chunk of columns; and memory. What never changes of them.
-template <class S>
-void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
-  const int size = pattern_->size(), chunks = (ld + kColumns - 1) / kColumns;
-  if (request_ == job.request && reach_.size() == static_cast<std::size_t>(chunks) * size) return;
-  B_.assign(static_cast<std::size_t>(size) * ld, S(0));
-  reach_.assign(static_cast<std::size_t>(chunks) * size, 0);
-  const auto reach = [&](int row, int column) { reach_[column / kColumns * size + pattern_->iperm[row]] = 1; };
-  for (const auto& [i, j] : places_) {
-    if (job.request.q) reach(i, job.q_first + j);
-    if (job.request.v) reach(i, job.v_first + j);
-  }
-  for (int i = 0; job.request.u && i < torques(job); ++i) {
-    reach(torque(job, i), job.u_first + i);
-    B_[torque(job, i) * static_cast<std::size_t>(ld) + job.u_first + i] = S(1);
-  }
-  reached_ = reach_;
-  for (int c = 0; c < chunks; ++c) sparse::ldl_scheduled_reach(pattern_->schedule(), reached_.data() + c * size);
-  request_ = job.request;
-}
-
-/// X = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
-template <class S>
-void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
-  const int nv = model_->nv;
-  for (const auto& [i, j] : places_) {
-    if (job.request.q) X(i, job.q_first + j) = S(0);
-    if (job.request.v) X(i, job.v_first + j) = S(0);
-  }
-  const auto rows = [&](std::size_t k, int first) {
-    return X.block(nv + row_offset_[k], first, contacts_[k].a0.size(), nv);
-  };
-  if (job.request.q) {
-    auto top = X.block(0, job.q_first, nv, nv);
-    internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
-    for (std::size_t k = 0; k < contacts_.size(); ++k) {
-      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k, job.q_first));
-      internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k, job.q_first));
-      internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, top);
-    }
-  }
-  if (job.request.v) {
-    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X.block(0, job.v_first, nv, nv));
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
-  }
-}
-
-/// Lanes in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
-/// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
-template <class S>
-typename S::Mask SideBySide<S>::accurate_unrefined() {
-  sparse::ldl_row_sums(pattern_->K, numbers(K_.data()), pattern_->ldl, numbers(L_.data()), numbers(D_.data()),
-                       numbers(r_.data()), numbers(scale_.data()));
-  S of_factor(0), of_K(0);
-  for (std::size_t k = 0; k < r_.size(); ++k) {
-    of_factor = larger(r_[k], of_factor);
-    of_K = larger(scale_[k], of_K);
-  }
-  return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
-}
-
-/// [da; df] = K^-1 B of the lanes that are plain.
-template <class S>
-void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
-  for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
-  spread_lanes(L_.data(), L_.size(), Lx_.data(), L_.size());
-  spread_lanes(correction_.data(), D_.size(), inverse_.data(), D_.size());
-  const int ld = panels.front().ld;
-  int c = 0;
-  for (; c + kColumns <= ld; c += kColumns) solve_columns<kColumns>(c, panels, plain);
-  if (c < ld) solve_columns<std::min(kColumns, 8)>(c, panels, plain);
-}
-
-/// N columns from `first` on, lane by lane: what one lane needs at a time stays in the first cache.
-template <class S>
-template <int N>
-void SideBySide<S>::solve_columns(int first, std::span<const Panel> panels, Mask plain) {
-  const int size = pattern_->size(), nv = model_->nv;
-  const std::ptrdiff_t ld = panels.front().ld;
-  const int* perm = pattern_->perm.data();
-  const char *reach = reach_.data() + first / kColumns * size, *reached = reached_.data() + first / kColumns * size;
-  double* work = work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
-  const std::ptrdiff_t of_lane = static_cast<std::ptrdiff_t>(size) * N;
-  for (int k = 0; k < size; ++k) {
-    if (reach[k])
-      spread_lanes(B_.data() + perm[k] * ld + first, N, work + k * N, of_lane);
-    else
-      for (int l = 0; l < W; ++l) std::fill_n(work + l * of_lane + k * N, N, 0.0);
-  }
-  for (std::size_t l = 0; l < panels.size(); ++l) {
-    if (!plain[static_cast<int>(l)]) continue;
-    double* X = panels[l].X + first;
-    sparse::kernel::solve_columns<N>(
-        pattern_->schedule(), Lx_.data() + l * L_.size(), inverse_.data() + l * D_.size(), reached, work + l * of_lane,
-        [&](int k, const auto& row) { row.times(perm[k] < nv ? 1.0 : -1.0).store(X + perm[k] * ld); });
-  }
-}
-
-/// X + K^-1 (B - K X) of one lane, X = K^-1 B.
-template <class S>
-void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
-  const auto take = [lane](const S* from, std::size_t count, double* to) {
-    for (std::size_t k = 0; k < count; ++k) to[k] = from[k][lane];
-  };
-  take(D_.data(), D_.size(), Dx_.data());
-  take(K_.data(), K_.size(), Kx_.data());
-  take(B_.data(), B_.size(), panel.X);
-  std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data() + lane * L_.size(),
-                                        Dx_.data(), pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld,
-                                        nonzero_.data(), work_.data());
-  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < B_.size(); ++k) panel.X[k] = -panel.X[k];
 }
 
 // ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------

@@ -70,7 +70,7 @@ class LdlFactor final : public Factor {
  private:
   // For refinement too: a later state may need it, and must not allocate.
   void reserve_panels() {
-    const std::size_t size = sparse::panel_kernels().work_size(D_.size());
+    const std::size_t size = schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size();
     if (work_.size() < size) work_.resize(size);
   }
   void take(const std::shared_ptr<const KktPattern>& pattern) {

@@ -20,7 +20,7 @@ struct PanelKernels {
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
                           double* scale);
-  /// X <- A^-1 X, as ldl_solve_panel (ldl.hpp). work: work_size(n) doubles.
+  /// X <- A^-1 X, as ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
   /// The same refined once: with X = A^-1 B, X + A^-1 (B - A X).
@@ -40,7 +40,9 @@ struct PanelKernels {
   void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 
-  std::size_t work_size(std::size_t n) const { return n * (2 * columns + 2) + 8; }
+  std::size_t work_size(const LdlSchedule& schedule) const {
+    return static_cast<std::size_t>(schedule.n) * (2 * columns + 2) + schedule.packed.size() + 8;
+  }
 };
 
 /// The widest level that runs here.
