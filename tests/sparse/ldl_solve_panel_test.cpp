@@ -57,8 +57,8 @@ struct Factor {
       for (int i = symbolic.parent[k]; nonzero[k] && i >= 0; i = symbolic.parent[i]) nonzero[i] = 1;
     return nonzero;
   }
-  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: sums run in the same order, so that only the scaling by
-  // 1 / D and, where there is one, the machine's fused multiply-add make a difference.
+  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: the scaling by 1 / D, the order of sums of a few terms and,
+  // where there is one, the machine's fused multiply-add make a difference.
   double allowed(const Panel& given) const {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n(), n());
     for (int j = 0; j < n(); ++j)

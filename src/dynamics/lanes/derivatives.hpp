@@ -54,7 +54,10 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   if (request_ == job.request && !chunks_.empty() && B_.size() == static_cast<std::size_t>(size) * ld) return;
   chunks_.clear();  // so that they are not taken for found, should memory run out
   B_.assign(static_cast<std::size_t>(size) * ld, S(0));
-  if (W > 1) Bx_.assign(W * B_.size(), 0);
+  if (W > 1) {
+    Bx_.assign(W * B_.size(), 0);
+    answer_.resize(B_.size());
+  }
   std::vector<std::vector<char>> reach(parts, std::vector<char>(size, 0)), reached;
   const auto set = [&](int row, int column) { reach[column / kPart][pattern_->iperm[row]] = 1; };
   for (const auto& [i, j] : places_) {
@@ -153,18 +156,23 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
         const std::ptrdiff_t at = pattern_->perm[k] * ld + chunks_[c].first[part];
         spread_lanes(B_.data() + at, kPart, Bx_.data() + at, B_.size());
       }
-  for (std::size_t l = 0; l < panels.size(); ++l)
-    for (std::size_t c = 0; plain[static_cast<int>(l)] && c < chunks_.size(); ++c) {
+  for (std::size_t l = 0; l < panels.size(); ++l) {
+    if (!plain[static_cast<int>(l)]) continue;
+    // Many panels are not in the caches: they are written from one end to the other.
+    double* X = W == 1 ? panels[l].X : answer_.data();
+    for (std::size_t c = 0; c < chunks_.size(); ++c) {
       if (chunks_[c].parts == kParts)
-        solve_columns<kColumns>(c, l, panels[l]);
+        solve_columns<kColumns>(c, l, X, ld);
       else
-        solve_columns<kPart>(c, l, panels[l]);
+        solve_columns<kPart>(c, l, X, ld);
     }
+    if (W > 1) std::copy(answer_.begin(), answer_.end(), panels[l].X);
+  }
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, const Panel& panel) {
+void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* answer, std::ptrdiff_t ld) {
   using Row = sparse::kernel::Tile<double, N>;
   using Part = sparse::kernel::Tile<double, kPart>;
   const std::size_t size = D_.size();
@@ -176,13 +184,13 @@ void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, const Pan
   for (std::size_t k = 0; k < size; ++k)
     for (int part = 0; part < N / kPart; ++part) {
       const double zeros[kPart] = {};
-      const double* from = B + static_cast<std::ptrdiff_t>(perm[k]) * panel.ld + columns.first[part];
+      const double* from = B + perm[k] * ld + columns.first[part];
       Part::load(reach[k] ? from : zeros).store(X + k * N + part * kPart);
     }
   sparse::kernel::solve_columns<N>(
       pattern_->schedule(), Lx_.data() + lane * L_.size(), packed_x_.data() + lane * packed_.size(),
       inverse_.data() + lane * size, reached, X, [&](int k, const Row& row) {
-        double* to = panel.X + static_cast<std::ptrdiff_t>(perm[k]) * panel.ld;
+        double* to = answer + perm[k] * ld;
         const Row signed_row = row.times(perm[k] < model_->nv ? 1.0 : -1.0);
         for (int v = 0; v < Row::kVectors; ++v) {
           const int column = v * Row::kWidth;

@@ -42,8 +42,9 @@ void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_
     transpose(block);
     for (int l = 0; l < W; ++l) std::memcpy(to + l * stride + k, &block[l], sizeof block[l]);
   }
-  for (; k < count; ++k)
-    for (int l = 0; l < W; ++l) to[l * stride + k] = from[k][l];
+  if constexpr (W > 1)
+    for (; k < count; ++k)
+      for (int l = 0; l < W; ++l) to[l * stride + k] = from[k][l];
 }
 template <class To>
 void load_lane(int lane, const double* from, To& to) {
@@ -117,7 +118,7 @@ class SideBySide {
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain);
   template <int N>
-  void solve_columns(std::size_t chunk, std::size_t lane, const Panel& panel);
+  void solve_columns(std::size_t chunk, std::size_t lane, double* answer, std::ptrdiff_t ld);
   void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
@@ -164,6 +165,7 @@ class SideBySide {
   std::vector<S> packed_;
   std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
   std::vector<double> Dx_, Kx_;                       // one lane's
+  std::vector<double> answer_;                        // one lane's panel, side by side
   std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
   double rounding_;                                   // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
