@@ -74,9 +74,9 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 /// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
 inline constexpr double kConverged = 1e-12;
 
-/// Backward error of an unrefined solve above which panels of derivatives are refined once: derivatives are allowed
-/// 1000 eps cond(K) = 2.2e-13 cond(K), of which an unrefined solve then takes less than a quarter.
-/// Used by: solve_panel.
+/// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that
+/// is more, the bound that the factor gives for every column: derivatives are allowed 1000 eps cond(K) = 2.2e-13
+/// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, lanes.
 inline constexpr double kRefinePanel = 5e-14;
 
 /// dense-schur: a relative residual beyond which the factor holds nothing, and refining it would only make dependent
