@@ -38,6 +38,14 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 /// Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 1e-3;
 
+/// Of a row's length, what stands across the rows before it on the same held body: less, and that body's rows are left
+/// in the system as any other's. Orthogonal to 1e-14 by one pass of Gram and Schmidt.
+/// Used by: held bodies of sparse-bodies.
+inline constexpr double kHeldApart = 1e-2;
+/// Of what comes from below along a held body's rows, where any number solves the system: enough for a body without
+/// inertia of its own to have a pivot.
+inline constexpr double kHeldKept = 1e-2;
+
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
