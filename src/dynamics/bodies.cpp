@@ -70,8 +70,7 @@ void evaluate_bodies(const Scene& scene, const ConstVector& q, const ConstVector
                              b.motion.data() + o,
                              b.force.data() + o});
     b.joints.segment(first, model.nv) = data.tau.segment(robot.idx_v, model.nv);
-    for (int i = 0; i < model.njoints(); ++i)
-      if (model.joints[i].parent < 0) b.motion[o + i] += base;
+    for (int i = o; i < o + model.njoints(); i = s.pattern->end[i]) b.motion[i] += base;
   }
   evaluate_rows(scene, data, d, form);
 }
@@ -108,19 +107,20 @@ const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& 
   return moves(at) ? &form.kin[local_robot(island, at.robot)] : nullptr;
 }
 
-bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                     FactorScratch& scratch, IslandWork& d, IslandReport& report) {
+bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
+                     IslandReport& report) {
   BodyForm& form = *d.bodies;
   evaluate_bodies(scene, q, v, data, d);
   report.method = Method::kSparseBodies;
-  report.reason = has_vanishing_row(form) ? Reason::kSmallPivot : form.factor.factorize(d.K, scratch);
+  report.reason = has_vanishing_row(form) ? Reason::kSmallPivot
+                                          : factorize_bodies(form.factor.system, form.factor.ldl, &form.solution.b);
   if (report.reason != Reason::kNone) return false;
   const sparse::Refinement refinement =
-      solve_refined(form.factor.system, form.factor.ldl, form.solution, tolerance::kRefinementSteps);
+      solve_refined(form.factor.system, form.factor.ldl, form.solution, tolerance::kRefinementSteps, true);
   report.factor_nonzeros = form.factor.nonzeros();
   report.refinement_steps = refinement.steps;
   const BodyVectors& x = form.solution.x;
-  if (!(refinement.backward_error <= tolerance::kConverged) || !all_finite(x)) {
+  if (!(refinement.backward_error <= tolerance::kConverged)) {  // NaN where x is not finite
     report.reason = all_finite(form.solution.b) ? Reason::kLargeResidual : Reason::kNotFinite;
     return false;
   }

@@ -30,8 +30,8 @@ inline bool by_bodies(const IslandWork& d) { return d.bodies && d.factor == &d.b
 
 /// Evaluates, factorizes and solves; d.factor, data.a, data.f and the report are the answer's. False where there is
 /// none, report.reason says why.
-bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                     FactorScratch& scratch, IslandWork& d, IslandReport& report);
+bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
+                     IslandReport& report);
 
 /// Of an attachment's robot; nullptr where its body cannot move.
 const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at);

@@ -98,6 +98,7 @@ double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
 
 void bound_by_bodies(const Scene& scene, const Workspace& work, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
+  (void)backward_error(form.factor.system, form.solution.b, form.solution.x, form.solution.residual);
   const std::vector<double> w = uncertainty(scene, work, d);
   const auto relative = [](double error, const Eigen::VectorXd& x) {
     return x.size() == 0 || error == 0 ? 0 : error / x.cwiseAbs().maxCoeff();

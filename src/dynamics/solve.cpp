@@ -82,7 +82,7 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
   if (has_bodies(d) && !d.was_dependent) {
     report.reason = check_input(scene, q, v, data.tau, d.island);
     if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-    if (solve_by_bodies(scene, q, v, data, scratch, d, report)) return;
+    if (solve_by_bodies(scene, q, v, data, d, report)) return;
     if (joint_space_size(*d.shape) > kMostJointSpace) return fail(scene, data, d.island, report);
     const Reason refused = report.reason;
     solve_in_joint_space(scene, q, v, data, scratch, d, report);

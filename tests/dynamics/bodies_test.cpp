@@ -132,6 +132,25 @@ TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
   }
 }
 
+// Held bodies cut off what hangs below; their own inertia may be none.
+TEST(Bodies, HeldBodiesWithoutInertia) {
+  for (const ContactType type : {ContactType::k3D, ContactType::k6D}) {
+    ChainOptions options;
+    options.links = 60;
+    options.type = type;
+    Chain c = make_chain(options);
+    Model model = *c.scene.robots[0].model;
+    for (const int i : {9, 29, 39}) model.joints[i].inertia = {};
+    c.scene.robots[0].model = std::make_shared<const Model>(std::move(model));
+    Both x(c.scene, c.q, c.v, c.u);
+    ASSERT_EQ(x.bodies.report.status, Status::kOk);
+    EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
+    EXPECT_LE(x.bodies.report.backward_error, 1e-14);
+    const Errors e = errors<double>(c.scene, x.bodies, x.dense.a, x.dense.f, conditions(c.scene, x.dense));
+    EXPECT_LE(e.excess, 1) << e;
+  }
+}
+
 TEST(Bodies, LoopsAlongAChain) {
   ChainOptions options;
   options.links = 120;

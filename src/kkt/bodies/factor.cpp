@@ -14,26 +14,16 @@ void BodySolve::resize(const BodyPattern& p) {
   residual.resize(p);
 }
 
-namespace {
-
-void add(const BodyVectors& dx, BodyVectors& x) {
-  for (std::size_t i = 0; i < x.motion.size(); ++i) {
-    x.motion[i] += dx.motion[i];
-    x.force[i] += dx.force[i];
-  }
-  x.joints += dx.joints;
-  x.rows += dx.rows;
-}
-
-}  // namespace
-
-sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps) {
-  solve_bodies(system, ldl, v.b, v.x);
+sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps, bool lifted) {
+  if (!lifted) lift_bodies(system, ldl, v.b);
+  double error = drop_bodies(system, ldl, v.b, v.x, v.residual);
   return sparse::refine(
-      max_steps, tolerance::kRefined, [&] { return backward_error(system, v.b, v.x, v.residual); },
+      max_steps, tolerance::kRefined, [&] { return error; },
       [&] {
-        solve_bodies(system, ldl, v.residual.r, v.dx);
-        add(v.dx, v.x);
+        lift_bodies(system, ldl, v.residual.r);
+        error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
+        // perhaps of equations whose terms are nothing beside the others
+        if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);
       });
 }
 

@@ -1,9 +1,11 @@
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "sweep.hpp"
 
 namespace manycontact {
 
@@ -16,6 +18,9 @@ void BodyLdl::resize(const BodyPattern& s) {
   Dinv.resize(s.D_first.back());
   count.resize(s.nodes);
   gone.resize(s.nodes);
+  row_first.resize(s.nodes);
+  joint_first.resize(s.nodes);
+  square_first.resize(s.nodes);
   row.resize(s.row_first.back());
   G.resize(s.row_first.back());
   H.resize(s.row_first.back());
@@ -23,6 +28,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   E.resize(s.square_first.back());
   base_row.resize(s.most_at_base);
   base_E.resize(static_cast<std::size_t>(s.most_at_base) * s.most_at_base);
+  hold.resize(s.own_first.size() - 1);
   reach.resize(s.nc);
   place.assign(s.nc, -1);
 }
@@ -43,14 +49,14 @@ struct Rows {
 };
 
 Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
-  const std::size_t first = s.row_first[i];
+  const std::size_t first = d.row_first[i];
   return {d.count[i],
           s.most[i],
           d.row.data() + first,
           d.G.data() + first,
           d.H.data() + first,
-          d.W.data() + s.joint_first[i],
-          d.E.data() + s.square_first[i]};
+          d.W.data() + d.joint_first[i],
+          d.E.data() + d.square_first[i]};
 }
 
 // Q += X^T P X, with X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] symmetric:
@@ -264,6 +270,49 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
+// Q R = G of the rows that hold node i, by Gram and Schmidt; then N C N and N G_j in place of C and G_j (BodyHold).
+void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
+  const BodyPattern& s = *system.pattern;
+  if (s.hold[i] < 0) return;
+  BodyHold& h = d.hold[s.hold[i]];
+  const int* own = s.own.data() + s.own_first[s.hold[i]];
+  const int m = s.own_first[s.hold[i] + 1] - s.own_first[s.hold[i]];
+  h.rows = 0;
+  if (system.delta > 0) return;
+  for (int k = 0; k < m; ++k) {
+    const int row = own[k];
+    V6 G = s.A[row] == i ? system.GA.col(row) : system.GB.col(row);
+    const double length = G.norm();
+    for (int j = 0; j < k; ++j) {
+      h.R(j, k) = h.Q.col(j).dot(G);
+      G -= h.R(j, k) * h.Q.col(j);
+    }
+    h.R(k, k) = G.norm();
+    if (!(h.R(k, k) > tolerance::kHeldApart * length)) return;
+    h.Q.col(k) = G / h.R(k, k);
+  }
+  h.rows = m;
+  const auto Q = h.Q.leftCols(m);
+  for (int k = 0; k < at.m; ++k) {
+    if (std::find(own, own + m, at.row[k]) != own + m) continue;
+    if (m == 6)
+      at.G[k].setZero();
+    else
+      at.G[k] -= Q * (Q.transpose() * at.G[k]).eval();
+  }
+  M6 Y;
+  set(system.Y[i], Y);
+  h.C = d.P[i] - Y;
+  if (m == 6) {
+    Y += tolerance::kHeldKept * h.C;
+  } else {
+    const M6 C = h.C - Q * (Q.transpose() * h.C).eval();
+    Y += C - (C * Q).eval() * Q.transpose();
+    Y += tolerance::kHeldKept * (Q * (Q.transpose() * h.C * Q).eval()).eval() * Q.transpose();
+  }
+  d.P[i] = Y;
+}
+
 V6 diagonal_of(const Inertia<double>& Y) {
   V6 out;
   out << Y.m, Y.m, Y.m, Y.I.diagonal();
@@ -272,8 +321,10 @@ V6 diagonal_of(const Inertia<double>& Y) {
 
 }  // namespace
 
-Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
+Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors* b) {
   const BodyPattern& s = *system.pattern;
+  if (b) d.g = b->rows;
+  std::size_t row_first = 0, joint_first = 0, square_first = 0;
   d.base_row.resize(s.most_at_base);
   std::fill(d.reach.begin(), d.reach.end(), system.delta);
   std::fill(d.place.begin(), d.place.end(), -1);
@@ -289,8 +340,12 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
       size.head<3>() += C.diagonal().head<3>();
       size.tail<3>().array() += 2 * (C.diagonal().tail<3>().array() + lever);
     }
+    d.row_first[i] = row_first, d.joint_first[i] = joint_first, d.square_first[i] = square_first;
     gather_rows(system, d, i);
     Rows at = rows_of(s, d, i);
+    row_first += at.m, joint_first += static_cast<std::size_t>(at.m) * s.ndof[i];
+    square_first += static_cast<std::size_t>(at.m) * s.most[i];
+    project(system, d, i, at);
     d.gone[i] = 0;
     const V6 diagonal = d.P[i].diagonal();
     for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free
@@ -301,6 +356,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d) {
                                            : eliminate_joint<6>(system, d, i, size, at, P);
     if (!positive) return d.P[i].allFinite() ? Reason::kSingularInertia : Reason::kNotFinite;
     if (at.m > 0 && !eliminate_rows(s, d, i, at, P)) return P.allFinite() ? Reason::kSmallPivot : Reason::kNotFinite;
+    if (b) lift_node(system, d, *b, i);
     const int parent = s.parent[i];
     if (parent < 0) continue;
     if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // its last child comes first

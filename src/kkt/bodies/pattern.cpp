@@ -45,6 +45,23 @@ void number_rows(const Scene& scene, const Island& island, BodyPattern& p) {
       if (i >= 0) p.at[count[i]++] = row;
 }
 
+void find_holds(BodyPattern& p) {
+  p.hold.assign(p.nodes, -1);
+  p.own_first.assign(1, 0);
+  for (int i = 0; i < p.nodes; ++i) {
+    if (p.end[i] == i + 1) continue;
+    const std::size_t before = p.own.size();
+    for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q)
+      if (p.A[p.at[q]] < 0 || p.B[p.at[q]] < 0) p.own.push_back(p.at[q]);
+    if (p.own.size() == before || p.own.size() - before > 6) {
+      p.own.resize(before);
+      continue;
+    }
+    p.hold[i] = static_cast<int>(p.own_first.size()) - 1;
+    p.own_first.push_back(static_cast<int>(p.own.size()));
+  }
+}
+
 // The node at which a row's two ends meet, -1: none.
 int meeting(const BodyPattern& p, int row) {
   int i = p.A[row];
@@ -104,6 +121,7 @@ BodyPattern analyze_bodies(const Scene& scene, const Island& island) {
   p.nc = island.nc;
   number_nodes(scene, island, p);
   number_rows(scene, island, p);
+  find_holds(p);
   make_room(p);
   return p;
 }

@@ -1,4 +1,5 @@
 #include "manycontact/kkt/bodies/ldl.hpp"
+#include "sweep.hpp"
 
 namespace manycontact {
 
@@ -6,12 +7,51 @@ namespace {
 
 using V6 = Vec6<double>;
 
+// x of R^T x = b, in place.
+void solve_transposed(const BodyHold& h, V6& x) {
+  for (int k = 0; k < h.rows; ++k) {
+    for (int j = 0; j < k; ++j) x[k] -= h.R(j, k) * x[j];
+    x[k] /= h.R(k, k);
+  }
+}
+
+// p and g_j of what comes from the children, the acceleration along the rows that hold node i put in (BodyHold).
+void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
+  const BodyPattern& s = *system.pattern;
+  const BodyHold& h = d.hold[s.hold[i]];
+  if (h.rows == 0) return;
+  const int* own = s.own.data() + s.own_first[s.hold[i]];
+  const auto Q = h.Q.leftCols(h.rows);
+  V6 w;
+  for (int k = 0; k < h.rows; ++k) w[k] = d.g[own[k]];
+  solve_transposed(h, w);
+  const V6 a = Q * w.head(h.rows);
+  for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
+    const V6 at_child = motion_at(a, system.r[child]);
+    const std::size_t at = d.row_first[child];
+    for (int k = d.gone[child]; k < d.count[child]; ++k) d.g[d.row[at + k]] -= d.H[at + k].dot(at_child);
+  }
+  for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
+    const int row = s.at[q];
+    if (s.A[row] < 0 || s.B[row] < 0) continue;
+    if (s.A[row] == i) d.g[row] -= a.dot(system.GA.col(row));
+    if (s.B[row] == i) d.g[row] -= a.dot(system.GB.col(row));
+  }
+  if (h.rows < 6) {
+    const V6 p = d.p[i] - b.force[i] + h.C * a;
+    d.p[i] = b.force[i] + p - Q * (Q.transpose() * p).eval();
+  } else {
+    d.p[i] = b.force[i];
+  }
+}
+
 // From the leaves: what the right-hand sides leave for a node's parent, p and g.
 template <int N>
 V6 lift(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const int first = s.first_dof[i];
   const V6& c = b.motion[i];
+  if (s.hold[i] >= 0) lift_hold(system, d, b, i);
   V6 p = d.p[i];
   p.noalias() += d.P[i] * c;
   Eigen::Matrix<double, N, 1> u = b.joints.segment<N>(first);
@@ -22,11 +62,11 @@ V6 lift(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   p.noalias() += d.U.middleCols<N>(first) * Du;
   const int m = d.count[i];
   if (m == 0) return p;
-  const std::size_t at = s.row_first[i];
-  const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + s.joint_first[i], N, m);
+  const std::size_t at = d.row_first[i];
+  const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + d.joint_first[i], N, m);
   for (int k = 0; k < m; ++k) d.g[d.row[at + k]] -= d.G[at + k].dot(c) + W.col(k).dot(Du);
   for (int k = 0; k < d.gone[i]; ++k) {
-    const double* L = d.E.data() + s.square_first[i] + k;  // column k
+    const double* L = d.E.data() + d.square_first[i] + k;  // column k
     const double g = d.g[d.row[at + k]];
     p -= d.H[at + k] * (g * L[static_cast<std::ptrdiff_t>(k) * s.most[i]]);
     for (int j = k + 1; j < m; ++j) d.g[d.row[at + j]] -= L[static_cast<std::ptrdiff_t>(j) * s.most[i]] * g;
@@ -39,15 +79,15 @@ template <int N>
 void drop(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const int first = s.first_dof[i], m = d.count[i];
-  const std::size_t at = s.row_first[i];
+  const std::size_t at = d.row_first[i];
   for (int k = d.gone[i] - 1; k >= 0; --k) {
-    const double* L = d.E.data() + s.square_first[i] + k;
+    const double* L = d.E.data() + d.square_first[i] + k;
     double y = (d.H[at + k].dot(a) - d.g[d.row[at + k]]) * L[static_cast<std::ptrdiff_t>(k) * s.most[i]];
     for (int j = k + 1; j < m; ++j) y -= L[static_cast<std::ptrdiff_t>(j) * s.most[i]] * x.rows[d.row[at + j]];
     x.rows[d.row[at + k]] = y;
   }
   Eigen::Matrix<double, N, 1> w = d.U.middleCols<N>(first).transpose() * a;
-  const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + s.joint_first[i], N, m);
+  const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + d.joint_first[i], N, m);
   for (int k = 0; k < m; ++k) w += W.col(k) * x.rows[d.row[at + k]];
   const Eigen::Matrix<double, N, 1> qdd =
       d.u.segment<N>(first) - Eigen::Map<const Eigen::Matrix<double, N, N>>(d.Dinv.data() + s.D_first[i]) * w;
@@ -60,25 +100,31 @@ void drop(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int 
   for (int k = 0; k < m; ++k) f += d.G[at + k] * x.rows[d.row[at + k]];
 }
 
-}  // namespace
-
-void solve_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x) {
+// y of the rows that hold node i, by its own equation.
+void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
-  d.g = b.rows;
-  for (int i = s.nodes - 1; i >= 0; --i) {
-    if (s.end[i] == i + 1) d.p[i] = b.force[i];
-    const V6 p = s.ndof[i] == 1   ? lift<1>(system, d, b, i)
-                 : s.ndof[i] == 3 ? lift<3>(system, d, b, i)
-                                  : lift<6>(system, d, b, i);
-    const int parent = s.parent[i];
-    if (parent < 0) continue;
-    if (s.end[i] == s.end[parent])
-      d.p[parent] = b.force[parent] + force_from(p, system.r[i]);
-    else
-      d.p[parent] += force_from(p, system.r[i]);
+  const BodyHold& h = d.hold[s.hold[i]];
+  if (h.rows == 0) return;
+  const int* own = s.own.data() + s.own_first[s.hold[i]];
+  V6 f = x.force[i] - b.force[i] - system.Y[i] * x.motion[i];
+  for (int child = i + 1; child < s.end[i]; child = s.end[child]) f -= force_from(x.force[child], system.r[child]);
+  for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
+    const int row = s.at[q];
+    if (s.A[row] < 0 || s.B[row] < 0) continue;
+    f -= (s.A[row] == i ? system.GA.col(row) : system.GB.col(row)) * x.rows[row];
   }
+  V6 w;
+  w.head(h.rows) = h.Q.leftCols(h.rows).transpose() * f;
+  for (int k = h.rows - 1; k >= 0; --k) {  // R y = Q^T f
+    for (int j = k + 1; j < h.rows; ++j) w[k] -= h.R(k, j) * w[j];
+    x.rows[own[k]] = w[k] /= h.R(k, k);
+  }
+}
+
+// y of the rows left at the bases.
+void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   const int m = static_cast<int>(d.base_row.size());
-  const auto L = [&](int i, int j) { return d.base_E[static_cast<std::size_t>(i) * s.most_at_base + j]; };
+  const auto L = [&](int i, int j) { return d.base_E[static_cast<std::size_t>(i) * most + j]; };
   for (int k = 0; k < m; ++k)
     for (int j = k + 1; j < m; ++j) d.g[d.base_row[j]] -= L(j, k) * d.g[d.base_row[k]];
   for (int k = m - 1; k >= 0; --k) {
@@ -86,15 +132,81 @@ void solve_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, Bo
     for (int j = k + 1; j < m; ++j) y -= L(j, k) * x.rows[d.base_row[j]];
     x.rows[d.base_row[k]] = y;
   }
+}
+
+// x of what was lifted. dropped(i): a, f, qdd of node i are known; closed(i): so are its children's f, and y at it.
+template <class Dropped, class Closed>
+void drop_all(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
+              Closed&& closed) {
+  const BodyPattern& s = *system.pattern;
+  solve_base(d, s.most_at_base, x);
+  const auto close = [&](int i) {
+    if (s.hold[i] >= 0) balance(system, d, b, i, x);
+    closed(i);
+  };
   for (int i = 0; i < s.nodes; ++i) {
-    const V6 a = s.parent[i] < 0 ? V6(V6::Zero()) : motion_at(x.motion[s.parent[i]], system.r[i]);
+    const int parent = s.parent[i];
+    const V6 a = parent < 0 ? V6(V6::Zero()) : motion_at(x.motion[parent], system.r[i]);
     if (s.ndof[i] == 1)
       drop<1>(system, d, b, i, a, x);
     else if (s.ndof[i] == 3)
       drop<3>(system, d, b, i, a, x);
     else
       drop<6>(system, d, b, i, a, x);
+    dropped(i);
+    if (parent >= 0 && s.end[i] == s.end[parent]) close(parent);  // its last child
+    if (s.end[i] == i + 1) close(i);
   }
+}
+
+}  // namespace
+
+void lift_node(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
+  const BodyPattern& s = *system.pattern;
+  if (s.end[i] == i + 1) d.p[i] = b.force[i];
+  const V6 p = s.ndof[i] == 1   ? lift<1>(system, d, b, i)
+               : s.ndof[i] == 3 ? lift<3>(system, d, b, i)
+                                : lift<6>(system, d, b, i);
+  const int parent = s.parent[i];
+  if (parent < 0) return;
+  if (s.end[i] == s.end[parent])
+    d.p[parent] = b.force[parent] + force_from(p, system.r[i]);
+  else
+    d.p[parent] += force_from(p, system.r[i]);
+}
+
+void lift_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b) {
+  d.g = b.rows;
+  for (int i = system.pattern->nodes - 1; i >= 0; --i) lift_node(system, d, b, i);
+}
+
+double drop_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, BodyResidual& left) {
+  BodyJudge judge(system, b, x, left);
+  drop_all(
+      system, d, b, x, [](int) {}, [&](int i) { judge.node(i); });
+  judge.rows();
+  return judge.error();
+}
+
+double correct_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
+                      BodyResidual& left) {
+  const BodyPattern& s = *system.pattern;
+  BodyJudge judge(system, b, x, left);
+  const auto add = [&](int i) {
+    x.motion[i] += dx.motion[i];
+    x.force[i] += dx.force[i];
+    for (int k = s.first_dof[i]; k < s.first_dof[i] + s.ndof[i]; ++k) x.joints[k] += dx.joints[k];
+  };
+  drop_all(system, d, left.r, dx, add, [&](int i) { judge.node(i, dx.rows.data()); });
+  x.rows += dx.rows;
+  judge.rows();
+  return judge.error();
+}
+
+void solve_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x) {
+  lift_bodies(system, d, b);
+  drop_all(
+      system, d, b, x, [](int) {}, [](int) {});
 }
 
 }  // namespace manycontact

@@ -15,8 +15,9 @@ struct BodySolve {
 };
 
 /// x of b, refined with residuals of the whole system. Each of them touches a body and its parent only, so no rounding
-/// adds up along a chain.
-sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
+/// adds up along a chain. lifted: factorize_bodies did so with b.
+sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
+                                 bool lifted = false);
 
 /// Its vectors and panels are in the island's order: there is no K, and no order of elimination to permute to.
 class BodyFactor final : public Factor {

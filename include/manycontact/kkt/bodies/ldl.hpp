@@ -23,18 +23,34 @@
 
 namespace manycontact {
 
+/// Rows G = Q R that hold a body, G^T a = g. What the body's acceleration is along Q these rows say, so nothing that
+/// comes from the children counts there, whatever its size:
+///
+///   a = N a + a_g,  a_g = Q R^-T g,  N = 1 - Q Q^T:
+///   C <- N C N,  p <- N (p + C a_g),  G_j <- N G_j,  g_j <- g_j - G_j^T a_g      C, p, G_j: from the children
+///
+/// Along Q anything may be added to C. It changes y of these rows alone, which the body's own equation gives back once
+/// the children's forces are known. Without it, stiffness of all that hangs below piles up along the chain, and cancels
+/// in every digit.
+struct BodyHold {
+  int rows = 0;  // 0: not done, the rows depend on each other or are damped
+  Mat6<double> Q, R, C;
+};
+
 struct BodyLdl {  // block LDL from leaves to root
   // by factorize_bodies
-  std::vector<Mat6<double>> P;     // per node, before its joint is eliminated
-  Mat6X<double> U;                 // 6 x nv
-  std::vector<double> Dinv;        // per node ndof x ndof
-  std::vector<int> count, gone;    // per node: rows open before it, of which so many are eliminated there, these first
-  std::vector<int> row;            // of each open row: its number
+  std::vector<Mat6<double>> P;   // per node, before its joint is eliminated
+  Mat6X<double> U;               // 6 x nv
+  std::vector<double> Dinv;      // per node ndof x ndof
+  std::vector<int> count, gone;  // per node: rows open before it, of which so many are eliminated there, these first
+  std::vector<std::size_t> row_first, joint_first, square_first;  // per node, where its numbers begin in those below
+  std::vector<int> row;                                           // of each open row: its number
   std::vector<Vec6<double>> G, H;  // the same: G before the joint; when it is eliminated, or when it leaves the node
   std::vector<double> W, E;        // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
   std::vector<int> base_row;       // rows left at the bases, in the order in which they are eliminated
   std::vector<double> base_E;      // as E
   std::vector<double> reach;       // per row: sum of what joints gave E_kk
+  std::vector<BodyHold> hold;      // per hold of the pattern
   double growth = 1;               // of P
   double least_inertia = 0, most_inertia = 0;  // of joints, rows held before them included
 
@@ -50,8 +66,17 @@ struct BodyLdl {  // block LDL from leaves to root
 };
 
 /// kNone: sound. kSingularInertia: a joint has nothing to move, or no more than rounding. kSmallPivot: rows depend on
-/// each other, or nearly. kNotFinite.
-[[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl);
+/// each other, or nearly. kNotFinite. With b, right-hand sides are lifted in the same sweep.
+[[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr);
+
+/// The first half of solving, from the leaves: what b leaves at the bases.
+void lift_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
+
+/// The second, from the bases: x of the b lifted, and how far it is from solving.
+double drop_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
+/// The same for a correction, of which b = left.r was lifted: x += dx, and how far x is from solving for b.
+double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
+                      BodyResidual& left);
 
 /// x of the right-hand sides b.
 void solve_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x);

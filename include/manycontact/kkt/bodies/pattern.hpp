@@ -16,6 +16,10 @@ struct BodyPattern {
   std::vector<int> A, B;             // per contact row: the nodes it acts on, -1 for what stands still
   std::vector<int> at_first, at;     // rows that act on a node: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
+  // nodes with children that one to six rows hold to what stands still
+  std::vector<int> hold;            // per node: its number among them, -1: not one
+  std::vector<int> own_first, own;  // the rows that hold the h-th: own[own_first[h]] ... own[own_first[h + 1] - 1]
+
   // rows that may be open at a node before its joint is eliminated, and where its numbers begin: of rows, of rows
   // times coordinates, of rows times rows; the joint's D
   std::vector<int> most;

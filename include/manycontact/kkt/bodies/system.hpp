@@ -42,9 +42,11 @@ struct BodyVectors {
 
 /// How far x is from solving.
 struct BodyResidual {
-  BodyVectors r;                            // right-hand sides minus left-hand sides; of f: with its sign turned
+  BodyVectors r;  // right-hand sides minus left-hand sides; of f: with its sign turned
+  // by backward_error alone
   std::vector<Eigen::Vector4d> body_scale;  // per node: terms of a's linear and angular, f's linear and angular part
   Eigen::VectorXd joint_scale, row_scale;   // nv, nc
+  // by each
   double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms, of f and of the joints
   double contact = 0, contact_scale = 0;    // and of the rows
 
@@ -55,5 +57,28 @@ struct BodyResidual {
 /// the terms it is left of, these at least eps times the largest of their kind. f in the equation of a joint and a in
 /// that of a row count with the terms that they are sums of. NaN when x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
+
+/// The same node by node, in a sweep that is at hand; no terms are kept and none counts as more than it is, so the
+/// error is that of backward_error or larger. x.rows at the nodes: what they are with `more` added, if there is any.
+class BodyJudge {
+ public:
+  BodyJudge(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out)
+      : s_(system), b_(rhs), x_(x), out_(out) {}
+  void node(int i, const double* more = nullptr);  // once its children's forces are known
+  void rows();                                     // all of them, at last
+  double error();                                  // and completes `out`
+
+ private:
+  template <int N, bool Keep>
+  void equations(int i, const double* more);
+  friend double backward_error(const BodySystem&, const BodyVectors&, const BodyVectors&, BodyResidual&);
+
+  const BodySystem& s_;
+  const BodyVectors &b_, &x_;
+  BodyResidual& out_;
+  double error_ = 0, dynamics_ = 0, contact_ = 0;
+  double largest_[4] = {0, 0, 0, 0}, joint_ = 0, row_ = 0;
+  double sum_ = 0;  // of all residuals: not finite where any unknown is not
+};
 
 }  // namespace manycontact
