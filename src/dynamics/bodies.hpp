@@ -43,7 +43,7 @@ void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function);
 
 /// report.error_acceleration and error_forces, as estimate_errors has them.
-void bound_by_bodies(IslandWork& d, IslandReport& report);
+void bound_by_bodies(const Scene& scene, const Workspace& work, IslandWork& d, IslandReport& report);
 /// x <- K x, in the island's order, by a recursion.
 void multiply_bodies(const BodySystem& system, double* x);
 

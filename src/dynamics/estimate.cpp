@@ -109,7 +109,7 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
     if (!d.factor) continue;
     if (internal::by_bodies(d)) {
-      internal::bound_by_bodies(d, report);
+      internal::bound_by_bodies(scene, *data.workspace, d, report);
       continue;
     }
     const std::vector<double> w = uncertainty(scene, *data.workspace, d);

@@ -3,9 +3,11 @@
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
 // where each equation's terms are those of one body and its parent, and A is symmetric once unknowns and equations are
-// paired (a with f's, f with a's).
+// paired (a with f's, f with a's). b's own terms count by what they are computed from: v x* Y v is a difference of
+// products as large as |v|^2 |Y|, which a body fast beside its joints' speeds leaves nothing of.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "bodies.hpp"
@@ -19,8 +21,13 @@ namespace {
 
 using V6 = Vec6<double>;
 
+double size_of(const Inertia<double>& Y) {
+  return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
+}
+
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
-std::vector<double> uncertainty(const BodyForm& form) {
+std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
+  const BodyForm& form = *d.bodies;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
@@ -30,8 +37,22 @@ std::vector<double> uncertainty(const BodyForm& form) {
     for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.motion[i][k]) + c * left.body_scale[i][k / 3]);
     for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.force[i][k]) + c * left.body_scale[i][2 + k / 3]);
   }
+  for (std::size_t k = 0, i = 0; k < form.kin.size(); ++k)
+    for (const V6& v : form.kin[k].v) {
+      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = size_of(form.factor.system.Y[i]);
+      for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
+      ++i;
+    }
   for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + c * left.joint_scale[k]);
-  for (int k = 0; k < p.nc; ++k) w.push_back(std::abs(left.r.rows[k]) + c * left.row_scale[k]);
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[d.island.contacts[k]];
+    const ContactData<double>& rows = work.contacts[d.island.contacts[k]];
+    const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
+    for (int i = 0; i < contact.rows(); ++i) {
+      const int row = d.island.row_offset[k] + i;
+      w.push_back(std::abs(left.r.rows[row]) + c * (left.row_scale[row] + v * (v + std::abs(contact.beta))));
+    }
+  }
   return w;
 }
 
@@ -75,9 +96,9 @@ double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
 
 }  // namespace
 
-void bound_by_bodies(IslandWork& d, IslandReport& report) {
+void bound_by_bodies(const Scene& scene, const Workspace& work, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
-  const std::vector<double> w = uncertainty(form);
+  const std::vector<double> w = uncertainty(scene, work, d);
   const auto relative = [](double error, const Eigen::VectorXd& x) {
     return x.size() == 0 || error == 0 ? 0 : error / x.cwiseAbs().maxCoeff();
   };

@@ -41,6 +41,8 @@ const char* Riccati::name() const {
   return "";
 }
 
+const Riccati::Policy& Riccati::policy(int knot, int cluster) const { return policies_[knot][cluster]; }
+
 void Riccati::do_analyse(const Problem& problem) {
   plan_ = make_plan(problem, join_);
   flops_ = riccati_flops(problem, plan_);

@@ -109,6 +109,29 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
   }
 }
 
+// Bias forces are differences of products as large as the square of the speed: bounds know what that leaves.
+TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
+  for (const double speed : {1e2, 1e5, 1e8}) {
+    ChainOptions options;
+    options.links = 30;
+    options.held_every = 0;
+    options.loop_every = 8;
+    options.type = ContactType::k3D;
+    options.floating_base = true;
+    Chain c = make_chain(options);
+    c.v.head<3>() += speed * Vec3<double>(1, -0.7, 0.4);
+    SceneData x(c.scene, kBodies), y(c.scene, {Method::kSparseLdl, {}});
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, y).status, Status::kOk);
+    const Truth<Quad> truth = refine_truth<Quad>(c.scene, y, c.q.cast<Quad>(), c.v.cast<Quad>(), c.u.cast<Quad>(), 100);
+    ASSERT_TRUE(truth.regular[0]);
+    const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
+    estimate_errors(c.scene, x);
+    EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), x.report.error_acceleration * a.cwiseAbs().maxCoeff()) << speed;
+    EXPECT_LE((x.f - f).cwiseAbs().maxCoeff(), x.report.error_forces * f.cwiseAbs().maxCoeff()) << speed;
+  }
+}
+
 TEST(Bodies, LoopsAlongAChain) {
   ChainOptions options;
   options.links = 120;

@@ -66,7 +66,7 @@ std::vector<double> largest_forces(const Scene& scene, const std::vector<int>& f
     const Contact& contact = scene.contacts[c];
     const double size = largest_entry(f.segment(f_offset[c], contact.rows()));
     for (int robot : {contact.A.robot, contact.B.robot})
-      if (robot >= 0) out[robot] = internal::worse(out[robot], size);
+      if (robot >= 0) out.begin()[robot] = internal::worse(out.begin()[robot], size);
   }
   return out;
 }

@@ -8,7 +8,7 @@ namespace manycontact::sparse {
 /// Disjoint sets of 0 ... n-1, in memory of the caller's; a set's root is its smallest member.
 class UnionFind {
  public:
-  explicit UnionFind(std::span<int> memory) : parent_(memory) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit UnionFind(std::span<int> memory) : parent_(memory.data()) { std::iota(memory.begin(), memory.end(), 0); }
   int root(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -19,7 +19,7 @@ class UnionFind {
   }
 
  private:
-  std::span<int> parent_;
+  int* parent_;
 };
 
 }  // namespace manycontact::sparse
