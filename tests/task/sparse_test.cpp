@@ -307,5 +307,27 @@ TEST(SparseTask, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+// A receding horizon: the parts stay, and the numbers are those of a solver made for the shifted nodes.
+TEST(SparseTask, PartsFollowAHorizonThatMoves) {
+  const TaskFile task = separate_task(2);
+  const TaskProblem moved = make_problem(task, TaskSolver::kSparse);
+  SolverSparse solver(moved.problem);
+  (void)solver.solve(moved.xs, moved.us, 2);
+  const std::vector<const SolverSparsePart*> parts = {solver.parts()[0].get(), solver.parts()[1].get()};
+  std::vector<Eigen::VectorXd> us = moved.us;
+  for (int shift = 0; shift < 5; ++shift) {  // phases end and begin: the first four nodes stand on another foot
+    ShootingProblem& horizon = *moved.problem;
+    horizon.circularAppend(horizon.get_runningModels()[0], horizon.get_runningDatas()[0]);
+    std::rotate(us.begin(), us.begin() + 1, us.end());
+    (void)solver.solve(moved.xs, us, 2);
+    SolverSparse afresh(moved.problem);
+    (void)afresh.solve(moved.xs, us, 2);
+    EXPECT_EQ(solver.get_cost(), afresh.get_cost());
+    EXPECT_TRUE(solver.get_xs() == afresh.get_xs());
+    EXPECT_TRUE(solver.get_us() == afresh.get_us());
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_EQ(solver.parts()[i].get(), parts[i]);
+}
+
 }  // namespace
 }  // namespace manycontact::test
