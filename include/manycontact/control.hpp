@@ -19,6 +19,7 @@
 #include "manycontact/control/joined.hpp"
 #include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/limited_bfgs.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"
 #include "manycontact/control/parts.hpp"

@@ -127,4 +127,14 @@ double smallest_pivot_ratio(int n, const double* D, const double* scale) {
   return ratio;
 }
 
+double ldl_rounding(const LdlSymbolic& s) {
+  int of_row = 0, of_column = 0;  // most entries
+  for (int k = 0; k < s.n; ++k) {
+    of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
+    of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);
+  }
+  // an entry: its products, of two roundings each, and a division by the reciprocal; a row of each sweep; the pivots'
+  return (2 * of_row + of_column + 8) * std::numeric_limits<double>::epsilon() / 2;
+}
+
 }  // namespace manycontact::sparse

@@ -28,14 +28,36 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-void list_rows(const LdlSymbolic& s, LdlSchedule& out) {
-  out.row.assign(s.n + 1, 0);
-  for (int row : s.Li) ++out.row[row + 1];
-  for (int k = 0; k < s.n; ++k) out.row[k + 1] += out.row[k];
-  out.entries.resize(s.Li.size());
-  std::vector<int> next(out.row.begin(), out.row.end() - 1);
-  for (int j = 0; j < s.n; ++j)
-    for (int slot = s.Lp[j]; slot < s.Lp[j + 1]; ++slot) out.entries[next[s.Li[slot]]++] = {j, slot};
+// Columns first+c ... first+c+high-1 of a block of `width` columns.
+void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
+  LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
+                           static_cast<int>(out.packed.size())};
+  const int below = s.Lp[first + width] - s.Lp[first + width - 1];
+  const int* rows = s.Li.data() + s.Lp[first + width - 1];
+  const auto add_row = [&](int of_block) {  // row of the block
+    for (int i = c; i < c + high; ++i) out.packed.push_back(of_block > i ? s.Lp[first + i] + of_block - i - 1 : -1);
+  };
+  const auto add_segment = [&](int row) {
+    const bool next = static_cast<int>(out.segments.size()) > group.segment &&
+                      out.segments.back().row + out.segments.back().count == row;
+    if (next)
+      ++out.segments.back().count;
+    else
+      out.segments.push_back({row, 1});
+  };
+  for (int a = c + high; a < width; ++a) add_segment(first + a), add_row(a);
+  for (int b = 0; b < below; ++b) add_segment(rows[b]), add_row(width + b);
+  for (int a = c + 1; a < c + high; ++a) add_row(a);
+  group.segment_end = static_cast<int>(out.segments.size());
+  out.groups.push_back(group);
+}
+
+void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
+  for (int k = out.blocks() - 1; k >= 0; --k) {
+    const int width = out.block[k + 1] - out.block[k];
+    for (int c = width, high = LdlSchedule::kHigh; c > 0; high /= 2)
+      for (; c >= high; c -= high) add_group(s, out.block[k], width, c - high, high, out);
+  }
 }
 
 // The rows below a block, all of them rows of block T (its own first, then those below it), from row `begin` on.
@@ -60,8 +82,9 @@ void find_targets(const int* rows, int begin, int count, const int* T_rows, int 
 
 std::size_t LdlSchedule::bytes() const {
   return sizeof(int) *
-             (diagonal.size() + from.size() + to.size() + Lp.size() + block.size() + run.size() + row.size()) +
-         sizeof(Run) * runs.size() + sizeof(Target) * targets.size() + sizeof(Entry) * entries.size();
+             (diagonal.size() + from.size() + to.size() + Lp.size() + block.size() + run.size() + packed.size()) +
+         sizeof(Run) * runs.size() + sizeof(Target) * targets.size() + sizeof(Group) * groups.size() +
+         sizeof(Segment) * segments.size();
 }
 
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) {
@@ -93,7 +116,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) {
     out.run.push_back(static_cast<int>(out.runs.size()));
   }
   place_entries(A, s, out);
-  list_rows(s, out);
+  find_groups(s, out);
   out.Lp = s.Lp;
   out.compiled = true;
   return out;

@@ -28,6 +28,9 @@ constexpr double kCloser = 0.5;         // of the violation before: closer. Ten 
 constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
 constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
 constexpr int kWindow = 10;             // iterations that are to gain more than the next, or a minimisation crawls
+constexpr double kSlow = 0.1;           // of `stop`, by two iterations
+constexpr double kStillSlow = 0.3;      // by the last of them
+constexpr double kNearer = 0.1;         // of `stop` where quasi-Newton steps failed, to try again
 constexpr double kCrawl = 0.01;         // of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
@@ -96,6 +99,8 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   interrupted_ = false;
   outer_ = total_ = iter_ = 0;
   stuck_ = flat_ = 0;
+  curved_ = false;
+  failed_stop_ = std::numeric_limits<double>::infinity();
   cost_ = problem_->calc(xs_, us_);
   merit_ = NAN;
   measureViolation();
@@ -113,8 +118,28 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   moved_ = crawls_ = false;
   window_ = 0;
   window_merit_ = NAN;
-  inner_->solve(xs_, us_, most, is_feasible_, init_reg);
-  takeCandidate();
+  descend(total_ + most, init_reg);
+}
+
+// By the unconstrained solver, and from where it is slow by its quasi-Newton steps, unless these fail there.
+void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
+  for (;; init_reg = NAN) {
+    if (curved_) {
+      ended_ = inner_->descend(last - total_);
+      takeCandidate();
+      if (ended_ != StopReason::kNoStep || total_ == last) return;
+      curved_ = false;
+      failed_stop_ = stop_;
+    }
+    last_stops_.fill(std::numeric_limits<double>::infinity());
+    inner_->solve(xs_, us_, last - total_, is_feasible_, init_reg);
+    takeCandidate();
+    ended_ = inner_->reason();
+    if (!slow_ || interrupted_ || crawls_) return;
+    ended_ = StopReason::kIterations;
+    if (total_ == last) return;
+    curved_ = true;
+  }
 }
 
 void SolverAugmentedLagrangian::takeCandidate() {
@@ -144,7 +169,15 @@ void SolverAugmentedLagrangian::reportIteration() {
   ffeas_ = inner_->get_ffeas();
   iter_ = total_++;
   for (const auto& callback : callbacks_) (*callback)(*this);
-  if (interrupted_ || crawls()) inner_->interrupt();
+  if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
+}
+
+// Gauss-Newton's steps, near enough to a minimum for them to be fast.
+bool SolverAugmentedLagrangian::isSlow() {
+  slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
+          stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
+  last_stops_ = {last_stops_[1], stop_};
+  return slow_;
 }
 
 // Whether a window of iterations brought neither the augmented Lagrangian down nor the constraints closer: more of them
@@ -198,7 +231,7 @@ void SolverAugmentedLagrangian::assess() {
 }
 
 StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
-  const StopReason inner = inner_->reason();
+  const StopReason inner = ended_;
   const bool met = violation_ <= th_constraint_;
   if (met && kkt_ <= th_kkt_ && (inner_->get_stop() < th_stop_ || inner == StopReason::kNoStep))
     return StopReason::kConverged;
@@ -230,8 +263,12 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented) own.model->set_multipliers(own.data->y_next);
   if (reason_ == StopReason::kConverged) return;
+  failed_stop_ = std::numeric_limits<double>::infinity();
   const bool small = measure_ <= th_constraint_;
-  if (!small && !(measure_ <= kProgress * last_measure_)) set_penalty(std::min(rho_ * rho_factor_, rho_max_));
+  if (!small && !(measure_ <= kProgress * last_measure_)) {
+    set_penalty(std::min(rho_ * rho_factor_, rho_max_));
+    curved_ = false;
+  }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_) : tolerance_,
                         tolerance_after(measure_, rho_, th_constraint_));
   tolerance_ = std::max(tolerance_, 1e-30);

@@ -59,6 +59,8 @@ AL::Copy AL::augment_parts(const Model& whole, const Data& data, bool terminal, 
                                     std::move(parts));
   else
     model = std::make_shared<Model>(whole.get_state(), whole.get_nu(), std::move(parts));
+  model->set_u_lb(whole.get_u_lb());
+  model->set_u_ub(whole.get_u_ub());
   model->set_storage(whole.get_storage());
   return {model, model->createData(std::move(datas))};
 }
@@ -128,6 +130,7 @@ void AL::resizeData() {
   SolverAbstract::resizeData();
   if (!is_decorated()) decorate();
   inner_->resizeData();
+  inner_->allocateDescent();
 }
 
 void AL::circularAppend(std::shared_ptr<ActionModelAbstract> model) {

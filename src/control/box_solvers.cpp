@@ -17,9 +17,11 @@ void SolverWithBox<Base>::allocateData() {
   Base::allocateData();
   const std::size_t T = this->problem_->get_T();
   Quu_inv_.resize(T);
+  held_.resize(T);
   for (std::size_t t = 0; t < T; ++t) {
     const Eigen::Index nu = this->problem_->get_runningModels()[t]->get_nu();
     if (Quu_inv_[t].rows() != nu) Quu_inv_[t].setZero(nu, nu);
+    held_[t].resize(static_cast<std::size_t>(nu));
   }
 }
 
@@ -52,6 +54,39 @@ void SolverWithBox<Base>::limitControl(std::size_t t) {
   const ActionModelAbstract& model = *this->problem_->get_runningModels()[t];
   if (model.get_has_control_limits())
     this->us_try_[t] = this->us_try_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+}
+
+// Of controls that do not stand at a limit: those that the box QP took to one would not move at all.
+template <class Base>
+void SolverWithBox<Base>::preconditionFeedForward(std::vector<Eigen::VectorXd>& g) {
+  for (std::size_t t = 0; t < g.size(); ++t) {
+    if (g[t].size() == 0) continue;
+    auto& llt = this->Quu_llt_[t];
+    if (this->problem_->get_runningModels()[t]->get_has_control_limits()) llt.compute(this->Quu_[t]);
+    if (llt.info() == Eigen::Success) llt.solveInPlace(g[t]);
+  }
+  holdFeedForward(g);
+}
+
+template <class Base>
+void SolverWithBox<Base>::holdFeedForward(std::vector<Eigen::VectorXd>& nu) {
+  for (std::size_t t = 0; t < nu.size(); ++t)
+    for (Eigen::Index i = 0; i < nu[t].size(); ++i)
+      if (held_[t][static_cast<std::size_t>(i)]) nu[t][i] = 0;
+}
+
+template <class Base>
+void SolverWithBox<Base>::holdControls(std::size_t t, Eigen::VectorXd& g) {
+  const ActionModelAbstract& model = *this->problem_->get_runningModels()[t];
+  if (!model.get_has_control_limits()) return;
+  const Eigen::VectorXd& u = this->us_try_[t];
+  for (Eigen::Index i = 0; i < g.size(); ++i) {
+    const bool held = (u[i] <= model.get_u_lb()[i] && g[i] > 0) || (u[i] >= model.get_u_ub()[i] && g[i] < 0);
+    if (held) g[i] = 0;
+    if (held == held_[t][static_cast<std::size_t>(i)]) continue;
+    held_[t][static_cast<std::size_t>(i)] = held;
+    this->held_changed_ = true;
+  }
 }
 
 template class SolverWithBox<SolverDDP>;

@@ -154,6 +154,12 @@ ActionModelJoined::ActionModelJoined(std::shared_ptr<StateMultibody> state, Scen
       local_robot_[static_cast<std::size_t>(part.robots[l])] = static_cast<int>(l);
   check_size(kActionModelJoined, "the scene's q and v", scene_.nq + scene_.nv, state_->get_nx());
   check_parts();
+  const VectorXd& effort = static_cast<const StateMultibody&>(*state_).get_model()->effortLimit;
+  for (const Robot& robot : scene_.robots)
+    for (int k = 0; k < robot.model->nu(); ++k)
+      u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+  u_lb_ = -u_ub_;
+  update_has_control_limits();
   internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb, g_lb_);
   internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub, g_ub_);
   internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb_T, g_lb_T_);

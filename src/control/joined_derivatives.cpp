@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "coordinates.hpp"
 #include "joined_parts.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/joined.hpp"
@@ -214,13 +215,31 @@ void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
   d.Luu = H.bottomRightCorner(nu, nu);
 }
 
+namespace {
+
+// Lx + Gx^T y_g + Hx^T y_h of a part whose rows of the node's y these are; of u alike.
+struct PartGradient {
+  VectorXd x, u;
+  PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
+      : x(d.Lx), u(terminal ? VectorXd() : VectorXd(d.Lu)) {
+    if (y.size() == 0 || rows.empty()) return;
+    const VectorXd own = y(rows), of_g = own.head(d.g.size()), of_h = own.tail(d.h.size());
+    x += d.Gx.transpose() * of_g + d.Hx.transpose() * of_h;
+    if (!terminal) u += d.Gu.transpose() * of_g + d.Hu.transpose() * of_h;
+  }
+};
+
+}  // namespace
+
 // With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
 void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next, bool terminal,
-                     VectorXd& gx, VectorXd& gu) {
+                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   const Index ndx = static_cast<Index>(model.get_state()->get_ndx());
+  const auto rows = internal::constraint_rows(model.get_parts(), terminal);
   gx.resize(ndx);
   if (terminal) {
-    for (std::size_t i = 0; i < d.parts.size(); ++i) gx(model.get_parts()[i].dx) = d.parts[i]->Lx;
+    for (std::size_t i = 0; i < d.parts.size(); ++i)
+      gx(model.get_parts()[i].dx) = PartGradient(*d.parts[i], y, rows[i], true).x;
     return;
   }
   gu.resize(static_cast<Index>(model.get_nu()));
@@ -228,9 +247,10 @@ void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, 
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const ActionPart& part = model.get_parts()[i];
     const ActionDataAbstract& from = *d.parts[i];
+    const PartGradient own(from, y, rows[i], false);
     const VectorXd of_next = next(part.dx);
-    const VectorXd all = from.Lu + from.Fu.transpose() * of_next;
-    gx(part.dx) = from.Lx + from.Fx.transpose() * of_next;
+    const VectorXd all = own.u + from.Fu.transpose() * of_next;
+    gx(part.dx) = own.x + from.Fx.transpose() * of_next;
     gu(part.u) = all.head(static_cast<Index>(part.u.size()));
     for (std::size_t b = 0; b < model.bonds_of_parts()[i].size(); ++b)
       by_w.segment<6>(6 * model.bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));

@@ -82,8 +82,26 @@ void fill_nodes(const ShootingProblem& problem, lq::Problem& out) {
 
 namespace internal {
 
+namespace {
+
+// Part i's controls that stand at a limit: their slope is the limit's multiplier.
+void leave_out_limits(const ActionModelJoined& model, std::size_t i, const VectorXd& u, bool limits, lq::Knot& knot) {
+  const std::vector<int>& own = model.get_parts()[i].u;
+  lq::Group& group = knot.groups[i];
+  for (std::size_t j = 0; j < own.size(); ++j) {
+    if (!stands_at_limit(model, u, own[j], limits)) continue;
+    const Index at = static_cast<Index>(j);
+    group.B.col(at).setZero();
+    group.D.col(at).setZero();
+    group.r[at] = 0;
+  }
+}
+
+}  // namespace
+
 // The problem of kkt_residual.hpp with the wrenches as variables that cost nothing but Lw.
-std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem) {
+std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem,
+                                                          const std::vector<VectorXd>& us, bool limits) {
   lq::Problem lq = structure_of(problem);
   fill_nodes(problem, lq);
   for (lq::Knot& knot : lq.knots)
@@ -94,6 +112,9 @@ std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem&
       group.R.setZero();
       if (&knot != &lq.knots.back()) group.R.diagonal().head(lq.nu[i]).setOnes();
     }
+  for (std::size_t t = 0; t < us.size(); ++t)
+    for (std::size_t i = 0; i < lq.nu.size(); ++i)
+      leave_out_limits(*as_joined(problem, t), i, us[t], limits, lq.knots[t]);
   const std::unique_ptr<lq::DirectionSolver> solver = lq::choose(lq);
   lq::Point z;
   const bool answered =
@@ -152,7 +173,7 @@ void SolverJoinedPart::allocateData() {
   xnext_ = VectorXd::Zero(nx);
   lq_ = structure_of(*problem_);
   layout_ = lq::Layout(lq_);
-  z_ = lq::Point(lq_, layout_);
+  z_ = preconditioned_ = lq::Point(lq_, layout_);
   direction_ = lq::choose(lq_);
   const auto* schur = dynamic_cast<const lq::BondSchur*>(direction_.get());
   policies_ = schur ? &schur->clusters() : dynamic_cast<const lq::Riccati*>(direction_.get());
@@ -205,21 +226,98 @@ void SolverJoinedPart::stepControl(std::size_t t, double steplength) {
       from_model_[at] = dx_[t][parts[i].dx[j]] - steplength * z_.x[t][at];
     }
   us_try_[t] = us_[t] - steplength * k_[t];
+  add_gains_times(t, from_model_, us_try_[t]);
+}
+
+// use(cluster, K of its controls)
+template <class Use>
+void SolverJoinedPart::each_cluster(std::size_t t, Use&& use) {
   const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
-  for (std::size_t c = 0; c < clusters.size(); ++c) {
-    const lq::Cluster& cluster = clusters[c];
-    for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-      const int i = cluster.blocks[b];
-      of_cluster_.segment(cluster.x_start[b], lq_.nx[i]) = from_model_.segment(layout_.x[i], lq_.nx[i]);
-    }
+  for (std::size_t c = 0; c < clusters.size(); ++c)
+    use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
+}
+
+// About the candidate itself.
+void SolverJoinedPart::setFeedForward(const std::vector<VectorXd>& nu) {
+  SolverSparsePart::setFeedForward(nu);
+  for (VectorXd& dx : z_.x) dx.setZero();
+}
+
+void SolverJoinedPart::computeFeedForwardGradient(std::vector<VectorXd>& g) {
+  const std::size_t T = problem_->get_T();
+  g.resize(T);
+  VectorXd gx;
+  for (std::size_t t = T + 1; t-- > 0;) {
+    const ActionModelJoined& model = *as_joined(*problem_, t);
+    VectorXd& gu = t < T ? g[t] : u_of_cluster_;
+    joined_gradient(model, static_cast<const ActionDataJoined&>(*problem_->data(t)), Vx_[std::min(t + 1, T)], t == T,
+                    {}, gx, gu);
+    Vx_[t] = gx;
+    if (t < T) add_feedback(t, gu, Vx_[t]);
+  }
+}
+
+// to += K^T g, K of lq's sign
+void SolverJoinedPart::add_feedback(std::size_t t, const VectorXd& g, VectorXd& to) {
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, t)->get_parts();
+  each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
-    u.noalias() = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(cluster.nu) *
-                  of_cluster_.head(cluster.nx);
+    for (std::size_t b = 0; b < cluster.blocks.size(); ++b)
+      internal::take(g, parts[static_cast<std::size_t>(cluster.blocks[b])].u,
+                     u.segment(cluster.u_start[b], lq_.nu[cluster.blocks[b]]));
+    of_cluster_.head(cluster.nx).noalias() = K.transpose() * u;
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-      const std::vector<int>& to = parts[static_cast<std::size_t>(cluster.blocks[b])].u;
-      for (std::size_t j = 0; j < to.size(); ++j) us_try_[t][to[j]] += u[cluster.u_start[b] + static_cast<Index>(j)];
+      const std::vector<int>& dx = parts[static_cast<std::size_t>(cluster.blocks[b])].dx;
+      for (std::size_t j = 0; j < dx.size(); ++j) to[dx[j]] += of_cluster_[cluster.x_start[b] + static_cast<Index>(j)];
+    }
+  });
+}
+
+// The linear-quadratic problem whose gradient by nu is g, and by x none: its solution is nu = du - K dx = -H^-1 g.
+void SolverJoinedPart::preconditionFeedForward(std::vector<VectorXd>& g) {
+  const std::size_t T = g.size();
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, T)->get_parts();
+  lq_.x0.setZero();
+  for (lq::Knot& knot : lq_.knots)
+    for (lq::Group& group : knot.groups) {
+      group.q.setZero();
+      group.r.setZero();
+      group.f.setZero();
+    }
+  for (std::size_t t = 0; t < T; ++t) {
+    step_.setZero();
+    add_feedback(t, g[t], step_);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      lq::Group& group = lq_.knots[t].groups[i];
+      internal::take(g[t], parts[i].u, group.r.head(lq_.nu[i]));
+      internal::take(step_, parts[i].dx, group.q);
+      group.q = -group.q;
     }
   }
+  const lq::Outcome outcome = direction_->solve(lq_, preconditioned_);
+  const bool solved = outcome.status == lq::Status::kOk || outcome.status == lq::Status::kInaccurate;
+  for (std::size_t t = 0; t < T && solved; ++t) {
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      internal::put(-preconditioned_.u[t].segment(layout_.u[i], lq_.nu[i]), parts[i].u, g[t]);
+    add_gains_times(t, preconditioned_.x[t], g[t]);
+  }
+}
+
+// to += K dx, dx by block
+void SolverJoinedPart::add_gains_times(std::size_t t, const VectorXd& dx, VectorXd& to) {
+  const std::vector<JoinedPart>& parts = as_joined(*problem_, t)->get_parts();
+  each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
+    for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+      const int i = cluster.blocks[b];
+      of_cluster_.segment(cluster.x_start[b], lq_.nx[i]) = dx.segment(layout_.x[i], lq_.nx[i]);
+    }
+    auto u = u_of_cluster_.head(cluster.nu);
+    u.noalias() = K * of_cluster_.head(cluster.nx);
+    for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
+      const std::vector<int>& own = parts[static_cast<std::size_t>(cluster.blocks[b])].u;
+      for (std::size_t j = 0; j < own.size(); ++j) to[own[j]] += u[cluster.u_start[b] + static_cast<Index>(j)];
+    }
+  });
 }
 
 std::vector<SolverJoinedPart::Gains> SolverJoinedPart::gains(std::size_t t) const {

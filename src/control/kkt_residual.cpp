@@ -44,6 +44,24 @@ bool is_of_parts(const ShootingProblem& problem) {
 
 }  // namespace
 
+// c - P(c + y) of each row
+void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y,
+                     Largest& worst) {
+  check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
+  for (Eigen::Index k = 0; k < rows.size(); ++k) {
+    const double c = rows.value(d, k);
+    worst.add(c - std::min(std::max(c + y[k], rows.lower(k)), rows.upper(k)));
+  }
+}
+
+// u - P(u - slope) where limits are used, else the slope.
+void add_slopes(const ActionModelAbstract& model, const Eigen::VectorXd& u, bool limits, Eigen::VectorXd& slope,
+                Largest& worst) {
+  if (limits && model.get_has_control_limits())
+    slope = u - (u - slope).cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+  worst.add(slope);
+}
+
 namespace internal {
 
 double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
@@ -57,11 +75,7 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
     const ActionDataAbstract& d = *problem.data(t);
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
-    if (y) check_size("kkt_residual", "multipliers of a node", y->size(), static_cast<std::size_t>(rows.size()));
-    for (Eigen::Index k = 0; y && k < rows.size(); ++k) {
-      const double c = rows.value(d, k);
-      worst.add(c - std::min(std::max(c + (*y)[k], rows.lower(k)), rows.upper(k)));
-    }
+    if (y) add_constraints(rows, d, *y, worst);
     for (Eigen::Index i = 0; i < l[t].size(); ++i)
       worst.add(d.Lx[i] - l[t][i] + (t < T ? d.Fx.col(i).dot(l[t + 1]) : 0) +
                 pull_back(
@@ -82,20 +96,24 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
 }
 
 // The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
-double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& l,
-                              Eigen::VectorXd& gap) {
+double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                              bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
   const std::size_t T = problem.get_T();
   Largest worst;
   Eigen::VectorXd gx, gu;
+  const Eigen::VectorXd none;
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
-    joined_gradient(static_cast<const ActionModelJoined&>(*problem.model(t)),
-                    static_cast<const ActionDataJoined&>(*problem.data(t)), l[std::min(t + 1, T)], t == T, gx, gu);
+    const ActionModelAbstract& model = *problem.model(t);
+    const auto& d = static_cast<const ActionDataJoined&>(*problem.data(t));
+    if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], worst);
+    joined_gradient(static_cast<const ActionModelJoined&>(model), d, l[std::min(t + 1, T)], t == T,
+                    ys.empty() ? none : ys[t], gx, gu);
     worst.add(gx - l[t]);
     if (t == T) break;
-    worst.add(gu);
-    problem.model(t)->get_state()->diff(xs[t + 1], problem.data(t)->xnext, gap);
+    add_slopes(model, us[t], limits, gu, worst);
+    model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
   }
   return worst.value;
@@ -104,11 +122,8 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
 double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                             bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
   gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
-  if (!SolverJoinedPart::serves(problem)) return kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
-  const bool constrained = std::any_of(ys.begin(), ys.end(), [](const Eigen::VectorXd& y) { return y.size() > 0; });
-  require(!constrained && !limits, "kkt_residual",
-          "constraints and limits of robots that hold each other are not supported");
-  return kkt_residual_of_joined(problem, xs, l, gap);
+  return SolverJoinedPart::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, gap)
+                                           : kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
 }
 
 double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,

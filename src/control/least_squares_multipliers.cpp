@@ -16,9 +16,8 @@ struct FreeControls {
   Eigen::VectorXd lu;
   FreeControls(const ActionModelAbstract& model, const ActionDataAbstract& d, const Eigen::VectorXd& u, bool limits)
       : fu(d.Fu), lu(d.Lu) {
-    if (!limits || !model.get_has_control_limits()) return;
     for (Eigen::Index i = 0; i < u.size(); ++i) {
-      if (u[i] > model.get_u_lb()[i] && u[i] < model.get_u_ub()[i]) continue;
+      if (!internal::stands_at_limit(model, u, i, limits)) continue;
       fu.col(i).setZero();
       lu[i] = 0;
     }
@@ -61,13 +60,18 @@ Vectors of_one_part(const ShootingProblem& problem, const Vectors& us, bool limi
 
 namespace internal {
 
+bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits) {
+  return limits && model.get_has_control_limits() && (u[i] <= model.get_u_lb()[i] || u[i] >= model.get_u_ub()[i]);
+}
+
 Vectors least_squares_multipliers_of_nodes(const ShootingProblem& problem, const Vectors& us, bool limits) {
   Vectors out(problem.get_T() + 1, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.get_ndx())));
   for (const ShootingPart& part : separate(problem)) {
     Vectors own_us(us.size());
     for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own_us[t]);
-    const Vectors own = SolverJoinedPart::serves(*part.problem) ? least_squares_multipliers_of_joined(*part.problem)
-                                                                : of_one_part(*part.problem, own_us, limits);
+    const Vectors own = SolverJoinedPart::serves(*part.problem)
+                            ? least_squares_multipliers_of_joined(*part.problem, own_us, limits)
+                            : of_one_part(*part.problem, own_us, limits);
     for (std::size_t t = 0; t < out.size(); ++t) scatter(own[t], part.dx, out[t]);
   }
   return out;

@@ -15,13 +15,21 @@ SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits
   if (limits_) th_stop_ = 5e-5;  // as SolverBoxFDDP
 }
 
-std::unique_ptr<SolverSparsePart> SolverSparse::solver_of(ShootingPart part) const {
+namespace {
+
+void check_controls(const ShootingProblem& whole, const ShootingPart& part) {
   for (std::size_t t = 0; t < part.u.size(); ++t)
-    require(!part.u[t].empty() || problem_->by_state_alone(t), "SolverSparse",
+    require(!part.u[t].empty() || whole.by_state_alone(t), "SolverSparse",
             "a part has no controls where others have some, it is expected with one of these");
+}
+
+}  // namespace
+
+std::unique_ptr<SolverSparsePart> SolverSparse::solver_of(ShootingPart part) const {
   const bool joined = SolverJoinedPart::serves(*part.problem);
-  require(!joined || !limits_, "SolverSparse", "limits of robots that hold each other, of separate ones are expected");
-  if (joined) return std::make_unique<SolverJoinedPart>(std::move(part));
+  if (joined && !limits_) return std::make_unique<SolverJoinedPart>(std::move(part));
+  require(!joined || part.problem->get_terminalData()->Fx.size() > 0, "SolverSparse",
+          "limits of robots that hold each other by nodes of storage kSparse, kDense is expected");
   if (limits_) return std::make_unique<SolverWithBox<SolverSparsePart>>(std::move(part));
   return std::unique_ptr<SolverSparsePart>(new SolverSparsePart(std::move(part)));
 }
@@ -31,7 +39,8 @@ void SolverSparse::each_part(Work&& work) {
   internal::each_node(problem_->get_nthreads(), parts_.size(), [&](std::size_t i) { work(*parts_[i]); });
 }
 
-// Parts are made anew where nodes were replaced.
+// Where nodes were replaced, as in a receding horizon, parts of the same coordinates follow with their memory; those
+// that are joined by bonds are made anew.
 void SolverSparse::allocateData() {
   if (nodes_ == problem_->get_runningDatas() && terminal_ == problem_->get_terminalData()) return;
   const std::size_t T = problem_->get_T();
@@ -44,10 +53,26 @@ void SolverSparse::allocateData() {
     us_try_[t].setZero(static_cast<Eigen::Index>(problem_->get_runningModels()[t]->get_nu()));
     k_[t] = us_try_[t];
   }
-  parts_.clear();
-  for (ShootingPart& part : separate(*problem_)) {
-    part.problem->set_nthreads(1);
-    parts_.push_back(solver_of(std::move(part)));
+  nodes_.clear();  // until all have followed
+  std::vector<ShootingPart> parts = separate(*problem_);
+  const auto follows = [](const SolverSparsePart& own, const ShootingPart& part) {
+    return own.part_.x == part.x && own.part_.dx == part.dx && !dynamic_cast<const SolverJoinedPart*>(&own) &&
+           !SolverJoinedPart::serves(*part.problem);
+  };
+  if (parts_.size() != parts.size()) parts_.clear();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].problem->set_nthreads(1);
+    check_controls(*problem_, parts[i]);
+    if (i >= parts_.size()) {
+      parts_.push_back(solver_of(std::move(parts[i])));
+    } else if (follows(*parts_[i], parts[i])) {
+      parts_[i]->problem_ = parts[i].problem;
+      parts_[i]->part_ = std::move(parts[i]);
+      parts_[i]->resizeData();
+    } else {
+      parts_[i] = solver_of(std::move(parts[i]));
+    }
+    parts_[i]->feed_forward_ = parts_[i]->us_;
   }
   nodes_ = problem_->get_runningDatas();
   terminal_ = problem_->get_terminalData();
@@ -120,6 +145,46 @@ double SolverSparse::expectedReduction() const {
   double out = 0;
   for (const auto& own : parts_) out += own->expectedReduction();
   return out;
+}
+
+// Work on each part's share of the vectors, which is put back.
+template <class Work>
+void SolverSparse::each_feed_forward(std::vector<VectorXd>& whole, Work&& work) {
+  whole.resize(us_.size());
+  for (std::size_t t = 0; t < us_.size(); ++t) whole[t].resize(us_[t].size());
+  each_part([&](SolverSparsePart& own) {
+    own.feed_forward_.resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(whole[t], own.part_.u[t], own.feed_forward_[t]);
+    work(own, own.feed_forward_);
+    for (std::size_t t = 0; t < us_.size(); ++t) scatter(own.feed_forward_[t], own.part_.u[t], whole[t]);
+  });
+}
+
+void SolverSparse::setFeedForward(const std::vector<VectorXd>& nu) {
+  share_candidate();
+  SolverFDDP::setFeedForward(nu);
+  each_part([&](SolverSparsePart& own) {
+    own.feed_forward_.resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(nu[t], own.part_.u[t], own.feed_forward_[t]);
+    own.setFeedForward(own.feed_forward_);
+  });
+}
+
+void SolverSparse::computeFeedForwardGradient(std::vector<VectorXd>& g) {
+  each_feed_forward(g, [this](SolverSparsePart& own, std::vector<VectorXd>& own_g) {
+    for (std::size_t t = 0; t < us_.size(); ++t) gather(us_try_[t], own.part_.u[t], own.us_try_[t]);
+    own.held_changed_ = false;
+    own.computeFeedForwardGradient(own_g);
+  });
+  for (const auto& own : parts_) held_changed_ |= own->held_changed_;
+}
+
+void SolverSparse::preconditionFeedForward(std::vector<VectorXd>& g) {
+  each_feed_forward(g, [](SolverSparsePart& own, auto& own_g) { own.preconditionFeedForward(own_g); });
+}
+
+void SolverSparse::holdFeedForward(std::vector<VectorXd>& nu) {
+  each_feed_forward(nu, [](SolverSparsePart& own, auto& own_nu) { own.holdFeedForward(own_nu); });
 }
 
 void SolverSparse::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&,

@@ -147,7 +147,8 @@ void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRob
   by.Y.resize(rows * ld);
   by.buffers.resize(threads);
   for (ByRobots::Buffers& b : by.buffers) {
-    b.work.resize(rows * (sparse::panel_kernels().columns + 1));
+    b.work.resize(sparse::panel_kernels().work_size(by.schedule));
+    b.nonzero.resize(rows);
     b.Yr.resize(most_joining * ld);
     b.forces.resize(most_own * ld);
     b.r.resize(n);

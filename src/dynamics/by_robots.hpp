@@ -73,6 +73,7 @@ struct ByRobots {
   } sample;
   struct Buffers {               // of a thread
     std::vector<double> work;    // of a solve with S
+    std::vector<char> nonzero;   // of S
     std::vector<double> Yr;      // Y's rows on a robot, as wide as X
     std::vector<double> forces;  // of the contacts on a robot alone, likewise
     std::vector<double> r, scale;

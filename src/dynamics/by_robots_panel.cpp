@@ -132,10 +132,9 @@ void joining_rhs(const Panel& X, ByRobots& by) {
 }
 
 void solve_joining(ByRobots& by, ByRobots::Buffers& buffers, int ld, int first, int cols) {
-  char* nonzero = reinterpret_cast<char*>(buffers.work.data() + by.row.size() * sparse::panel_kernels().columns);
-  std::fill_n(nonzero, by.rows(), 1);
-  sparse::panel_kernels().solve_apart(by.schedule, by.L.data(), by.D.data(), by.perm.data(), by.Y.data(), ld, first,
-                                      cols, nonzero, buffers.work.data());
+  std::fill(buffers.nonzero.begin(), buffers.nonzero.end(), 1);
+  sparse::panel_kernels().solve(by.schedule, by.L.data(), by.D.data(), by.perm.data(), by.Y.data(), ld, first, cols,
+                                buffers.nonzero.data(), buffers.work.data());
 }
 
 // Adds K_r^-1 B_r, times `sign`, to columns first ... first+cols-1 of row i: x.

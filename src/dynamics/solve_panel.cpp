@@ -85,8 +85,10 @@ void solve_panel(const Scene& scene, IslandWork& d, IslandDerivatives& out, Pane
   reserve(work.R, out.X.size());
   const bool judged = !d.factor->panel_is_like_solve() ||
                       d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
-  const bool refine = d.factor->own_refinements() == 0 && (judged || d.first_error > tolerance::kRefinePanel);
-  const bool at_once = refine && !judged && d.factor->refines_panels(static_cast<int>(out.X.cols()));
+  const bool refine =
+      d.factor->own_refinements() == 0 &&
+      (judged || (d.first_error > tolerance::kRefinePanel && !(d.factor->panel_error(d.K) <= tolerance::kRefinePanel)));
+  const bool at_once = refine && !judged && d.factor->refines_panels();
   if (refine && !at_once) std::copy_n(out.X.data(), out.X.size(), work.B.data());
   solve_blocks(scene, d, out, at_once, work.nonzero);
   if (!refine || at_once) return;

@@ -1,5 +1,6 @@
 #include "manycontact/kkt/shape.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "manycontact/kkt/choose.hpp"
@@ -134,13 +135,42 @@ std::size_t ShapeCache::Hash::operator()(const Key& key) const {
   return h;
 }
 
+namespace {
+
+// The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
+// same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
+template <class Hash>
+class ShapesAtHand {
+ public:
+  std::shared_ptr<IslandShape> find(const Key& key, const Scene& scene, const Island& island) {
+    const std::lock_guard lock(mutex_);
+    if (shapes_.size() >= sweep_at_) {
+      std::erase_if(shapes_, [](const auto& known) { return known.second.expired(); });
+      sweep_at_ = std::max(kFewest, 2 * shapes_.size());
+    }
+    std::weak_ptr<IslandShape>& known = shapes_[key];
+    std::shared_ptr<IslandShape> shape = known.lock();
+    if (!shape) known = shape = std::make_shared<IslandShape>(scene, island);
+    return shape;
+  }
+
+ private:
+  static constexpr std::size_t kFewest = 64;
+  std::mutex mutex_;
+  std::unordered_map<Key, std::weak_ptr<IslandShape>, Hash> shapes_;
+  std::size_t sweep_at_ = kFewest;
+};
+
+}  // namespace
+
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
+  static ShapesAtHand<Hash> at_hand;
   key_.clear();
   add_structure(scene, island, key_);
   add_places(scene, island, key_);
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
-  auto fresh = std::make_shared<IslandShape>(scene, island);
+  std::shared_ptr<IslandShape> fresh = at_hand.find(key_, scene, island);
   if (is_deep(*fresh)) {
     const auto& deep = shapes_.try_emplace(key_, std::move(fresh)).first->second;
     return by_places_.try_emplace(key_, deep).first->second;

@@ -108,5 +108,25 @@ TEST(Islands, AlikeIslandsShareAShape) {
   EXPECT_NE(shape({1, 1, 1, 1, 0}, 0), shape({1, 1, 1, 1, 0}, 1));
 }
 
+// Data of one scene read the same analyses, as long as any of them lives.
+TEST(Islands, CachesShareTheShapesAtHand) {
+  const Scene scene = bodies({{0, 1}, {2, 3}});
+  const Island island = find_islands(scene, {1, 1})[0];
+  std::weak_ptr<IslandShape> shape;
+  {
+    ShapeCache second;
+    {
+      ShapeCache first;
+      shape = first.find(scene, island);
+      EXPECT_EQ(second.find(scene, island), shape.lock());
+    }
+    EXPECT_FALSE(shape.expired());
+  }
+  EXPECT_TRUE(shape.expired());
+  const Scene other = bodies({{0, 1}, {2, 3}});  // models of its own
+  ShapeCache first, second;
+  EXPECT_NE(first.find(scene, island), second.find(other, island));
+}
+
 }  // namespace
 }  // namespace manycontact::test

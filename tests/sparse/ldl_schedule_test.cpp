@@ -276,38 +276,6 @@ TEST(LdlSchedule, AMatrixInALaneIsAMatrixAlone) {
   }
 }
 
-// Every chunk of columns, rows left out where all lanes are zero.
-TEST(LdlSchedule, APanelInALaneIsAPanelAlone) {
-  std::mt19937 rng(81);
-  for (const Symmetric& A : {quasi_definite(30, 12, 0.05, rng), Symmetric(random_positive(40, 1, rng))}) {
-    const Compiled c(A.pattern);
-    const Factor f = c.factor(A.x);
-    const int n = A.n(), ld = 83;
-    std::vector<int> row(n);
-    for (int k = 0; k < n; ++k) row[k] = n - 1 - k;
-    std::vector<FourLanes> L(f.L.size()), D(n), X(n * ld);
-    for (std::size_t k = 0; k < L.size(); ++k) L[k] = FourLanes(f.L[k]);
-    for (int k = 0; k < n; ++k) D[k] = FourLanes(f.D[k]);
-    std::vector<std::vector<double>> x(4, std::vector<double>(n * ld, 0.0));
-    std::vector<char> nonzero(n);
-    for (int k = 0; k < n; ++k) {
-      nonzero[k] = std::bernoulli_distribution(0.3)(rng);
-      for (int i = row[k] * ld; nonzero[k] && i < (row[k] + 1) * ld; ++i)
-        for (int lane = 0; lane < 4; ++lane) X[i][lane] = x[lane][i] = std::normal_distribution<double>()(rng);
-    }
-    std::vector<char> flags = nonzero;
-    sparse::ldl_scheduled_solve_panel(c.schedule, L.data(), D.data(), row.data(), X.data(), ld, 2, 79, flags.data());
-    for (int lane = 0; lane < 4; ++lane) {
-      flags = nonzero;
-      sparse::ldl_scheduled_solve_panel(c.schedule, f.L.data(), f.D.data(), row.data(), x[lane].data(), ld, 2, 79,
-                                        flags.data());
-      int differ = 0;
-      for (int i = 0; i < n * ld; ++i) differ += !same_bits(X[i][lane], x[lane][i]);
-      EXPECT_EQ(differ, 0) << "lane " << lane;
-    }
-  }
-}
-
 // b - A x: sums of up to n + 1 terms in another order.
 TEST(LdlSchedule, ResidualIsThatOfTheMatrix) {
   std::mt19937 rng(82);

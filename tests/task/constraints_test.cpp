@@ -82,6 +82,21 @@ TEST_F(Constraints, ThatHoldAnywayChangeNothing) {
   EXPECT_NEAR(a.cost, b.cost, 1e-8 * b.cost);
 }
 
+// Where the multipliers are large the Hessian is several times Gauss-Newton's, whose steps alone never come below 1e-6
+// (7.5e-6 and 1.3e-5 after 300 iterations).
+TEST_F(Constraints, AtTheEndOfReachConvergeToo) {
+  for (const char* place : {"1 0 0", "0.8 0.4 1.6"}) {
+    TaskFile task = with("", std::string("<constraint name=\"there\" type=\"frame_translation\" "
+                                         "frame=\"humanoid/left_hand\" lower=\"0 0 0\" upper=\"0 0 0\" xyz=\"") +
+                                 place + "\"/>");
+    const TaskSolution s = solved(task);
+    EXPECT_TRUE(s.converged) << place << ": " << s.reason << " " << s.kkt_residual;
+    EXPECT_LT(s.kkt_residual, 1e-6);
+    EXPECT_LE(s.constraint_violation, 1e-9);
+    EXPECT_LT(s.iterations.size(), 200u);
+  }
+}
+
 TEST_F(Constraints, ThatCannotHoldAreReported) {
   TaskFile task = with("",
                        R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"

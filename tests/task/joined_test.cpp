@@ -8,9 +8,12 @@
 #include <Eigen/Eigenvalues>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
+#include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
@@ -395,6 +398,168 @@ TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
   EXPECT_EQ(blocks.size(), 2u);
   EXPECT_FALSE(bonds_are_independent(task, blocks));
   EXPECT_EQ(make_problem(task, TaskSolver::kSparse).blocks.size(), 1u);
+}
+
+// ---- feed-forward terms, multipliers, limits ------------------------------------------------------------------------
+
+struct OpenJoined : SolverJoinedPart {
+  using SolverJoinedPart::computeFeedForwardGradient;
+  using SolverJoinedPart::preconditionFeedForward;
+  using SolverJoinedPart::setFeedForward;
+  using SolverJoinedPart::SolverJoinedPart;
+};
+
+double sum_of_products(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b) {
+  double sum = 0;
+  for (std::size_t t = 0; t < a.size(); ++t) sum += a[t].dot(b[t]);
+  return sum;
+}
+
+// A rollout of the guess and something.
+Candidate shaken(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& guess) {
+  std::mt19937 rng(9);
+  Candidate out{{}, guess};
+  for (Eigen::VectorXd& u : out.us) u += random_vector(static_cast<int>(u.size()), rng, 3);
+  out.xs = problem.rollout_us(out.us);
+  return out;
+}
+
+// By Schur complement and by islands. Differences with step h are good to h^2 and eps cost / h.
+TEST(JoinedFeedForward, GradientIsThatOfTheRolledOutCost) {
+  for (const TaskFile& task : {chain(5), always(2, 5)}) {
+    const TaskProblem joined = make_problem(task, TaskSolver::kSparse);
+    OpenJoined solver(separate(*joined.problem).at(0));
+    SCOPED_TRACE(solver.direction());
+    const Candidate at = shaken(*solver.get_problem(), joined.us);
+    solver.solve(at.xs, at.us, 0, true);
+    solver.computeDirection(true);
+    ASSERT_TRUE(solver.direction_is_sound());
+    const double gain = solver.expectedReduction();
+    const std::vector<Eigen::VectorXd> minus_du = solver.get_k();
+    std::vector<Eigen::VectorXd> g;
+    solver.forwardPass(0);
+    solver.get_problem()->calcDiff(solver.get_xs(), solver.get_us());
+    solver.computeFeedForwardGradient(g);
+    std::mt19937 rng(4);
+    constexpr double h = 1e-5;
+    for (int k = 0; k < 3; ++k) {
+      std::vector<Eigen::VectorXd> nu;
+      for (const Eigen::VectorXd& part : g) nu.push_back(random_vector(static_cast<int>(part.size()), rng));
+      const auto cost = [&](double step) {
+        std::vector<Eigen::VectorXd> scaled = nu;
+        for (Eigen::VectorXd& part : scaled) part *= step;
+        solver.setFeedForward(scaled);
+        return -solver.tryStep(1);
+      };
+      const double slope = (cost(h) - cost(-h)) / (2 * h);
+      EXPECT_NEAR(slope, sum_of_products(g, nu), 1e-5 * std::abs(slope));
+    }
+    // Gauss-Newton's step: half of g^T H^-1 g is what it gains, and du at x0, where dx is zero, is that of -H^-1 g.
+    std::vector<Eigen::VectorXd> step = g;
+    solver.preconditionFeedForward(step);
+    EXPECT_NEAR(0.5 * sum_of_products(g, step), gain, 1e-6 * gain);
+    EXPECT_LT(error_of(step[0], minus_du[0]), 1e-6);
+  }
+}
+
+TEST(JoinedFeedForward, DescendsToTheOptimum) {
+  const TaskFile task = chain(3);
+  const TaskProblem joined = make_problem(task, TaskSolver::kSparse);
+  SolverSparse newton(joined.problem);
+  newton.set_th_stop(1e-16);
+  EXPECT_TRUE(newton.solve(joined.xs, joined.us, 50));
+  const double cost = newton.get_cost();
+  const std::vector<Eigen::VectorXd> us = newton.get_us();
+  SolverSparse quasi(joined.problem);
+  quasi.set_th_stop(1e-16);
+  quasi.solve(joined.xs, joined.us, 1);
+  ASSERT_GT(quasi.get_cost(), cost * (1 + 1e-11));
+  quasi.descend(50);
+  EXPECT_NEAR(quasi.get_cost(), cost, 1e-12 * cost) << to_string(quasi.reason());
+  for (std::size_t t = 0; t < us.size(); ++t) EXPECT_LT(error_of(quasi.get_us()[t], us[t]), 1e-5) << t;
+}
+
+// Wherever: the wrenches that joined nodes eliminate are the whole scene's. Both sums are of terms of the residual's
+// size, but for the condition of the bonds' equations.
+TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
+  const TaskFile task = chain(3, "local", "0", "6d", kPush);
+  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const Candidate at = random_candidate(whole, 7);
+  std::mt19937 rng(8);
+  std::vector<Eigen::VectorXd> l, y;
+  for (std::size_t t = 0; t < at.xs.size(); ++t) {
+    const ActionModelAbstract& model = *whole.problem->model(t);
+    l.push_back(random_vector(static_cast<int>(model.get_state()->get_ndx()), rng));
+    const bool terminal = whole.problem->by_state_alone(t);
+    y.push_back(random_vector(
+        static_cast<int>(terminal ? model.get_ng_T() + model.get_nh_T() : model.get_ng() + model.get_nh()), rng, 100));
+  }
+  for (const bool limits : {false, true}) {
+    const double without = kkt_residual(*joined.problem, at.xs, at.us, l, limits);
+    const double expected = kkt_residual(*whole.problem, at.xs, at.us, l, limits, y);
+    EXPECT_NEAR(kkt_residual(*joined.problem, at.xs, at.us, l, limits, y), expected, 1e-9 * expected) << limits;
+    EXPECT_GT(std::abs(expected - without), 1e-3 * expected) << limits;
+    const auto a = least_squares_multipliers(*joined.problem, at.xs, at.us, limits);
+    const auto b = least_squares_multipliers(*whole.problem, at.xs, at.us, limits);
+    for (std::size_t t = 0; t < a.size(); ++t) EXPECT_LT(error_of(a[t], b[t]), 1e-7) << limits << t;
+  }
+  y[4][0] = 1e6;
+  EXPECT_GT(kkt_residual(*joined.problem, at.xs, at.us, l, false, y), 1e4);
+  y[4].resize(1);
+  EXPECT_THROW((void)kkt_residual(*joined.problem, at.xs, at.us, l, false, y), std::invalid_argument);
+}
+
+// The problem's joined nodes alone, with dense matrices and tight limits.
+std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixStorage storage, double limit) {
+  const ShootingPart part = separate(problem).at(0);
+  ShootingProblem::Models models;
+  std::map<ActionModelAbstract*, std::shared_ptr<ActionModelJoined>> known;
+  for (std::size_t t = 0; t <= part.problem->get_T(); ++t) {
+    auto& node = known[part.problem->model(t).get()];
+    if (!node) {
+      const auto& joined = dynamic_cast<const ActionModelJoined&>(*part.problem->model(t));
+      node = std::make_shared<ActionModelJoined>(std::static_pointer_cast<StateMultibody>(joined.get_state()),
+                                                 joined.get_scene(), joined.get_parts());
+      node->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), -limit));
+      node->set_u_ub(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), limit));
+      node->set_storage(storage);
+    }
+    models.push_back(node);
+  }
+  const std::shared_ptr<ActionModelAbstract> terminal = models.back();
+  models.pop_back();
+  return std::make_shared<ShootingProblem>(part.problem->get_x0(), models, terminal);
+}
+
+// One dense block with a box: SolverBoxFDDP on the whole scene, but for the rounding of the condensed nodes.
+TEST(JoinedTask, LimitsWithDenseMatricesTakeTheStepsOfBoxFDDP) {
+  const TaskFile task = chain(2);
+  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const double limit = 0.7 * whole.us[0].lpNorm<Eigen::Infinity>();  // of what holds x0
+  for (const auto& model : whole.problem->get_runningModels()) {
+    model->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->get_nu()), -limit));
+    model->set_u_ub(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->get_nu()), limit));
+  }
+  SolverBoxFDDP dense(whole.problem);
+  SolverSparse sparse(limited(*joined.problem, MatrixStorage::kDense, limit), true);
+  std::vector<double> costs[2];
+  int k = 0;
+  for (SolverAbstract* solver : {static_cast<SolverAbstract*>(&dense), static_cast<SolverAbstract*>(&sparse)}) {
+    const auto log = std::make_shared<CallbackLogger>();
+    solver->setCallbacks({log});
+    solver->solve(whole.xs, whole.us, 8);
+    costs[k++] = log->costs;
+  }
+  ASSERT_GT(costs[0].size(), 3u);
+  ASSERT_EQ(costs[0].size(), costs[1].size());
+  for (std::size_t i = 0; i < costs[0].size(); ++i) EXPECT_NEAR(costs[1][i], costs[0][i], 1e-8 * costs[0][i]) << i;
+  int at_limit = 0;
+  for (std::size_t t = 0; t < dense.get_us().size(); ++t) {
+    EXPECT_LT(error_of(sparse.get_us()[t], dense.get_us()[t]), 1e-6) << t;
+    at_limit += static_cast<int>((sparse.get_us()[t].array().abs() == limit).count());
+  }
+  EXPECT_GT(at_limit, 3);
+  EXPECT_THROW(SolverSparse(limited(*joined.problem, MatrixStorage::kSparse, limit), true), std::invalid_argument);
 }
 
 TEST(JoinedTask, GivesTheSameBitsForAnyNumberOfThreads) {

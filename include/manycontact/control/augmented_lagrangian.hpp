@@ -10,9 +10,16 @@
 // below rho/2 (0.09 m)^2, m of the one before: what is missed then moves constraints by about 0.09 m. It also stops
 // where ten iterations gained less than a hundredth of what the constraints add to the cost.
 //
+// Gauss-Newton's Hessian lacks the constraints' and the dynamics' curvature, weighted by their multipliers. Where these
+// are large (a hand at the end of its reach: the Hessian is five times Gauss-Newton's in some directions) its steps
+// overshoot, and its minimisations converge slowly or not at all. Where `stop` fell by less than ten times in two
+// iterations, and by less than three in the last, SolverDDP::descend goes on with what it learns of that curvature;
+// where that fails too, the solver goes on until `stop` is ten times less.
+//
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
 
+#include <array>
 #include <functional>
 
 #include "manycontact/control/augmented_action.hpp"
@@ -107,10 +114,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
              bool is_feasible);
   void minimise(std::size_t maxiter, double init_reg);
+  void descend(std::size_t last, double init_reg);
   void takeCandidate();
   void reportIteration();
   void measureViolation();
   bool crawls();
+  bool isSlow();
   void assess();
   StopReason judge(std::size_t maxiter);
   bool comesNoCloser(StopReason inner);
@@ -127,11 +136,16 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   double measure_ = 0, last_measure_ = 0;  // m of the minimisation just done, of the one before
   double last_violation_ = 0, best_kkt_ = 0;
   double window_merit_ = 0, window_violation_ = 0;
-  int window_ = 0;       // iterations of the minimisation
-  bool crawls_ = false;  // it was ended for that
-  bool moved_ = false;   // the minimisation accepted a step
-  int stuck_ = 0;        // minimisations in a row that brought nothing
-  int flat_ = 0;         // that brought constraints no closer, though these outweigh the cost
+  int window_ = 0;                        // iterations of the minimisation
+  bool crawls_ = false;                   // it was ended for that
+  std::array<double, 2> last_stops_{};    // of the two iterations before
+  double failed_stop_ = 0;                // where quasi-Newton steps failed, of this minimisation
+  bool slow_ = false;                     // the solver was ended for that
+  bool curved_ = false;                   // quasi-Newton steps serve
+  StopReason ended_ = StopReason::kNone;  // of the minimisation
+  bool moved_ = false;                    // the minimisation accepted a step
+  int stuck_ = 0;                         // minimisations in a row that brought nothing
+  int flat_ = 0;                          // that brought constraints no closer, though these outweigh the cost
   std::size_t outer_ = 0, total_ = 0;
 };
 

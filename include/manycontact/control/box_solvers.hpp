@@ -21,9 +21,13 @@ class SolverWithBox : public Base {
 
  protected:
   void limitControl(std::size_t t) override;
+  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g) override;
+  void holdFeedForward(std::vector<Eigen::VectorXd>& nu) override;
+  void holdControls(std::size_t t, Eigen::VectorXd& g) override;
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;  // of the node at hand
+  Eigen::VectorXd du_lb_, du_ub_;        // of the node at hand
+  std::vector<std::vector<bool>> held_;  // controls at limits, of the last feed-forward gradient
 };
 
 class SolverBoxDDP : public SolverWithBox<SolverDDP> {  // DDP with controls in a box

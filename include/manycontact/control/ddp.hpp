@@ -12,6 +12,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "manycontact/control/limited_bfgs.hpp"
 #include "manycontact/control/solver.hpp"
 
 namespace manycontact {
@@ -49,6 +50,24 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void increaseRegularization();
   void decreaseRegularization();
   virtual void allocateData();
+  /// Goes on from the candidate, which has no gaps, by quasi-Newton steps on the feed-forward terms, until `stop`, what
+  /// Gauss-Newton expects to gain, is below th_stop. For problems with curvature that Gauss-Newton does not see, that
+  /// of nonlinear constraints and dynamics by their multipliers: where the Hessian is more than twice Gauss-Newton's,
+  /// full steps overshoot so far that they diverge, and shorter ones converge slowly. In
+  ///
+  ///     u = us + nu - K (x (-) xs),    K and Quu of one backward pass,
+  ///
+  /// Gauss-Newton's Hessian by nu is diag(Quu) (complete the squares of the backward pass), from which L-BFGS starts
+  /// (limited_bfgs.hpp); the gradient is exact, with p_T = lx_T,
+  ///
+  ///     g = lu + fu^T p',    p = lx + fx^T p' - K^T g.
+  ///
+  /// Steps meet Armijo's condition; where they gain less than the cost's rounding, the slope's of Hager and Zhang (SIAM
+  /// J. Optim. 16, 2005, (4.1)). Callbacks are called after each, as in solve. kNoStep also where steps stay short: the
+  /// candidate is too far for one backward pass to serve.
+  StopReason descend(std::size_t maxiter);
+  /// The memory of `descend`, which takes it at its first call otherwise.
+  void allocateDescent();
   /// Whether controls stay within the models' limits.
   virtual bool keeps_limits() const { return false; }
   /// Whether the last iteration took a step.
@@ -111,6 +130,16 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void stepControl(std::size_t t, double steplength);
   /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
+  /// Of `descend`: k = -nu, for the next forward passes.
+  virtual void setFeedForward(const std::vector<Eigen::VectorXd>& nu);
+  /// g at xs_try, us_try, where nodes are differentiated; zero of controls that stand at a limit and would leave it.
+  virtual void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g);
+  /// g <- diag(Quu)^-1 g
+  virtual void preconditionFeedForward(std::vector<Eigen::VectorXd>& g);
+  /// Sets to zero what the last gradient has as zero for limits.
+  virtual void holdFeedForward(std::vector<Eigen::VectorXd>&) {}
+  /// The same for node t's gradient, whose controls at limits become those of the last gradient.
+  virtual void holdControls(std::size_t, Eigen::VectorXd&) {}
   /// us_try[t] onto the control limits, for box solvers.
   virtual void limitControl(std::size_t) {}
 
@@ -132,6 +161,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
   bool sound_ = false, stepped_ = false;
+  bool held_changed_ = false;  // other controls stand at limits than at the gradient before
 
  private:
   /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.
@@ -143,11 +173,16 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
     std::vector<double> YF, Fv;
     Eigen::VectorXd g, j1v;
   };
+  void computeFeedForwardDirection();
+  bool searchFeedForward();
   void layOutPanels(Eigen::Index nu);
   void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
   void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
                      const Eigen::VectorXd& v);
   Panels panels_;
+  LimitedBfgs bfgs_;
+  std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // of descend: direction, gradients
+  double slope_ = 0;                             // g^T nu
 };
 
 }  // namespace manycontact

@@ -88,8 +88,8 @@ struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part 
 class ActionModelJoined : public ActionModelAbstract {  // robots that hold each other as one node
  public:
   /// scene: the state's robots, with the contacts that its flags say active, and damping. Controls are the scene's
-  /// torques. g and h are the parts', one after the other. Throws std::invalid_argument where parts and scene do not
-  /// fit.
+  /// torques, limited by the joints' efforts. g and h are the parts', one after the other. Throws std::invalid_argument
+  /// where parts and scene do not fit.
   ActionModelJoined(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<JoinedPart> parts);
 
   using ActionModelAbstract::calc;
@@ -136,9 +136,10 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
   MatrixStorage storage_ = MatrixStorage::kDense;
 };
 
-/// Gradients of l(x, u) + next^T x'(x, u) with the wrenches eliminated, at the data's last calcDiff; of a terminal node
-/// gu is left alone. Throws nothing; not finite where bonds depend on each other.
+/// Gradients of l(x, u) + next^T x'(x, u) + y^T [g; h](x, u) with the wrenches eliminated, at the data's last calcDiff;
+/// of a terminal node gu is left alone. y: of the node's constraints, or none. Throws nothing; not finite where bonds
+/// depend on each other.
 void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& data, const Eigen::VectorXd& next,
-                     bool terminal, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
+                     bool terminal, const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
 
 }  // namespace manycontact

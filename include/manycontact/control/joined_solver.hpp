@@ -63,9 +63,17 @@ class SolverJoinedPart : public SolverSparsePart {
  protected:
   void prepareImprovement() override {}
   void stepControl(std::size_t t, double steplength) override;
+  /// As SolverDDP's with the clusters' gains for K, and for diag(Quu) what the bonds make of it.
+  void setFeedForward(const std::vector<Eigen::VectorXd>& nu) override;
+  void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g) override;
+  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g) override;
 
  private:
   void fill();
+  template <class Use>
+  void each_cluster(std::size_t t, Use&& use);
+  void add_feedback(std::size_t t, const Eigen::VectorXd& g, Eigen::VectorXd& to);
+  void add_gains_times(std::size_t t, const Eigen::VectorXd& dx, Eigen::VectorXd& to);
 
   lq::Problem lq_;  // blocks: the nodes' parts
   lq::Layout layout_;
@@ -73,6 +81,7 @@ class SolverJoinedPart : public SolverSparsePart {
   const lq::Riccati* policies_ = nullptr;  // of direction_
   lq::Point z_;
   lq::Outcome outcome_;
+  lq::Point preconditioned_;
   Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
 };
 

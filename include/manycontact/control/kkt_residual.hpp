@@ -15,7 +15,7 @@ namespace manycontact {
 ///
 /// Where the problem has limits on controls and they are used, the third is u - min(max(u - that, u_lb), u_ub). No y:
 /// constraints are left out. The nodes are evaluated, with derivatives, at xs, us. Infinite where a number is not
-/// finite. Throws std::invalid_argument where sizes do not fit, and for y or limits of ActionModelJoined.
+/// finite. Throws std::invalid_argument where sizes do not fit.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {});

@@ -35,6 +35,7 @@ class SolverSparsePart : public SolverFDDP {
  private:
   friend class SolverSparse;
   ShootingPart part_;
+  std::vector<Eigen::VectorXd> feed_forward_;  // its share of SolverSparse's
 };
 
 extern template class SolverWithBox<SolverSparsePart>;
@@ -44,7 +45,8 @@ extern template class SolverWithBox<SolverSparsePart>;
 class SolverSparse : public SolverFDDP {
  public:
   /// limits: controls stay within the models'. Throws std::invalid_argument where nodes differ in their parts (see
-  /// `separate`), for limits of ActionModelJoined, and for a part without controls at a node that has some: alone it
+  /// `separate`), for limits of ActionModelJoined without dense matrices (with them, parts that hold each other are one
+  /// dense part, whose steps are SolverBoxFDDP's), and for a part without controls at a node that has some: alone it
   /// would be evaluated as terminal nodes are, and stand still. A problem without ActionModelParts is one part.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
@@ -70,9 +72,15 @@ class SolverSparse : public SolverFDDP {
 
  protected:
   void prepareImprovement() override;
+  void setFeedForward(const std::vector<Eigen::VectorXd>& nu) override;
+  void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g) override;
+  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g) override;
+  void holdFeedForward(std::vector<Eigen::VectorXd>& nu) override;
 
  private:
   void share_candidate();
+  template <class Work>
+  void each_feed_forward(std::vector<Eigen::VectorXd>& whole, Work&& work);
   template <class Work>
   void each_part(Work&& work);
   std::unique_ptr<SolverSparsePart> solver_of(ShootingPart part) const;

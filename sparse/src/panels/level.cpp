@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "manycontact/sparse/instruction_levels.hpp"
-#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
 namespace manycontact::sparse {
@@ -64,21 +65,31 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// Rows far apart in memory are brought together in A's order, and a chunk of columns stays in the cache.
-void solve_apart(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
-                 int first, int cols, char* nonzero, double* work) {
+// work, from a cache line on.
+double* aligned(double* work) {
+  return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
+}
+
+// The pivots' inverses into `inverse`, and L's packed entries behind them.
+const double* prepare(const LdlSchedule& schedule, const double* Lx, const double* D, double* inverse) {
+  for (int k = 0; k < schedule.n; ++k) inverse[k] = 1 / D[k];
+  ldl_pack(schedule, Lx, inverse + schedule.n);
+  return inverse + schedule.n;
+}
+
+// A chunk of columns is brought together in A's order and stays in the first cache.
+void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld, int first,
+           int cols, char* nonzero, double* work) {
+  const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
-  kernel::in_chunks<kernel::kColumns<double>>(first, first + cols, [&](int c, auto size) {
+  double *x = aligned(work), *inverse = x + n * kernel::kPanel;
+  const double* packed = prepare(schedule, Lx, D, inverse);
+  kernel::in_chunks<kernel::kPanel>(first, first + cols, [&](int c, auto size) {
     constexpr int N = size.value;
     const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
-    for (int k = 0; k < schedule.n; ++k) {
-      if (nonzero[k])
-        std::copy_n(at(k), N, work + k * N);
-      else
-        std::fill_n(work + k * N, N, 0.0);
-    }
-    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), work, N, nonzero);
-    for (int k = 0; k < schedule.n; ++k) std::copy_n(work + k * N, N, at(k));
+    const double zeros[N] = {};
+    for (int k = 0; k < schedule.n; ++k) Tile<double, N>::load(nonzero[k] ? at(k) : zeros).store(x + k * N);
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [&](int k, const auto& t) { t.store(at(k)); });
   });
 }
 
@@ -114,39 +125,39 @@ inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB
 }
 
 void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols) {
-  kernel::in_chunks<kernel::kColumns<double>>(0, cols, [&](int first, auto size) {
+  kernel::in_chunks<8 * kRegister>(0, cols, [&](int first, auto size) {
     const auto at = [&](int k) { return static_cast<std::ptrdiff_t>(row[k]) * ld + first; };
     subtract_product<size.value>(
         A, Ax, [&](int k) { return X + at(k); }, [&](int k) { return B + at(k); });
   });
 }
 
-// As solve_apart; the right-hand sides, the answer and its correction are all in the cache.
+// As solve; the right-hand sides, the answer and its correction are all in the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
-  char* everywhere = reinterpret_cast<char*>(work + 2 * n * kernel::kColumns<double>);
+  double *x = aligned(work), *r = x + n * kernel::kPanel, *inverse = r + n * kernel::kPanel;
+  const double* packed = prepare(schedule, Lx, D, inverse);
+  char* everywhere = reinterpret_cast<char*>(inverse + n + schedule.packed.size());
   std::fill_n(everywhere, n, 1);
-  kernel::in_chunks<kernel::kColumns<double>>(first, first + cols, [&](int c, auto size) {
+  kernel::in_chunks<kernel::kPanel>(first, first + cols, [&](int c, auto size) {
     constexpr int N = size.value;
-    double *x = work, *r = work + n * N;
     const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
+    const double zeros[N] = {};
     for (int k = 0; k < schedule.n; ++k) {
-      const double zeros[N] = {};
       const auto b = Tile<double, N>::load(nonzero[k] ? at(k) : zeros);
       b.store(x + k * N);
       b.store(r + k * N);
     }
-    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), x, N, nonzero);
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [](int, const auto&) {});
     subtract_product<N>(
         A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
-    kernel::sweep<N>(schedule, Lx, D, kernel::InOrder(), r, N, everywhere);
-    for (int k = 0; k < schedule.n; ++k) {
+    kernel::solve_columns<N>(schedule, Lx, packed, inverse, everywhere, r, [&](int k, const auto& t) {
       auto sum = Tile<double, N>::load(x + k * N);
-      add_times<N>(sum, 1, Tile<double, N>::load(r + k * N));
+      add_times<N>(sum, 1, t);
       sum.store(at(k));
-    }
+    });
   });
 }
 
@@ -237,12 +248,11 @@ void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
 
 extern const PanelKernels MANYCONTACT_OF_LEVEL(level_);
 const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
-                                                   kernel::kColumns<double>,
+                                                   kernel::kPanel,
                                                    ldl_scheduled_factor<double>,
                                                    ldl_scheduled_solve<double>,
                                                    residual_vector,
-                                                   ldl_scheduled_solve_panel<double>,
-                                                   solve_apart,
+                                                   solve,
                                                    solve_refined,
                                                    panel_residual,
                                                    upper_product,

@@ -28,7 +28,7 @@ struct Job {
 struct Panel {
   double* X;
   int ld;       // a multiple of 8
-  bool refine;  // once
+  bool refine;  // once, unless the factor bounds the error of every column
 };
 /// What is differentiated: the solution, and where q, v, u begin among the columns.
 struct DerivativeJob {

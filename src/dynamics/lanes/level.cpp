@@ -10,6 +10,7 @@
 #include "../../algorithm/rnea.cpp"
 #include "../../algorithm/rnea_derivatives.cpp"
 #include "../../algorithm/rnea_products.cpp"
+#include "derivatives.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "side_by_side.hpp"

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "../derivative_columns.hpp"
 #include "../drop_rounding.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/contact/products.hpp"
-#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/ldl_panel_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
@@ -31,6 +31,20 @@ const Pack<W>* numbers(const Pack<W>* x) {
 /// Lanes without an island of their own repeat the last one.
 inline const Island& in_lane(std::span<const Island* const> islands, int lane) {
   return *islands[std::min<std::size_t>(lane, islands.size() - 1)];
+}
+/// from[k] of lane l to to[l stride + k], k < count.
+template <int W>
+void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_t stride) {
+  std::size_t k = 0;
+  for (; k + W <= count; k += W) {
+    Pack<W> block[W];
+    for (int i = 0; i < W; ++i) block[i] = from[k + i];
+    transpose(block);
+    for (int l = 0; l < W; ++l) std::memcpy(to + l * stride + k, &block[l], sizeof block[l]);
+  }
+  if constexpr (W > 1)
+    for (; k < count; ++k)
+      for (int l = 0; l < W; ++l) to[l * stride + k] = from[k][l];
 }
 template <class To>
 void load_lane(int lane, const double* from, To& to) {
@@ -64,8 +78,12 @@ class SideBySide {
 
  private:
   using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// Of a panel at a time: a multiple of W, few enough that they stay in the first cache.
-  static constexpr int kColumns = W == 1 ? 4 * sparse::kernel::kRegister : 8;
+  /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W.
+  static constexpr int kColumns = sparse::kernel::kPanel, kPart = std::min(kColumns, 8), kParts = kColumns / kPart;
+  static_assert(kPart % W == 0 && 8 % kPart == 0);
+  struct Chunk {
+    int first[kParts], parts;
+  };
 
   void find_places();
   template <class Job>
@@ -97,9 +115,11 @@ class SideBySide {
   void right_sides(const DerivativeJob& job, Panels& X);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
-  void solve_panels(Panels& X);
-  void store(const Panels& X, std::span<const Panel> panels) const;
-  void refine_panel(int lane, const Panels& B, const Panel& panel);
+  Mask accurate_unrefined();
+  void solve_panels(std::span<const Panel> panels, Mask plain);
+  template <int N>
+  void solve_columns(std::size_t chunk, std::size_t lane, double* answer, std::ptrdiff_t ld);
+  void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
@@ -136,10 +156,19 @@ class SideBySide {
   std::vector<std::vector<int>> columns_;    // per contact: its coordinates
   std::vector<std::pair<int, int>> places_;  // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;                // that reach_ is of
-  std::vector<char> reach_, nonzero_;        // per row of K, in the pattern's order; reach_: for each chunk of columns
-  std::vector<S> X_;                         // the panels side by side, where there are several
-  std::vector<double> Lx_, Dx_, Kx_, R_;     // one lane's L, D, K, and the residual of its panel
-  std::vector<BodyVariationOf<S>> body_;     // products: tangents, or adjoints
+  std::vector<Chunk> chunks_;                // of all columns
+  // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
+  // than zero.
+  std::vector<char> reach_, reached_;
+  std::vector<char> nonzero_;  // per row of K
+  std::vector<S> B_;           // right-hand sides, zero but for places_ and torques
+  std::vector<S> packed_;
+  std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
+  std::vector<double> Dx_, Kx_;                       // one lane's
+  std::vector<double> answer_;                        // one lane's panel, side by side
+  std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
+  double rounding_;                                   // sparse::ldl_rounding
+  std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
 };
@@ -175,9 +204,14 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       rnea_(*model_),
       columns_(support.columns),
       nonzero_(pattern_->size()),
-      Lx_(L_.size()),
+      packed_(pattern_->schedule().packed.size()),
+      Lx_(W * L_.size()),
+      packed_x_(W * packed_.size()),
+      inverse_(W * D_.size()),
       Dx_(D_.size()),
       Kx_(K_.size()),
+      work_(sparse::panel_kernels().work_size(pattern_->schedule())),
+      rounding_(sparse::ldl_rounding(pattern_->ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
       dfext_(model_->njoints()),
@@ -454,24 +488,7 @@ void SideBySide<S>::scatter(const Scene& scene, const std::vector<int>& f_offset
   });
 }
 
-// ---- derivatives: dynamics/differentiate.cpp for all lanes at once -----------------------------------------------
-
-template <class S>
-void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
-                                  std::span<const Panel> panels) {
-  const Island& first = *islands.front();
-  linearise(job, islands);
-  derivative_terms(job.scene, first);
-  find_reach(job, panels.front().ld);
-  Panels X(X_.data(), pattern_->size(), panels.front().ld);
-  right_sides(job, X);
-  solve_panels(X);
-  store(X, panels);
-  if (std::none_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) return;
-  right_sides(job, X);
-  for (std::size_t l = 0; l < panels.size(); ++l)
-    if (panels[l].refine) refine_panel(static_cast<int>(l), X, panels[l]);
-}
+// ---- the solution once more, for derivatives (derivatives.hpp) and products -------------------------------------
 
 template <class S>
 void SideBySide<S>::keep(std::uint64_t serial, std::span<const Island* const> islands) {
@@ -503,115 +520,6 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
   if (kept) return;
   assemble(job.scene.damping);
   factor();
-}
-
-/// Contact forces on the bodies, and the terms of -dr.
-template <class S>
-void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
-  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    add_force<S>(contact, contacts_[k], contacts_[k].W.transpose() * contact_f_[k], fext_);
-  }
-  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const bool between = contact.B.robot >= 0;
-    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
-                           contact_f_[k], contacts_[k], contact_terms_[k]);
-  }
-}
-
-/// Rows of the right-hand sides that are not zero, for each chunk of columns; and memory.
-template <class S>
-void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
-  const int size = pattern_->size(), chunks = (ld + kColumns - 1) / kColumns;
-  if (request_ == job.request && reach_.size() == static_cast<std::size_t>(chunks) * size) return;
-  X_.resize(static_cast<std::size_t>(size) * ld);
-  R_.resize(X_.size());
-  reach_.assign(static_cast<std::size_t>(chunks) * size, 0);
-  const auto reach = [&](int row, int column) { reach_[column / kColumns * size + pattern_->iperm[row]] = 1; };
-  for (const auto& [i, j] : places_) {
-    if (job.request.q) reach(i, job.q_first + j);
-    if (job.request.v) reach(i, job.v_first + j);
-  }
-  for (int i = 0; job.request.u && i < torques(job); ++i) reach(torque(job, i), job.u_first + i);
-  request_ = job.request;
-}
-
-/// X = [-dr/dq -dr/dv S], S selecting the torques.
-template <class S>
-void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
-  const int nv = model_->nv;
-  X.setZero();
-  const auto rows = [&](std::size_t k, int first) {
-    return X.block(nv + row_offset_[k], first, contacts_[k].a0.size(), nv);
-  };
-  if (job.request.q) {
-    auto top = X.block(0, job.q_first, nv, nv);
-    internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
-    for (std::size_t k = 0; k < contacts_.size(); ++k) {
-      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k, job.q_first));
-      internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k, job.q_first));
-      internal::force_columns<S>(contacts_[k], contact_terms_[k], columns_[k], 0, 0, top);
-    }
-  }
-  if (job.request.v) {
-    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X.block(0, job.v_first, nv, nv));
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
-  }
-  for (int i = 0; job.request.u && i < torques(job); ++i) X(torque(job, i), job.u_first + i) = S(1);
-}
-
-/// X <- K^-1 X
-template <class S>
-void SideBySide<S>::solve_panels(Panels& X) {
-  const int size = pattern_->size(), ld = static_cast<int>(X.cols());
-  for (int c = 0; c < ld; c += kColumns) {
-    std::copy_n(reach_.begin() + c / kColumns * size, size, nonzero_.begin());
-    sparse::ldl_scheduled_solve_panel(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()),
-                                      pattern_->perm.data(), numbers(X.data()), ld, c, std::min(kColumns, ld - c),
-                                      nonzero_.data());
-  }
-}
-
-/// [da; df] of each lane: X, its rows of forces with the other sign.
-template <class S>
-void SideBySide<S>::store(const Panels& X, std::span<const Panel> panels) const {
-  for (std::ptrdiff_t row = 0; row < X.rows(); ++row) {
-    const S* from = X.data() + row * X.cols();
-    const S sign = row < model_->nv ? S(1) : S(-1);
-    const auto to = [&](std::size_t lane) { return panels[lane].X + row * X.cols(); };
-    if constexpr (W == 1) {
-      for (int c = 0; c < X.cols(); ++c) to(0)[c] = from[c].v * sign.v;
-    } else {
-      for (int c = 0; c < X.cols(); c += W) {  // W columns of W lanes
-        S block[W];
-        for (int k = 0; k < W; ++k) block[k] = from[c + k] * sign;
-        transpose(block);
-        for (std::size_t l = 0; l < panels.size(); ++l) std::memcpy(to(l) + c, &block[l], sizeof(S));
-      }
-    }
-  }
-}
-
-/// X += K^-1 (B - K X) for one lane's panel (kkt/factor/refined.cpp).
-template <class S>
-void SideBySide<S>::refine_panel(int lane, const Panels& B, const Panel& panel) {
-  const auto take = [lane](const S* from, std::vector<double>& to) {
-    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k][lane];
-  };
-  take(L_.data(), Lx_), take(D_.data(), Dx_), take(K_.data(), Kx_), take(B.data(), R_);
-  const std::size_t forces = static_cast<std::size_t>(model_->nv) * panel.ld;
-  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
-  const int* perm = pattern_->perm.data();
-  sparse::residual_panel(pattern_->K, Kx_.data(), perm, panel.X, R_.data(), panel.ld, panel.ld);
-  std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::ldl_scheduled_solve_panel(pattern_->schedule(), Lx_.data(), Dx_.data(), perm, R_.data(), panel.ld, 0,
-                                    panel.ld, nonzero_.data());
-  for (std::size_t k = 0; k < R_.size(); ++k) panel.X[k] += R_[k];
-  for (std::size_t k = forces; k < R_.size(); ++k) panel.X[k] = -panel.X[k];
 }
 
 // ---- products: dynamics/jvp.cpp for all lanes at once -------------------------------------------------------------

@@ -271,8 +271,6 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
 void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
-  constexpr double kIndependent = 1e-2;  // of a row's length, across those before it
-  constexpr double kKept = 1e-2;         // of C along Q, for a body without inertia of its own
   BodyHold& h = d.hold[s.hold[i]];
   const int* own = s.own.data() + s.own_first[s.hold[i]];
   const int m = s.own_first[s.hold[i] + 1] - s.own_first[s.hold[i]];
@@ -287,7 +285,7 @@ void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
       G -= h.R(j, k) * h.Q.col(j);
     }
     h.R(k, k) = G.norm();
-    if (!(h.R(k, k) > kIndependent * length)) return;
+    if (!(h.R(k, k) > tolerance::kHeldApart * length)) return;
     h.Q.col(k) = G / h.R(k, k);
   }
   h.rows = m;
@@ -303,11 +301,11 @@ void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   set(system.Y[i], Y);
   h.C = d.P[i] - Y;
   if (m == 6) {
-    Y += kKept * h.C;
+    Y += tolerance::kHeldKept * h.C;
   } else {
     const M6 C = h.C - Q * (Q.transpose() * h.C).eval();
     Y += C - (C * Q).eval() * Q.transpose();
-    Y += kKept * (Q * (Q.transpose() * h.C * Q).eval()).eval() * Q.transpose();
+    Y += tolerance::kHeldKept * (Q * (Q.transpose() * h.C * Q).eval()).eval() * Q.transpose();
   }
   d.P[i] = Y;
 }

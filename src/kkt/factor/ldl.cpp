@@ -1,12 +1,13 @@
+#include <algorithm>
+
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
 
 namespace {
-
-constexpr std::size_t kStaysInCache = 1 << 15;  // doubles of a panel that is solved in place
 
 class LdlFactor final : public Factor {
  public:
@@ -42,18 +43,23 @@ class LdlFactor final : public Factor {
 
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
     const int* perm = pattern_->perm.data();
-    const sparse::PanelKernels& kernels = sparse::panel_kernels();
     if (!schedule_)
       return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    if (stays_in_cache(ld)) return kernels.solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
     reserve_panels();
-    kernels.solve_apart(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
+    sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
   }
-  bool refines_panels(int ld) const override { return schedule_ && !stays_in_cache(ld); }
+  bool refines_panels() const override { return schedule_; }
   void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
     reserve_panels();
     sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
                                           pattern_->perm.data(), X, ld, first, cols, nonzero, work_.data());
+  }
+  double panel_error(const KktMatrix& K) override {
+    reserve_panels();
+    double *of_factor = work_.data(), *of_K = of_factor + D_.size();
+    sparse::ldl_row_sums(pattern_->K, K.values.data(), pattern_->ldl, L_.data(), D_.data(), of_factor, of_K);
+    return sparse::ldl_rounding(pattern_->ldl) * *std::max_element(of_factor, of_K) /
+           *std::max_element(of_K, of_K + D_.size());
   }
   void release_panels() override { work_ = {}; }
 
@@ -62,10 +68,9 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
-  bool stays_in_cache(int ld) const { return D_.size() * ld <= kStaysInCache; }
   // For refinement too: a later state may need it, and must not allocate.
   void reserve_panels() {
-    const std::size_t size = D_.size() * (2 * sparse::panel_kernels().columns + 1);
+    const std::size_t size = schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size();
     if (work_.size() < size) work_.resize(size);
   }
   void take(const std::shared_ptr<const KktPattern>& pattern) {

@@ -1,6 +1,8 @@
 #pragma once
 // A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, cholmod, schur, dense, dense_schur.
 
+#include <limits>
+
 #include "manycontact/kkt/matrix.hpp"
 #include "manycontact/kkt/reason.hpp"
 #include "manycontact/kkt/shape.hpp"
@@ -29,9 +31,8 @@ class Factor {  // one island's factor, whatever the method
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Whether there is solve_panel_refined for panels of that row stride: X + K^-1 (B - K X) where solve_panel gives
-  /// X = K^-1 B, for the K factorized.
-  virtual bool refines_panels(int ld) const { return (void)ld, false; }
+  /// Whether there is solve_panel_refined: X + K^-1 (B - K X) where solve_panel gives X = K^-1 B, for the K factorized.
+  virtual bool refines_panels() const { return false; }
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) {
     (void)K, solve_panel(X, ld, first, cols, nonzero);
   }
@@ -60,6 +61,12 @@ class Factor {  // one island's factor, whatever the method
   /// Growth of K's entries during elimination: the largest term of a pivot over the largest diagonal of K. The backward
   /// error of an unrefined solve is about eps times that, for some right-hand sides if not for the one at hand.
   virtual double growth() const { return 1; }
+  /// A bound of the backward error |dK|_1 / |K|_1 of every column that solve_panel gives, whatever the right-hand side;
+  /// infinite where none is known. K: the one factorized.
+  virtual double panel_error(const KktMatrix& K) {
+    (void)K;
+    return std::numeric_limits<double>::infinity();
+  }
   /// Whether a panel's columns come out as accurate as a single solve: then growth and the backward error of that tell
   /// whether the panel needs refinement. Otherwise panels are judged by their own residual.
   virtual bool panel_is_like_solve() const { return true; }

@@ -50,4 +50,10 @@ double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& symbolic, cons
 /// The same of pivots and their terms; 0 where one is not finite.
 double smallest_pivot_ratio(int n, const double* D, const double* scale);
 
+/// c such that whatever is solved for with a computed factor solves (A + dA) x = b, |dA| <= c |L||D||L^T|: so the
+/// backward error of every column of a panel is bounded beforehand. Each entry of L D L^T and each row of the two
+/// sweeps is a sum of products, in any order, with at most so many roundings u = eps/2. Source: Higham, Accuracy and
+/// Stability of Numerical Algorithms, 2nd edition, lemma 8.4, theorems 9.3 and 9.4.
+double ldl_rounding(const LdlSymbolic& symbolic);
+
 }  // namespace manycontact::sparse

@@ -47,6 +47,9 @@ struct Tile {
   void add(const Tile& a, const Tile& b) {  // += a b
     for (int k = 0; k < N; ++k) v[k] = multiply_add(a.v[k], b.v[k], v[k]);
   }
+  void subtract(const V& l, const Tile& x) {  // -= l x
+    for (int k = 0; k < N; ++k) v[k] = multiply_add(-l, x.v[k], v[k]);
+  }
   Tile times(const V& s) const {
     Tile t;
     for (int k = 0; k < N; ++k) t.v[k] = v[k] * s;
@@ -96,6 +99,16 @@ requires(N > 1) struct Tile<double, N> {
 #endif
     return a * b + c;
   }
+  static Vector fused_away(Vector a, Vector b, Vector c) {  // c - a b
+#ifdef __FMA__
+    if constexpr (kWidth == 2) return (Vector)_mm_fnmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+    if constexpr (kWidth == 4) return (Vector)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+#ifdef __AVX512F__
+    if constexpr (kWidth == 8) return (Vector)_mm512_fnmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#endif
+#endif
+    return c - a * b;
+  }
   static Vector at(const double* x, int k) { return *reinterpret_cast<const Vector*>(x + kWidth * k); }
   static Vector all(double s) {
     if constexpr (kWidth == 2) return Vector{s, s};
@@ -117,6 +130,10 @@ requires(N > 1) struct Tile<double, N> {
   }
   void add(const Tile& a, const Tile& b) {
     for (int k = 0; k < kVectors; ++k) v[k] = fused(a.v[k], b.v[k], v[k]);
+  }
+  void subtract(double l, const Tile& x) {
+    const Vector s = all(l);
+    for (int k = 0; k < kVectors; ++k) v[k] = fused_away(s, x.v[k], v[k]);
   }
   Tile times(double s) const {
     Tile t;
@@ -265,50 +282,6 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
   }
 }
 
-/// Columns of a panel at a time.
-template <class V>
-inline constexpr int kColumns = 8;
-template <>
-inline constexpr int kColumns<double> = 8 * kRegister;
-
-/// The rows of a panel in A's order.
-struct InOrder {
-  int operator[](int k) const { return k; }
-};
-
-/// One chunk of N columns of ldl_scheduled_solve_panel: each row takes all it needs before it is stored.
-template <int N, class V, class Rows>
-void sweep(const LdlSchedule& schedule, const V* Lx, const V* D, Rows row, V* X, long ld, const char* nonzero) {
-  const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
-  const LdlSchedule::Run* runs = schedule.runs.data();
-  const auto at = [&](int k) { return X + row[k] * ld; };
-  const LdlSchedule::Entry* entry = schedule.entries.data();
-  for (int k = 0; k < schedule.n; ++k) {  // X = L \ X
-    const LdlSchedule::Entry* end = schedule.entries.data() + schedule.row.data()[k + 1];
-    if (nonzero[k] && entry != end) {
-      V* x = at(k);
-      auto t = Tile<V, N>::load(x);
-      for (; entry != end; ++entry)
-        if (nonzero[entry->column]) t.add(-Lx[entry->slot], at(entry->column));
-      t.store(x);
-    }
-    entry = end;
-  }
-  V* own[LdlSchedule::kWidest];
-  for (int k = schedule.blocks() - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
-    const int first = block[k], width = block[k + 1] - first;
-    for (int c = width - 1; c >= 0; --c) {
-      own[c] = at(first + c);
-      auto t = Tile<V, N>::load(own[c]).times(V(1.0) / D[first + c]);
-      const V* l = Lx + Lp[first + c];
-      for (int a = c + 1; a < width; ++a) t.add(-*l++, own[a]);
-      for (int r = run[k]; r < run[k + 1]; ++r)
-        for (int b = runs[r].begin; b < runs[r].end; ++b) t.add(-*l++, at(runs[r].row + b - runs[r].begin));
-      t.store(own[c]);
-    }
-  }
-}
-
 }  // namespace kernel
 
 /// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
@@ -361,17 +334,6 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
       for (int i = 0; i < run.end - run.begin; ++i) nonzero[run.row + i] = 1;
     }
   }
-}
-
-/// X <- A^-1 X for a panel, as ldl_solve_panel: columns first ... first+cols-1, of V each, row stride ld in V; row k of
-/// A is row row[k] of X. nonzero: n flags, set where a row of X is not zero in any lane; overwritten.
-template <class V>
-void ldl_scheduled_solve_panel(const LdlSchedule& schedule, const V* Lx, const V* D, const int* row, V* X, int ld,
-                               int first, int cols, char* nonzero) {
-  ldl_scheduled_reach(schedule, nonzero);
-  kernel::in_chunks<kernel::kColumns<V>>(first, first + cols, [&](int c, auto size) {
-    kernel::sweep<size.value>(schedule, Lx, D, row, X + c, ld, nonzero);
-  });
 }
 
 /// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual. All of length A.n.

@@ -30,11 +30,19 @@ struct LdlSchedule {
   struct Target {
     int begin, end, shift;
   };
-  /// An entry of a row of L: Lx[slot] = L_row,column.
-  struct Entry {
-    int column, slot;
-  };
   static constexpr int kWidest = 32;  // columns of a block: wider ones are cut
+  /// Rows row ... row+high-1 of x = L^T \ (D \ x), which a panel takes at a time: they need those of `segments`
+  /// segment ... segment_end-1, all behind them. Packed from `at` on: for each of these rows, then for row+1 ...
+  /// row+high-1, L's entries in the group's columns; zero where there is none.
+  struct Group {
+    int row, high;
+    int segment, segment_end;
+    int at;
+  };
+  struct Segment {
+    int row, count;
+  };
+  static constexpr int kHigh = 8;
 
   int n = 0;
   bool compiled = false;      // false: it would take too much memory, see compile_ldl
@@ -45,8 +53,9 @@ struct LdlSchedule {
   std::vector<int> run;       // and runs[run[k]] ... runs[run[k+1]-1]
   std::vector<Run> runs;
   std::vector<Target> targets;
-  std::vector<int> row;        // row k of L: entries[row[k]] ... entries[row[k+1]-1], by column
-  std::vector<Entry> entries;  // for panels, where a row of L x takes all it needs at once
+  std::vector<Group> groups;  // the last rows first
+  std::vector<Segment> segments;
+  std::vector<int> packed;  // slots of L, -1: zero
 
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;

@@ -20,13 +20,10 @@ struct PanelKernels {
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
                           double* scale);
-  /// ldl_scheduled_solve_panel (ldl_kernels.hpp) of doubles.
+  /// X <- A^-1 X, as ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
-                int first, int cols, char* nonzero);
-  /// The same for rows that are far apart: a chunk of columns is worked beside the panel. work: n x `columns`.
-  void (*solve_apart)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
-                      int first, int cols, char* nonzero, double* work);
-  /// solve_apart refined once: with X = A^-1 B, X + A^-1 (B - A X). work: n x (2 `columns` + 1).
+                int first, int cols, char* nonzero, double* work);
+  /// The same refined once: with X = A^-1 B, X + A^-1 (B - A X).
   void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
                         const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
                         double* work);
@@ -42,6 +39,10 @@ struct PanelKernels {
   /// X: n x ld, of which the first `cols` columns, with ld >= cols a multiple of eight.
   void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
+
+  std::size_t work_size(const LdlSchedule& schedule) const {
+    return static_cast<std::size_t>(schedule.n) * (2 * columns + 2) + schedule.packed.size() + 8;
+  }
 };
 
 /// The widest level that runs here.

@@ -38,6 +38,14 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 /// Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 1e-3;
 
+/// Of a row's length, what stands across the rows before it on the same held body: less, and that body's rows are left
+/// in the system as any other's. Orthogonal to 1e-14 by one pass of Gram and Schmidt.
+/// Used by: held bodies of sparse-bodies.
+inline constexpr double kHeldApart = 1e-2;
+/// Of what comes from below along a held body's rows, where any number solves the system: enough for a body without
+/// inertia of its own to have a pivot.
+inline constexpr double kHeldKept = 1e-2;
+
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
@@ -74,9 +82,9 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 /// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
 inline constexpr double kConverged = 1e-12;
 
-/// Backward error of an unrefined solve above which panels of derivatives are refined once: derivatives are allowed
-/// 1000 eps cond(K) = 2.2e-13 cond(K), of which an unrefined solve then takes less than a quarter.
-/// Used by: solve_panel.
+/// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that
+/// is more, the bound that the factor gives for every column: derivatives are allowed 1000 eps cond(K) = 2.2e-13
+/// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, lanes.
 inline constexpr double kRefinePanel = 5e-14;
 
 /// dense-schur: a relative residual beyond which the factor holds nothing, and refining it would only make dependent

@@ -1,0 +1,161 @@
+#pragma once
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four or eight
+// rows at a time, so that a row read from the cache serves as many. And what such solves are worth.
+//
+// Compiled for several instruction levels: templates only, plain memory, no other library.
+
+#include "manycontact/sparse/ldl_kernels.hpp"
+
+namespace manycontact::sparse {
+
+namespace kernel {
+
+/// Columns at a time, and rows: as many as the machine's registers hold, with room for those they meet.
+inline constexpr int kPanel = 2 * kRegister;
+inline constexpr int kPanelRows = kRegister == 8 ? 8 : 4;
+
+/// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
+/// l: row r of column `begin`; column c + 1 of a row stands `step - c` behind column c's.
+template <int R, int N>
+[[gnu::always_inline]] inline void subtract_columns(Tile<double, N>* t, const double* l, int step, int begin, int end,
+                                                    const double* own) {
+  for (int c = begin; c < end; ++c) {
+    const auto x = Tile<double, N>::load(own + c * N);
+#pragma GCC unroll 8
+    for (int i = 0; i < R; ++i) t[i].subtract(l[i], x);
+    l += step - c;
+  }
+}
+
+/// X = L \ X for a block. from: its first row that may be other than zero.
+template <int N>
+inline void forward_panel(const LdlSchedule& schedule, int block, int from, const double* Lx, double* X) {
+  const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
+  const int* Lp = schedule.Lp.data() + first;
+  const int step = width + (Lp[width] - Lp[width - 1]) - 2;
+  const double* L = Lx + Lp[from] - from - 1;  // row r of column `from`: L[r]
+  double* own = X + static_cast<std::ptrdiff_t>(first) * N;
+  in_chunks<kPanelRows>(from, width, [&](int r, auto size) {
+    constexpr int R = size.value;
+    Tile<double, N> t[R];
+#pragma GCC unroll 8
+    for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + (r + i) * N);
+    subtract_columns<R, N>(t, L + r, step, from, r, own);
+#pragma GCC unroll 8
+    for (int i = 0; i < R; ++i) {
+#pragma GCC unroll 8
+      for (int j = 0; j < i; ++j) t[i].subtract(Lx[Lp[r + j] + i - j - 1], t[j]);
+      t[i].store(own + (r + i) * N);
+    }
+  });
+  const int* run = schedule.run.data() + block;
+  for (const LdlSchedule::Run *k = schedule.runs.data() + run[0], *end = schedule.runs.data() + run[1]; k != end; ++k)
+    in_chunks<kPanelRows>(k->begin, k->end, [&](int b, auto size) {
+      constexpr int R = size.value;
+      double* to = X + static_cast<std::ptrdiff_t>(k->row + b - k->begin) * N;
+      Tile<double, N> t[R];
+#pragma GCC unroll 8
+      for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(to + i * N);
+      subtract_columns<R, N>(t, L + width + b, step, from, width, own);
+#pragma GCC unroll 8
+      for (int i = 0; i < R; ++i) t[i].store(to + i * N);
+    });
+}
+
+/// R columns of a group, from its column c on, once those behind them are known: rows of X = L^T \ (D \ X).
+/// l: the group's packed entries. store(row, its values).
+template <int R, int N, class Store>
+[[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
+                                                 int c, const double* l, const double* inverse, double* X,
+                                                 Store&& store) {
+  const int high = group.high, row = group.row + c;
+  double* own = X + static_cast<std::ptrdiff_t>(row) * N;
+  Tile<double, N> t[R];
+#pragma GCC unroll 8
+  for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + i * N).times(inverse[row + i]);
+  const auto subtract = [&](const double* x, int count) {
+    for (const double* end = x + static_cast<std::ptrdiff_t>(count) * N; x != end; x += N, l += high) {
+      const auto of_row = Tile<double, N>::load(x);
+#pragma GCC unroll 8
+      for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
+    }
+  };
+  l += c;
+  for (int k = group.segment; k < group.segment_end; ++k)
+    subtract(X + static_cast<std::ptrdiff_t>(segments[k].row) * N, segments[k].count);
+  const double* among = l + c * high - high;  // row i of these: among + i high
+  l = among + R * high;
+  if (c + R < high) subtract(own + R * N, high - c - R);
+#pragma GCC unroll 8
+  for (int i = R - 1; i >= 0; --i) {
+#pragma GCC unroll 8
+    for (int j = R - 1; j > i; --j) t[i].subtract(among[j * high + i], t[j]);
+    t[i].store(own + i * N);
+    store(row + i, t[i]);
+  }
+}
+
+/// X = A \ X for N columns: X is n x N, in A's order. packed: of L (ldl_pack); inverse: of the pivots. Rows that
+/// `reached` does not flag are zero before they are divided by the pivots (ldl_scheduled_reach). store(k, row k of the
+/// answer as a tile), as each is known.
+template <int N, class Store>
+inline void solve_columns(const LdlSchedule& schedule, const double* Lx, const double* packed, const double* inverse,
+                          const char* reached, double* X, Store&& store) {
+  const int* block = schedule.block.data();
+  for (int k = 0; k < schedule.blocks(); ++k) {
+    int from = block[k];
+    while (from < block[k + 1] && !reached[from]) ++from;
+    if (from < block[k + 1]) forward_panel<N>(schedule, k, from - block[k], Lx, X);
+  }
+  const LdlSchedule::Segment* segments = schedule.segments.data();
+  const LdlSchedule::Group* end = schedule.groups.data() + schedule.groups.size();
+  for (const LdlSchedule::Group* group = schedule.groups.data(); group != end; ++group) {
+    const auto rows = [&](int c, auto size) {
+      backward_rows<size.value, N>(*group, segments, c, packed + group->at, inverse, X, store);
+    };
+    if (group->high == 8) {
+      if constexpr (kPanelRows == 8)
+        rows(0, Size<8>{});
+      else
+        rows(4, Size<4>{}), rows(0, Size<4>{});
+    } else if (group->high == 4) {
+      rows(0, Size<4>{});
+    } else if (group->high == 2) {
+      rows(0, Size<2>{});
+    } else {
+      rows(0, Size<1>{});
+    }
+  }
+}
+
+}  // namespace kernel
+
+/// L's entries as LdlSchedule::packed has them.
+template <class V>
+void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
+  const int* slot = schedule.packed.data();
+  const int count = static_cast<int>(schedule.packed.size());
+  for (int k = 0; k < count; ++k) packed[k] = slot[k] < 0 ? V{} : Lx[slot[k]];
+}
+
+/// Sums of the rows of |L||D||L^T| and of |A|, of n. For any value V, as in ldl_kernels.hpp.
+template <class V>
+void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, const V* Lx, const V* D, V* of_factor,
+                  V* of_A) {
+  const int *p = A.p.data(), *row = A.i.data(), *Lp = symbolic.Lp.data(), *Li = symbolic.Li.data();
+  for (int k = 0; k < A.n; ++k) of_factor[k] = of_A[k] = V{};
+  for (int j = 0; j < A.n; ++j) {
+    V column(1.0);  // of |L|
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) column = column + absolute(Lx[k]);
+    column = column * absolute(D[j]);
+    of_factor[j] = of_factor[j] + column;
+    for (int k = Lp[j]; k < Lp[j + 1]; ++k) of_factor[Li[k]] = multiply_add(absolute(Lx[k]), column, of_factor[Li[k]]);
+    for (int k = p[j]; k < p[j + 1]; ++k) {
+      const V size = absolute(Ax[k]);
+      of_A[j] = of_A[j] + size;
+      if (row[k] != j) of_A[row[k]] = of_A[row[k]] + size;
+    }
+  }
+}
+
+}  // namespace manycontact::sparse

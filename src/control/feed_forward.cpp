@@ -1,0 +1,133 @@
+// Quasi-Newton steps of SolverDDP on its feed-forward terms.
+
+#include <algorithm>
+#include <limits>
+
+#include "manycontact/control/ddp.hpp"
+
+namespace manycontact {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+
+namespace {
+
+constexpr double kArmijo = 1e-4;             // of what the slope promises
+constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
+constexpr double kLeast = 0.1, kMost = 0.5;  // of a step that was too long: the next one
+constexpr int kTrials = 12;
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // step lengths: twice, once, and it ends
+
+}  // namespace
+
+void SolverDDP::allocateDescent() {
+  for (Vectors* all : {&nu_, &g_, &g_try_}) {
+    all->resize(us_.size());
+    for (std::size_t t = 0; t < us_.size(); ++t) (*all)[t].resize(us_[t].size());
+  }
+  bfgs_.reserve(us_);
+}
+
+void SolverDDP::setFeedForward(const Vectors& nu) {
+  for (std::size_t t = 0; t < k_.size(); ++t) k_[t] = -nu[t];
+}
+
+void SolverDDP::computeFeedForwardGradient(Vectors& g) {
+  const std::size_t T = problem_->get_T();
+  g.resize(T);
+  Vx_[T] = problem_->get_terminalData()->Lx;
+  for (std::size_t t = T; t-- > 0;) {
+    const ActionDataAbstract& d = *problem_->data(t);
+    g[t] = d.Lu;
+    g[t].noalias() += d.Fu.transpose() * Vx_[t + 1];
+    holdControls(t, g[t]);
+    Vx_[t] = d.Lx;
+    Vx_[t].noalias() += d.Fx.transpose() * Vx_[t + 1];
+    Vx_[t].noalias() -= K_[t].transpose() * g[t];
+  }
+}
+
+void SolverDDP::preconditionFeedForward(Vectors& g) {
+  for (std::size_t t = 0; t < g.size(); ++t)
+    if (g[t].size() > 0) Quu_llt_[t].solveInPlace(g[t]);
+}
+
+// A step along nu_ that lowers the cost enough, or where that drowns in rounding flattens its slope enough; g_try_ is
+// the gradient there.
+bool SolverDDP::searchFeedForward() {
+  const double rounding = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  setFeedForward(nu_);
+  steplength_ = 1;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const double shortest = kLeast * steplength_, longest = kMost * steplength_, expected = -steplength_ * slope_;
+    const double dV = tryStep(steplength_);
+    if (std::isnan(dV)) {
+      steplength_ = shortest;
+      continue;
+    }
+    dV_ = dV;
+    dVexp_ = expected;
+    double next = steplength_ * expected / (2 * (expected - dV));  // where the parabola is least
+    if (dV >= kArmijo * expected || (expected < rounding && dV > -rounding)) {
+      problem_->calcDiff(xs_try_, us_try_);
+      computeFeedForwardGradient(g_try_);
+      const double slope = dot(g_try_, nu_);
+      if (expected >= rounding || slope <= kSlope * -slope_) return true;
+      next = steplength_ * slope_ / (slope_ - slope);
+    }
+    steplength_ = std::clamp(next, shortest, longest);
+  }
+  return false;
+}
+
+// nu_ = -H g_, and what Gauss-Newton alone would gain.
+void SolverDDP::computeFeedForwardDirection() {
+  nu_ = g_;
+  preconditionFeedForward(nu_);
+  stop_ = 0.5 * dot(g_, nu_);
+  if (bfgs_.pairs() > 0) {
+    nu_ = g_;
+    bfgs_.begin(nu_);
+    preconditionFeedForward(nu_);
+    bfgs_.finish(nu_);
+  }
+  for (Eigen::VectorXd& nu : nu_) nu = -nu;
+  holdFeedForward(nu_);
+  slope_ = dot(g_, nu_);
+  d_ << -slope_, slope_;
+}
+
+StopReason SolverDDP::descend(std::size_t maxiter) {
+  require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
+  interrupted_ = false;
+  iter_ = 0;
+  if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
+  for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  allocateDescent();
+  computeFeedForwardGradient(g_);
+  bfgs_.forget();
+  int short_steps = 0;
+  for (; iter_ < maxiter; ++iter_) {
+    computeFeedForwardDirection();
+    held_changed_ = false;
+    stepped_ = slope_ < 0 && searchFeedForward();
+    if (stepped_) {
+      if (held_changed_)
+        bfgs_.forget();
+      else
+        bfgs_.add(steplength_, nu_, g_, g_try_);
+      std::swap(g_, g_try_);
+      setCandidate(xs_try_, us_try_, true);
+      was_feasible_ = true;
+      cost_ = cost_try_;
+    }
+    for (const auto& callback : callbacks_) (*callback)(*this);
+    if (stop_ < th_stop_) return reason_ = StopReason::kConverged;
+    if (interrupted_) return reason_ = StopReason::kInterrupted;
+    short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;
+    if (!stepped_ || steplength_ < kVeryShort || short_steps == 2) return reason_ = StopReason::kNoStep;
+  }
+  return reason_ = StopReason::kIterations;
+}
+
+}  // namespace manycontact
