@@ -1,7 +1,7 @@
 #pragma once
-// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product, written by pairs of entries, as Eigen
-// reads six-vectors next: a pair read before its halves, written apart, have left the processor's store buffer waits
-// for them, and the sweeps did little else.
+// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product, of doubles, written by pairs of entries:
+// Eigen reads six-vectors by pairs, and a read must wait until both entries, written apart, have reached the cache.
+// Each entry is the same to the last bit.
 
 #include <cstring>
 
