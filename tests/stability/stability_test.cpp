@@ -71,6 +71,7 @@ TEST_P(Stability, NoWrongAnswers) {
       EXPECT_LE(row.cells[k].error_a, 1e-9) << row.which->name << " by " << judged_ways()[k].name;
     }
   }
+#ifdef NDEBUG  // the page is the release build's: cases at the edge fall to either side by the compiler's choices
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
     for (const Row& row : rows)
@@ -78,6 +79,7 @@ TEST_P(Stability, NoWrongAnswers) {
           << row.which->name << ": not as on the page";
     EXPECT_EQ(committed.size(), rows.size());
   }
+#endif
   done.emplace_back(cases.cause, std::move(rows));
 }
 
