@@ -4,6 +4,8 @@
 
 #include "cli/program.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact::cli {
@@ -186,6 +188,36 @@ TEST_F(Solve, DerivativesAreListsOfRows) {
   expect_size("dforces_dv", nc, nv);
   expect_size("dforces_du", nc, nu);
   EXPECT_GT(j.at("report").at("time_us").at("derivatives").get<double>(), 0);
+}
+
+TEST_F(Solve, SummaryNamesTheLargestDerivatives) {
+  const std::string path = model("humanoid_standing.xml");
+  const SceneFile file = load_scene(path);
+  SceneData data(file.scene);
+  (void)manycontact::solve(file.scene, file.q, file.v, file.u, data);
+  differentiate(file.scene, data);
+  const SceneDerivatives d = dense_derivatives(file.scene, data);
+  const Outcome outcome = run({"solve", path, "--derivatives"});
+  EXPECT_EQ(outcome.status, 0);
+  const Model& humanoid = *file.scene.robots[0].model;
+  const auto line_of = [&](const char* name, const Eigen::MatrixXd& block, bool forces) {
+    Eigen::Index row = 0, column = 0;
+    block.cwiseAbs().maxCoeff(&row, &column);
+    const Contact& contact = file.scene.contacts[static_cast<std::size_t>(row / 6)];
+    char value[32];
+    std::snprintf(value, sizeof value, "%.4g", block(row, column));
+    const std::string of =
+        forces ? row_name(contact, static_cast<int>(row % 6)) : "humanoid/" + dof_name(humanoid, static_cast<int>(row));
+    return std::vector<std::string>{name, value, of, "humanoid/" + dof_name(humanoid, static_cast<int>(column))};
+  };
+  std::vector<std::vector<std::string>> found;
+  std::istringstream lines(outcome.out);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    found.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+  }
+  for (const auto& line : {line_of("da/dq", d.da_dq, false), line_of("df/dq", d.dforces_dq, true)})
+    EXPECT_NE(std::find(found.begin(), found.end(), line), found.end()) << line[0] << ' ' << line[1] << ' ' << line[2];
 }
 
 TEST_F(Solve, SummariesFitTheScreen) {
