@@ -3,7 +3,10 @@
 # root) and uses them there as a stranger would: the program, programs by CMake and pkg-config, Python.
 set -eu
 root=$1 packages=$2 sources=$3
-inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
+inside() {  # with nothing of the caller's environment
+  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root \
+    http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" "$@"
+}
 install() { inside apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }
 
 if [ ! -e "$root/usr/bin/apt-get" ]; then
