@@ -30,6 +30,9 @@ std::vector<std::pair<std::string, Bytes>> corpus(const std::string& name) {
   return files;
 }
 
+// Changes of each file.
+constexpr int kReads = 3000, kSolves = 4;
+
 // Each file as it is, and with a few bytes changed, taken out or doubled.
 void replay(const std::string& name, Target target, int changed) {
   const auto files = corpus(name);
@@ -53,10 +56,10 @@ void replay(const std::string& name, Target target, int changed) {
   }
 }
 
-TEST(Fuzz, Urdf) { replay("urdf", fuzz_urdf, 20); }
-TEST(Fuzz, Scene) { replay("scene", fuzz_scene, 20); }
-TEST(Fuzz, Task) { replay("task", fuzz_task, 20); }
-TEST(Fuzz, Solve) { replay("solve", fuzz_solve, 4); }
+TEST(Fuzz, Urdf) { replay("urdf", fuzz_urdf, kReads); }
+TEST(Fuzz, Scene) { replay("scene", fuzz_scene, kReads); }
+TEST(Fuzz, Task) { replay("task", fuzz_task, kReads); }
+TEST(Fuzz, Solve) { replay("solve", fuzz_solve, kSolves); }
 
 }  // namespace
 }  // namespace manycontact::fuzz
