@@ -41,7 +41,8 @@ struct PanelKernels {
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 
   std::size_t work_size(const LdlSchedule& schedule) const {
-    return static_cast<std::size_t>(schedule.n) * static_cast<std::size_t>(2 * columns + 2) + schedule.packed.size() + 8;
+    return static_cast<std::size_t>(schedule.n) * static_cast<std::size_t>(2 * columns + 2) + schedule.packed.size() +
+           8;
   }
 };
 
