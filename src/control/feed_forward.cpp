@@ -20,10 +20,7 @@ constexpr double kShort = 0.11, kVeryShort = 0.01;  // step lengths: twice, once
 }  // namespace
 
 void SolverDDP::allocateDescent() {
-  for (Vectors* all : {&nu_, &g_, &g_try_}) {
-    all->resize(us_.size());
-    for (std::size_t t = 0; t < us_.size(); ++t) (*all)[t].resize(us_[t].size());
-  }
+  nu_ = g_ = g_try_ = us_;
   bfgs_.reserve(us_);
 }
 

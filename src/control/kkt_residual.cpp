@@ -42,8 +42,6 @@ bool is_of_parts(const ShootingProblem& problem) {
   return false;
 }
 
-}  // namespace
-
 // c - P(c + y) of each row
 void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y,
                      Largest& worst) {
@@ -54,13 +52,15 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// u - P(u - slope) where limits are used, else the slope.
-void add_slopes(const ActionModelAbstract& model, const Eigen::VectorXd& u, bool limits, Eigen::VectorXd& slope,
-                Largest& worst) {
+// u - P(u - slope) of control i where limits are used, else the slope.
+void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
+               Largest& worst) {
   if (limits && model.get_has_control_limits())
-    slope = u - (u - slope).cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    slope = u[i] - std::min(std::max(u[i] - slope, model.get_u_lb()[i]), model.get_u_ub()[i]);
   worst.add(slope);
 }
+
+}  // namespace
 
 namespace internal {
 
@@ -84,12 +84,10 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
     for (Eigen::Index i = 0; i < us[t].size(); ++i) {
-      double slope = d.Lu[i] + d.Fu.col(i).dot(l[t + 1]) +
-                     pull_back(
-                         rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
-      if (limits && model.get_has_control_limits())
-        slope = us[t][i] - std::min(std::max(us[t][i] - slope, model.get_u_lb()[i]), model.get_u_ub()[i]);
-      worst.add(slope);
+      const double slope = d.Lu[i] + d.Fu.col(i).dot(l[t + 1]) +
+                           pull_back(
+                               rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
+      add_slope(model, us[t], i, limits, slope, worst);
     }
   }
   return worst.value;
@@ -112,7 +110,7 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
                     ys.empty() ? none : ys[t], gx, gu);
     worst.add(gx - l[t]);
     if (t == T) break;
-    add_slopes(model, us[t], limits, gu, worst);
+    for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i], worst);
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
   }

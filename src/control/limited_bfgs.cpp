@@ -23,11 +23,7 @@ double dot(const LimitedBfgs::Vectors& a, const LimitedBfgs::Vectors& b) {
 
 void LimitedBfgs::reserve(const Vectors& sizes) {
   pairs_.resize(most_);
-  for (Pair& pair : pairs_)
-    for (Vectors* part : {&pair.s, &pair.y}) {
-      part->resize(sizes.size());
-      for (std::size_t t = 0; t < sizes.size(); ++t) (*part)[t].resize(sizes[t].size());
-    }
+  for (Pair& pair : pairs_) pair.s = pair.y = sizes;
 }
 
 void LimitedBfgs::add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next) {

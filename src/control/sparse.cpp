@@ -153,7 +153,6 @@ void SolverSparse::each_feed_forward(std::vector<VectorXd>& whole, Work&& work) 
   whole.resize(us_.size());
   for (std::size_t t = 0; t < us_.size(); ++t) whole[t].resize(us_[t].size());
   each_part([&](SolverSparsePart& own) {
-    own.feed_forward_.resize(us_.size());
     for (std::size_t t = 0; t < us_.size(); ++t) gather(whole[t], own.part_.u[t], own.feed_forward_[t]);
     work(own, own.feed_forward_);
     for (std::size_t t = 0; t < us_.size(); ++t) scatter(own.feed_forward_[t], own.part_.u[t], whole[t]);
@@ -164,7 +163,6 @@ void SolverSparse::setFeedForward(const std::vector<VectorXd>& nu) {
   share_candidate();
   SolverFDDP::setFeedForward(nu);
   each_part([&](SolverSparsePart& own) {
-    own.feed_forward_.resize(us_.size());
     for (std::size_t t = 0; t < us_.size(); ++t) gather(nu[t], own.part_.u[t], own.feed_forward_[t]);
     own.setFeedForward(own.feed_forward_);
   });

@@ -30,9 +30,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
   double moved = 0;  // sum |S_j| |a_j|
   for (int j = 0; j < model.nv; ++j) moved += largest(r.kin.J.col(j)) * std::abs(a[j]);
   for (int i = 0; i < model.nv; ++i) {
-    const Inertia<double>& Y = r.Yc[model.dof_joint[i]];
-    const double size = std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
-    w[i] = largest(r.kin.J.col(i)) * size * (motion + moved);
+    w[i] = largest(r.kin.J.col(i)) * internal::inertia_size(r.Yc[model.dof_joint[i]]) * (motion + moved);
   }
 }
 

@@ -21,10 +21,6 @@ namespace {
 
 using V6 = Vec6<double>;
 
-double size_of(const Inertia<double>& Y) {
-  return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
-}
-
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
 std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
   const BodyForm& form = *d.bodies;
@@ -39,7 +35,7 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   }
   for (std::size_t k = 0, i = 0; k < form.kin.size(); ++k)
     for (const V6& v : form.kin[k].v) {
-      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = size_of(form.factor.system.Y[i]);
+      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = inertia_size(form.factor.system.Y[i]);
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }

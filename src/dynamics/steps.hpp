@@ -1,6 +1,9 @@
 #pragma once
 // Steps of solve and differentiate, one file each.
 
+#include <algorithm>
+#include <cmath>
+
 #include "manycontact/algorithm/crba.hpp"
 #include "workspace.hpp"
 
@@ -62,6 +65,11 @@ void add_contradiction(const Scene& scene, SceneData& data, IslandWork& island, 
                        PanelWork& work);
 /// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent.
 void least_norm_forces(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out);
+
+/// The largest of an inertia's mass, first moment and moments.
+inline double inertia_size(const Inertia<double>& Y) {
+  return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
+}
 
 /// Whether the island's contact rows were found dependent.
 inline bool rank_deficient(const IslandWork& d) { return d.factor && d.factor->rank() < d.island.nc; }

@@ -45,8 +45,9 @@ struct BodyResidual {
   BodyVectors r;  // right-hand sides minus left-hand sides; of f: with its sign turned
   // by backward_error alone
   std::vector<Eigen::Vector4d> body_scale;  // per node: terms of a's linear and angular, f's linear and angular part
-  Eigen::VectorXd joint_scale, row_scale;   // nv, nc
+  Eigen::VectorXd joint_scale;              // nv
   // by each
+  Eigen::VectorXd row_scale;                // nc
   double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms, of f and of the joints
   double contact = 0, contact_scale = 0;    // and of the rows
 
