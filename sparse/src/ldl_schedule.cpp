@@ -11,10 +11,12 @@ bool nests(const LdlSymbolic& s, int k) {
   return s.parent[k] == k + 1 && s.Lp[k + 1] - s.Lp[k] == s.Lp[k + 2] - s.Lp[k + 1] + 1;
 }
 
-void find_blocks(const LdlSymbolic& s, std::vector<int>& block) {
+// None has columns on both sides of `border`.
+void find_blocks(const LdlSymbolic& s, int border, std::vector<int>& block) {
   block.assign(1, 0);
   for (int k = 0; k < s.n; ++k)
-    if (k + 1 == s.n || k + 1 - block.back() == LdlSchedule::kWidest || !nests(s, k)) block.push_back(k + 1);
+    if (k + 1 == s.n || k + 1 == border || k + 1 - block.back() == LdlSchedule::kWidest || !nests(s, k))
+      block.push_back(k + 1);
 }
 
 void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
@@ -87,10 +89,14 @@ std::size_t LdlSchedule::bytes() const {
          sizeof(Segment) * segments.size();
 }
 
-LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) {
+LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) { return compile_ldl(A, s, s.n); }
+
+LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   LdlSchedule out;
   out.n = s.n;
-  find_blocks(s, out.block);
+  find_blocks(s, columns, out.block);
+  out.eliminated =
+      static_cast<int>(std::lower_bound(out.block.begin(), out.block.end(), columns) - out.block.begin());
   std::vector<int> block_of(s.n);
   for (int k = 0; k < out.blocks(); ++k)
     std::fill(block_of.begin() + out.block[k], block_of.begin() + out.block[k + 1], k);

@@ -5,75 +5,25 @@
 #include <algorithm>
 
 #include "bodies.hpp"
-#include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
 
-namespace {
-
-// Each contact to the robot it is on, or to the two that it joins.
-void share_out(const Scene& scene, const Island& island, ByRobots& by) {
-  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[island.contacts[c]];
-    const int number = static_cast<int>(c);
-    if (!joins_robots(contact) || contact.A.robot == contact.B.robot) {
-      by.robots[local_robot(island, robot_of(contact))].contacts.push_back(number);
-      continue;
-    }
-    const int a = local_robot(island, contact.A.robot), b = local_robot(island, contact.B.robot);
-    for (const auto& [at, other] : {std::pair(a, b), std::pair(b, a)}) {
-      ByRobots::OfRobot& r = by.robots[at];
-      r.joins.push_back(number);
-      if (std::find(r.neighbours.begin(), r.neighbours.end(), other) == r.neighbours.end())
-        r.neighbours.push_back(other);
-      for (int i = 0; i < contact.rows(); ++i) r.joining.push_back(by.rows() + i);
-    }
-    for (int i = 0; i < contact.rows(); ++i) by.row.push_back(island.nv + island.row_offset[c] + i);
-  }
-}
-
-void analyze_joining(ByRobots& by) {
-  std::vector<std::pair<int, int>> entries;
-  const auto each_entry = [&by](auto&& use) {
-    for (ByRobots::OfRobot& r : by.robots)
-      for (std::size_t j = 0; j < r.joining.size(); ++j)
-        for (std::size_t i = 0; i <= j; ++i) use(r, r.joining[i], r.joining[j]);
-  };
-  each_entry([&](ByRobots::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
-  const sparse::UpperCsc pattern = sparse::make_pattern(by.rows(), std::move(entries));
-  by.perm = sparse::camd_order(pattern, {});
-  const std::vector<int> iperm = sparse::inverse(by.perm);
-  by.S = sparse::permute(pattern, iperm);
-  by.symbolic = sparse::ldl_analyze(by.S);
-  by.schedule = sparse::compile_ldl(by.S, by.symbolic);
-  each_entry([&](ByRobots::OfRobot& r, int i, int j) {
-    r.slot.push_back(by.S.slot(std::min(iperm[i], iperm[j]), std::max(iperm[i], iperm[j])));
-  });
-}
-
-}  // namespace
-
-ByRobots::ByRobots(const IslandShape& shape, ShapeCache& shapes) : robots(shape.island().robots.size()) {
+ByRobots::ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> j, ShapeCache& shapes)
+    : robots(j->robots.begin(), j->robots.end()), joining(std::move(j)), compiled(joining->schedule.compiled) {
   const Scene& scene = shape.scene();
   const Island& island = shape.island();
-  share_out(scene, island, *this);
   for (std::size_t k = 0; k < robots.size(); ++k) {
     OfRobot& r = robots[k];
-    Island alone;
-    alone.robots = {island.robots[k]};
-    for (int c : r.contacts) alone.contacts.push_back(island.contacts[c]);
-    number_island(scene, alone);
-    r.K.reset(shapes.find(scene, alone)->pattern(Order::kLeafToRoot));
+    const Island own = alone(shape, *joining, k);
+    r.K.reset(shapes.find(scene, own)->pattern(Order::kLeafToRoot));
     compiled = compiled && r.K.pattern->schedule().compiled;
-    for (int i = 0; i < alone.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
+    for (int i = 0; i < own.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
     for (int c : r.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
         r.row.push_back(island.nv + island.row_offset[c] + i);
   }
-  analyze_joining(*this);
-  compiled = compiled && schedule.compiled;
 }
 
 namespace internal {
@@ -90,7 +40,7 @@ double cost_at_once(const IslandWork& d, double ld) {
 // filled and read once more. Measured on rings and on a beam between two humanoids.
 double cost_by_robots(const ByRobots& by, double ld) {
   constexpr double kProduct = 0.4, kPanels = 1.3;
-  double cost = ld * 2.0 * by.symbolic.nonzeros();
+  double cost = ld * 2.0 * by.joining->symbolic.nonzeros();
   for (const ByRobots::OfRobot& r : by.robots) {
     const KktPattern& p = *r.K.pattern;
     cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
@@ -127,7 +77,7 @@ void choose_sample(ByRobots& by) {
 }
 
 void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRobots& by) {
-  const std::size_t rows = by.row.size(), n = d.island.size();
+  const std::size_t rows = by.joining->row.size(), n = d.island.size();
   std::size_t most_joining = 0, most_own = 0;  // rows of a robot
   for (ByRobots::OfRobot& r : by.robots) {
     if (!r.factor) r.factor = make_ldl_factor(Method::kSparseLdl);
@@ -140,14 +90,14 @@ void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRob
     most_own = std::max<std::size_t>(most_own, r.size() - r.K.nv());
     most_joining = std::max(most_joining, r.joining.size());
   }
-  by.Sx.resize(by.S.nonzeros());
-  by.L.resize(by.symbolic.nonzeros());
+  by.Sx.resize(by.joining->S.nonzeros());
+  by.L.resize(by.joining->symbolic.nonzeros());
   by.D.resize(rows);
   by.scale.resize(rows);
   by.Y.resize(rows * ld);
   by.buffers.resize(threads);
   for (ByRobots::Buffers& b : by.buffers) {
-    b.work.resize(sparse::panel_kernels().work_size(by.schedule));
+    b.work.resize(sparse::panel_kernels().work_size(by.joining->schedule));
     b.nonzero.resize(rows);
     b.Yr.resize(most_joining * ld);
     b.forces.resize(most_own * ld);
@@ -164,7 +114,7 @@ void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRob
 void prepare_by_robots(IslandWork& d, const IslandDerivatives& out, Workspace& w) {
   if (d.island.robots.size() == 1 || has_bodies(d) || w.options.order) return;
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
-  if (!d.by_robots) d.by_robots = std::make_unique<ByRobots>(*d.shape, w.shapes);
+  if (!d.by_robots) d.by_robots = std::make_unique<ByRobots>(*d.shape, joining_of(d), w.shapes);
   ByRobots& by = *d.by_robots;
   if (by.laid_out && by.request == out.request) return;
   by.laid_out = false;  // should memory run out

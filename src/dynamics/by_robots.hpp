@@ -1,11 +1,5 @@
 #pragma once
-// Derivatives of an island robot by robot. With the rows that join two robots last, K is
-//
-//     [ K_1             G_1^T    ]
-//     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
-//     [           K_n   G_n^T    ]    G_r: what the joining rows have of its velocities.
-//     [ G_1  ...  G_n   -delta I ]
-//
+// Derivatives of an island robot by robot, of which joining.hpp has the matrices.
 // With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the answer to K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
@@ -13,6 +7,7 @@
 // A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows join
 // the robot, in place of a solve with the island's factor.
 
+#include "joining.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "workspace.hpp"
 
@@ -23,19 +18,14 @@ struct ByRobots {
   static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
 
   /// shapes: where the patterns of the K_r are met again.
-  ByRobots(const IslandShape& shape, ShapeCache& shapes);
+  ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> joining, ShapeCache& shapes);
 
   struct Columns {  // A block of columns of X, and where it stands in a robot's panel.
     int in_X, in_P, count;
   };
-  struct OfRobot {
-    // constant
-    std::vector<int> contacts;    // of the island: those on this robot alone
-    std::vector<int> joins;       // and those that join it to another
-    std::vector<int> neighbours;  // robots of the island at their other ends
-    std::vector<int> row;         // per row of K_r: the island's row
-    std::vector<int> joining;     // per row of G_r: the row of S
-    std::vector<int> slot;        // of the upper triangle of G_r T_r, by columns, in S
+  struct OfRobot : Joining::OfRobot {
+    explicit OfRobot(const Joining::OfRobot& r) : Joining::OfRobot(r) {}
+    std::vector<int> row;  // per row of K_r: the island's row; constant
     // for the request
     std::vector<Columns> columns;  // where B_r is not zero
     int ld = 0;                    // of P and H
@@ -54,11 +44,7 @@ struct ByRobots {
     int padded() const { return sparse::padded(static_cast<std::ptrdiff_t>(joining.size())); }
   };
   std::vector<OfRobot> robots;
-  std::vector<int> row;   // per joining row: the island's row
-  std::vector<int> perm;  // row of S eliminated k-th
-  sparse::UpperCsc S;     // its pattern, in that order
-  sparse::LdlSymbolic symbolic;
-  sparse::LdlSchedule schedule;
+  std::shared_ptr<const Joining> joining;
   bool compiled = true;  // all schedules are there
 
   bool laid_out = false;  // for `request`
@@ -79,8 +65,6 @@ struct ByRobots {
     std::vector<double> r, scale;
   };
   std::vector<Buffers> buffers;
-
-  int rows() const { return static_cast<int>(row.size()); }
 };
 
 namespace internal {

@@ -22,7 +22,7 @@ void each_rhs(const ByRobots& by, Use&& use) {
   for (const OfRobot& r : by.robots)
     for (const ByRobots::Columns& c : r.columns) {
       for (int row : r.row) use(row, c.in_X, c.count);
-      for (int k : r.joining) use(by.row[k], c.in_X, c.count);
+      for (int k : r.joining) use(by.joining->row[k], c.in_X, c.count);
     }
 }
 
@@ -93,16 +93,16 @@ void solve_robot(const Panel& X, OfRobot& r) {
 // S = sum_r G_r T_r + delta I and its factor; false where its pivots are not sound.
 bool factorize_joining(const IslandWork& d, ByRobots& by) {
   std::fill(by.Sx.begin(), by.Sx.end(), 0.0);
-  for (int k = 0; k < by.rows(); ++k) by.Sx[by.S.p[k + 1] - 1] = d.K.damping;
+  for (int k = 0; k < by.joining->rows(); ++k) by.Sx[by.joining->S.p[k + 1] - 1] = d.K.damping;
   for (const OfRobot& r : by.robots) {
     const int* slot = r.slot.data();
     for (std::size_t j = 0; j < r.joining.size(); ++j)
       for (std::size_t i = 0; i <= j; ++i) by.Sx[*slot++] += r.H[i * r.ld + j];
   }
-  sparse::panel_kernels().factor(by.schedule, by.Sx.data(), by.L.data(), by.D.data(), by.scale.data());
+  sparse::panel_kernels().factor(by.joining->schedule, by.Sx.data(), by.L.data(), by.D.data(), by.scale.data());
   for (double pivot : by.D)
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-  return sparse::smallest_pivot_ratio(by.rows(), by.D.data(), by.scale.data()) >= tolerance::kPivotLeft;
+  return sparse::smallest_pivot_ratio(by.joining->rows(), by.D.data(), by.scale.data()) >= tolerance::kPivotLeft;
 }
 
 // Growth of K's entries, as Factor has it.
@@ -121,7 +121,7 @@ void joining_rhs(const Panel& X, ByRobots& by) {
   for (const OfRobot& r : by.robots)
     for (const ByRobots::Columns& c : r.columns)
       for (int k : r.joining)
-        for (int j = c.in_X; j < c.in_X + c.count; ++j) by.Y[k * ld + j] = -X(by.row[k], j);
+        for (int j = c.in_X; j < c.in_X + c.count; ++j) by.Y[k * ld + j] = -X(by.joining->row[k], j);
   for (const OfRobot& r : by.robots)
     for (std::size_t i = 0; i < r.joining.size(); ++i) {
       const double* h = r.H.data() + i * r.ld;
@@ -133,8 +133,8 @@ void joining_rhs(const Panel& X, ByRobots& by) {
 
 void solve_joining(ByRobots& by, ByRobots::Buffers& buffers, int ld, int first, int cols) {
   std::fill(buffers.nonzero.begin(), buffers.nonzero.end(), 1);
-  sparse::panel_kernels().solve(by.schedule, by.L.data(), by.D.data(), by.perm.data(), by.Y.data(), ld, first, cols,
-                                buffers.nonzero.data(), buffers.work.data());
+  sparse::panel_kernels().solve(by.joining->schedule, by.L.data(), by.D.data(), by.joining->perm.data(), by.Y.data(),
+                                ld, first, cols, buffers.nonzero.data(), buffers.work.data());
 }
 
 // Adds K_r^-1 B_r, times `sign`, to columns first ... first+cols-1 of row i: x.
@@ -165,8 +165,8 @@ void write_robot(const OfRobot& r, const ByRobots& by, ByRobots::Buffers& buffer
 }
 
 void write_joining(const ByRobots& by, int first, int cols, Panel& X) {
-  for (int k = 0; k < by.rows(); ++k)
-    for (int j = first; j < first + cols; ++j) X(by.row[k], j) = -by.Y[k * X.cols() + j];
+  for (int k = 0; k < by.joining->rows(); ++k)
+    for (int j = first; j < first + cols; ++j) X(by.joining->row[k], j) = -by.Y[k * X.cols() + j];
 }
 
 // Whether every column of the sample has a componentwise backward error, with the island's K, of no more than half of

@@ -5,6 +5,7 @@
 
 #include "bodies.hpp"
 #include "by_robots.hpp"
+#include "cut.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
 
@@ -78,6 +79,7 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   internal::check_unasked(scene, data, "differentiate");
+  internal::complete_cut(scene, data);
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
@@ -86,6 +88,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     IslandDerivatives& out = w.derivatives.islands[i];
     const Island& island = w.islands[i]->island;
     out.stamp = {};
+    internal::complete_bodies(scene, data, *w.islands[i], w.threads.front());
     internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);

@@ -1,4 +1,5 @@
 #include "bodies.hpp"
+#include "cut.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
 
@@ -36,7 +37,7 @@ void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
       const Island& island = w.islands[i]->island;
       if (!wanted(*w.islands[i])) continue;
       if (!begun || g.batches.back().count == g.level->width ||
-          !lanes::alike(scene, *g.islands[g.batches.back().first], island))
+          !lanes::alike(scene, g.islands[g.batches.back().first]->contacts, island.contacts))
         g.batches.push_back({&group, static_cast<int>(g.islands.size()), 0});
       begun = true;
       g.islands.push_back(&island);
@@ -117,9 +118,11 @@ void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const d
 
 void complete(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
+  for (std::unique_ptr<IslandWork>& d : w.islands) complete_bodies(scene, data, *d, w.threads.front());
   for (std::unique_ptr<IslandWork>& d : w.islands)
     if (by_bodies(*d) && joint_space_size(*d->shape) <= kMostJointSpace) joint_space_terms(scene, data, *d, "complete");
   if (w.kinematics_known) return;
+  complete_cut(scene, data);
   for (std::unique_ptr<IslandWork>& d : w.islands)
     if (d->in_lanes) complete_island(scene, data, *d, w.threads.front());
   w.kinematics_known = true;

@@ -7,6 +7,7 @@
 
 #include "bodies.hpp"
 #include "by_robots.hpp"
+#include "cut.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "steps.hpp"
 
@@ -177,6 +178,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     w.shelves.clear();
     w.lanes.groups.clear();
     w.term_groups = {};
+    w.cut_groups.clear();
     w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
   }
@@ -184,6 +186,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   change_islands(scene, data, w, all);
   lanes::regroup(scene, w);
   lanes::regroup_terms(scene, w);
+  prepare_cut(scene, w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

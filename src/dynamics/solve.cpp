@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bodies.hpp"
+#include "cut.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -82,7 +83,7 @@ void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v
   if (has_bodies(d) && !d.was_dependent) {
     report.reason = check_input(scene, q, v, data.tau, d.island);
     if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-    if (solve_by_bodies(scene, q, v, data, d, report)) return;
+    if (solve_by_bodies(scene, data, d, report)) return;
     if (joint_space_size(*d.shape) > kMostJointSpace) return fail(scene, data, d.island, report);
     const Reason refused = report.reason;
     solve_in_joint_space(scene, q, v, data, scratch, d, report);
@@ -132,7 +133,8 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.kinematics_known = false;
   const OneBlasOfThreads one_blas_thread(w);
   solve_in_lanes(scene, data);
-  evaluate_in_lanes(scene, data);
+  solve_cut(scene, data);
+  evaluate_in_lanes(scene, data, [](const IslandWork& d) { return !d.in_lanes; });
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     if (!w.islands[i]->in_lanes) solve_island(scene, q, v, data, thread.scratch, *w.islands[i], data.report.islands[i]);
   });

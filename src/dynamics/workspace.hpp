@@ -5,6 +5,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "lanes/cut.hpp"
 #include "lanes/groups.hpp"
 #include "lanes/term_groups.hpp"
 #include "linearisation.hpp"
@@ -41,6 +42,8 @@ struct DependentDerivatives {
 
 struct BodyForm;
 struct ByRobots;
+struct CutIsland;
+struct Joining;
 
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
 /// and the next island of that shape takes it from there, with all its memory.
@@ -55,6 +58,10 @@ struct IslandWork {
   Island island;
   bool terms_in_lanes = false;                // its robots and contacts are evaluated in lanes
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
+
+  bool cut_considered = false;
+  std::unique_ptr<CutIsland> cut;          // where robot by robot in lanes is cheaper than `chosen`
+  std::shared_ptr<const Joining> joining;  // made when first needed
 
   // by solve; with sparse-bodies `bodies`, and the rest only where that refuses
   std::unique_ptr<BodyForm> bodies;
@@ -89,6 +96,7 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
+  Eigen::VectorXd a, f;  // of the scene, all contacts active: a system's vectors where an island was cut
 };
 
 /// Scratch of prepare.
@@ -110,11 +118,18 @@ struct ThreadWork {
   std::vector<lanes::Panel> panels;
   std::vector<lanes::RobotTerms::Robot> robots;
   std::vector<lanes::ContactTerms::Rows> rows;
+  std::vector<lanes::ContactTerms::JoiningRows> joining;
   // of jvp and vjp
   KktVectors v;  // of an island's system
   struct {
     Eigen::VectorXd columns, rows;
   } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
+};
+
+/// Robots of islands that are cut, which have one pattern.
+struct CutGroup {
+  std::shared_ptr<const lanes::CutRobot> robot;
+  std::vector<std::unique_ptr<lanes::CutRobots>> kernels;  // one per thread
 };
 
 struct Workspace {
@@ -138,8 +153,9 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
-  lanes::Groups lanes;            // `islands` in groups
-  lanes::TermGroups term_groups;  // robots and contacts of larger ones
+  lanes::Groups lanes;                                                       // `islands` in groups
+  lanes::TermGroups term_groups;                                             // robots and contacts of larger ones
+  std::map<std::pair<const Model*, std::vector<int>>, CutGroup> cut_groups;  // by what their patterns depend on
 
   // by evaluate, update_kinematics
   bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane

@@ -57,6 +57,13 @@ const std::shared_ptr<const BodyPattern>& IslandShape::bodies() {
   return bodies_;
 }
 
+const BodyParts& IslandShape::body_parts() {
+  const BodyPattern& whole = *bodies();
+  const std::lock_guard lock(mutex_);
+  if (!body_parts_) body_parts_ = std::make_unique<const BodyParts>(split_bodies(island_, whole));
+  return *body_parts_;
+}
+
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
   const std::lock_guard lock(mutex_);
   auto& p = patterns_[static_cast<std::size_t>(order)];

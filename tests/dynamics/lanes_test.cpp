@@ -283,7 +283,7 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   }
 }
 
-// ---- robots of one island: terms in lanes, one factor --------------------------------------------------------------
+// ---- robots of one island: terms in lanes, one factor, which an order that is asked for takes --------------------------------------------------------------
 
 Contact holding(std::mt19937& rng) {
   Contact c;
@@ -332,7 +332,7 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
     const Herd herd = random_herd(rng, 11, floating, 1e-3);
     const Contact like = holding(rng);
     const Herd ring = joined_in_a_ring(herd, like);
-    const Options options{Method::kSparseLdl, {}, GetParam()};
+    const Options options{Method::kSparseLdl, Order::kLeafToRoot, GetParam()};
     SceneData data(ring.scene, options);
     ASSERT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, data).status, Status::kOk);
     ASSERT_EQ(island_count(data), 1u);
@@ -392,8 +392,9 @@ TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   for (const Joint& joint : model.joints)
     if (joint.type == JointType::kRevolute) angle = joint.idx_q;
   ASSERT_GE(angle, 0);
-  const Options on{Method::kSparseLdl, {}, GetParam()};
-  SceneData before(ring.scene, on), after(ring.scene, on), off(ring.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  const Options on{Method::kSparseLdl, Order::kLeafToRoot, GetParam()};
+  SceneData before(ring.scene, on), after(ring.scene, on),
+      off(ring.scene, {Method::kSparseLdl, Order::kLeafToRoot, Lanes::kOff});
   (void)solve(ring.scene, ring.q, ring.v, ring.u, before);
   double& at = ring.q[ring.scene.robots[5].idx_q + angle];
   at = std::remainder(at, 1) + 3e7;

@@ -179,6 +179,34 @@ TEST(LdlSchedule, ChainsAreBlocks) {
   EXPECT_EQ(c.schedule.targets.size(), 1u);
 }
 
+// The first columns alone: what is left is the Schur complement, and with its answer the sweeps give the whole.
+TEST(LdlSchedule, FirstColumnsAlone) {
+  std::mt19937 rng(81);
+  for (const int columns : {0, 1, 17, 31, 40}) {
+    const int n = 40, left = n - columns;
+    const Symmetric A(random_positive(n, 0.2, rng));
+    const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
+    const sparse::LdlSchedule schedule = sparse::compile_ldl(A.pattern, symbolic, columns);
+    ASSERT_TRUE(schedule.compiled);
+    Factor f(symbolic);
+    sparse::ldl_scheduled_factor<double>(schedule, A.x.data(), f.L.data(), f.D.data(), f.scale.data());
+    Eigen::MatrixXd S = f.pivots().tail(left).asDiagonal();
+    for (int j = columns; j < n; ++j)
+      for (int k = symbolic.Lp[j]; k < symbolic.Lp[j + 1]; ++k)
+        S(symbolic.Li[k] - columns, j - columns) = S(j - columns, symbolic.Li[k] - columns) = f.L[k];
+    const Eigen::MatrixXd H = A.dense.topLeftCorner(columns, columns), G = A.dense.bottomLeftCorner(left, columns);
+    const Eigen::MatrixXd expected = A.dense.bottomRightCorner(left, left) - G * H.llt().solve(G.transpose());
+    EXPECT_LE(difference_of(S, expected), 1e-13 * size_of(A.dense));
+
+    const Eigen::VectorXd b = random_matrix(n, 1, rng), answer = A.dense.llt().solve(b);
+    Eigen::VectorXd x = b;
+    sparse::ldl_scheduled_forward<double>(schedule, f.L.data(), x.data());
+    x.tail(left) = S.llt().solve(x.tail(left).eval());
+    sparse::ldl_scheduled_backward(schedule, f.L.data(), f.D.data(), x.data());
+    EXPECT_LE(difference_of(x, answer), 1e-12 * size_of(answer));
+  }
+}
+
 // Hubs, each with a row of its own below that keeps it from nesting; leaves on half of the hubs each.
 Eigen::MatrixXd scattered(int leaves, int hubs, std::mt19937& rng) {
   const int n = leaves + 2 * hubs;

@@ -77,7 +77,8 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, c
 
 /// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
 /// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a
-/// hundredth of the turning times the levers it was computed with. After contact_rows.
+/// hundredth of the turning times the levers it was computed with: both bodies' motions are taken at A's frame, so
+/// where B's frame is on its body is not one of them. After contact_rows.
 template <class S>
 S motion_size(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
@@ -90,7 +91,7 @@ S motion_size(const Contact& contact, const ContactData<S>& data) {
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());
-  if (contact.B.robot >= 0) lever += reach(data.bMA.p) + S(contact.B.placement.p.cwiseAbs().maxCoeff());
+  if (contact.B.robot >= 0) lever += reach(data.bMA.p);
   return larger(S(turning * lever / S(100)), largest);
 }
 

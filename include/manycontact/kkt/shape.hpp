@@ -8,7 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "manycontact/kkt/bodies/pattern.hpp"
+#include "manycontact/kkt/bodies/parts.hpp"
 #include "manycontact/kkt/schur.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
@@ -35,6 +35,8 @@ class IslandShape {
   const std::vector<int>& contacts_early();
   /// The bodies and rows of the body-space system.
   const std::shared_ptr<const BodyPattern>& bodies();
+  /// And where these fall apart.
+  const BodyParts& body_parts();
 
  private:
   Scene scene_;
@@ -43,6 +45,7 @@ class IslandShape {
   mutable std::optional<IslandSupport> support_;
   std::optional<std::vector<int>> contacts_early_;
   std::shared_ptr<const BodyPattern> bodies_;
+  std::unique_ptr<const BodyParts> body_parts_;
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
   std::shared_ptr<const SchurPattern> schur_;

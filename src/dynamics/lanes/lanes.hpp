@@ -145,12 +145,27 @@ class ContactTerms {
     Arrays<double> out;
   };
 
+  /// The same of a contact that joins two robots, where no more is wanted than its rows.
+  struct JoinedEnd {  // one array: origin, oMi, v and a of the body, the columns of J that move it
+    static std::size_t size(std::size_t coordinates) { return 27 + 6 * coordinates; }
+  };
+  struct JoiningRows {
+    const Contact* contact;
+    double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
+    double* a0;
+    double smallest_row, motion;  // of J, and what its rows are picked from
+  };
+
   virtual ~ContactTerms() = default;
   /// Memory for contacts side by side. The arguments of Level::make_contacts.
   virtual void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
   /// rows: one, or after `widen` as many as fit side by side, alike to `contact` but for placements (`alike_rows`).
   virtual void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) = 0;
+  virtual void evaluate(const Vec3<double>& gravity, std::span<JoiningRows> rows) = 0;
 };
+
+struct CutRobot;  // lanes/cut.hpp
+class CutRobots;
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
@@ -163,6 +178,7 @@ struct Level {
   /// contact: any of the kernel's, in its scene, for which `moves_at_both_ends`.
   std::unique_ptr<ContactTerms> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                  const ContactSupport& support);
+  std::unique_ptr<CutRobots> (*make_cut)(std::shared_ptr<const CutRobot> robot);
 };
 
 /// All levels of this build that run here, the widest first.
@@ -176,8 +192,8 @@ bool fits(const Scene& scene, const Island& island);
 bool moves_at_both_ends(const Contact& contact);
 /// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether two islands of one shape and model can stand side by side: their contacts are alike but for B's placement in
-/// the world.
-bool alike(const Scene& scene, const Island& x, const Island& y);
+/// Whether robots of one model with contacts of one shape on them can stand side by side: these are alike but for B's
+/// placement in the world.
+bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

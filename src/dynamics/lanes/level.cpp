@@ -10,6 +10,7 @@
 #include "../../algorithm/rnea.cpp"
 #include "../../algorithm/rnea_derivatives.cpp"
 #include "../../algorithm/rnea_products.cpp"
+#include "cut_side_by_side.hpp"
 #include "derivatives.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/spatial/explog.hpp"
@@ -124,12 +125,58 @@ class LevelContacts final : public ContactTerms {
     else
       together_->evaluate(gravity, contact, rows);
   }
+  void evaluate(const Vec3<double>& gravity, std::span<JoiningRows> rows) override {
+    if (rows.size() == 1)
+      alone_.evaluate(gravity, rows);
+    else
+      together_->evaluate(gravity, rows);
+  }
 
  private:
   ContactTermsOf<Pack<1>> alone_;
   std::optional<ContactTermsOf<Pack<MANYCONTACT_LANES>>> together_;
 };
 
+class LevelCutRobots final : public CutRobots {
+ public:
+  explicit LevelCutRobots(std::shared_ptr<const CutRobot> cut) : cut_(std::move(cut)), alone_(cut_) {}
+  void widen() override {
+    if (!together_) together_.emplace(cut_);
+  }
+  std::size_t memory(bool one) const override { return one ? alone_.memory() : MANYCONTACT_LANES * alone_.memory(); }
+  void evaluate(const Job& job, std::span<Robot> robots, double* memory) override {
+    with(*this, robots, [&](auto& work) { work.evaluate(job, robots, memory); });
+  }
+  void factor(std::span<Robot> robots, double* memory) override {
+    with(*this, robots, [&](auto& work) { work.factor(robots, memory); });
+  }
+  void load(const Job& job, std::span<const Robot> robots, double* memory) override {
+    with(*this, robots, [&](auto& work) { work.load(job, robots, memory); });
+  }
+  void correct(std::span<Robot> robots, double* memory) override {
+    with(*this, robots, [&](auto& work) { work.correct(robots, memory); });
+  }
+  void store(const Job& job, std::span<const Robot> robots, double* memory) const override {
+    with(*this, robots, [&](auto& work) { work.store(job, robots, memory); });
+  }
+
+ private:
+  template <class Self, class Robots, class Work>
+  static void with(Self& self, Robots robots, Work&& work) {
+    if (robots.size() == 1)
+      work(self.alone_);
+    else
+      work(*self.together_);
+  }
+
+  std::shared_ptr<const CutRobot> cut_;
+  CutSideBySide<Pack<1>> alone_;
+  std::optional<CutSideBySide<Pack<MANYCONTACT_LANES>>> together_;
+};
+
+std::unique_ptr<CutRobots> make_cut(std::shared_ptr<const CutRobot> robot) {
+  return std::make_unique<LevelCutRobots>(std::move(robot));
+}
 std::unique_ptr<RobotTerms> make_robots(std::shared_ptr<const Model> model) {
   return std::make_unique<LevelRobots>(std::move(model));
 }
@@ -141,6 +188,6 @@ std::unique_ptr<ContactTerms> make_contacts(const Scene& scene, const Contact& c
 
 extern const Level MANYCONTACT_OF_LEVEL(level_);
 const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_robots,
-                                            make_contacts};
+                                            make_contacts,          make_cut};
 
 }  // namespace manycontact::lanes

@@ -63,10 +63,10 @@ bool alike_rows(const Contact& c, const Contact& d) {
   return c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta && c.axis == d.axis;
 }
 
-bool alike(const Scene& scene, const Island& x, const Island& y) {
-  for (std::size_t k = 0; k < x.contacts.size(); ++k) {
-    const Contact& c = scene.contacts[x.contacts[k]];
-    const Contact& d = scene.contacts[y.contacts[k]];
+bool alike(const Scene& scene, std::span<const int> x, std::span<const int> y) {
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Contact& c = scene.contacts[x[k]];
+    const Contact& d = scene.contacts[y[k]];
     if (!alike_rows(c, d) || c.type != d.type || c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) ||
         c.B.joint != d.B.joint || !same(c.A.placement, d.A.placement) ||
         (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))

@@ -9,6 +9,7 @@
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -35,16 +36,15 @@ inline const Island& in_lane(std::span<const Island* const> islands, int lane) {
 /// from[k] of lane l to to[l stride + k], k < count.
 template <int W>
 void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_t stride) {
-  std::size_t k = 0;
-  for (; k + W <= count; k += W) {
+  const std::size_t left = count % W, whole = count - left;
+  for (std::size_t k = 0; k < whole; k += W) {
     Pack<W> block[W];
     for (int i = 0; i < W; ++i) block[i] = from[k + i];
     transpose(block);
     for (int l = 0; l < W; ++l) std::memcpy(to + l * stride + k, &block[l], sizeof block[l]);
   }
-  if constexpr (W > 1)
-    for (; k < count; ++k)
-      for (int l = 0; l < W; ++l) to[l * stride + k] = from[k][l];
+  for (std::size_t k = 0; k < left; ++k)
+    for (int l = 0; l < W; ++l) to[l * stride + whole + k] = from[whole + k][l];
 }
 template <class To>
 void load_lane(int lane, const double* from, To& to) {

@@ -29,13 +29,20 @@ void add_robot_to_group(const Scene& scene, const Level& level, std::size_t thre
   group.members.push_back(r);
 }
 
+TermGroups::ContactKey key_of(const Scene& scene, const Contact& contact) {
+  const Model* B = contact.B.robot < 0 ? nullptr : scene.robots[contact.B.robot].model.get();
+  return {scene.robots[contact.A.robot].model.get(),
+          B,
+          contact.A.robot == contact.B.robot,
+          contact.type,
+          contact.A.joint,
+          contact.B.joint};
+}
+
 void add_contact_to_group(const Scene& scene, const Workspace& w, const Level& level, int c, TermGroups& g) {
   const Contact& contact = scene.contacts[c];
   if (!moves_at_both_ends(contact)) return g.other_contacts.push_back(c);
-  const Model* B = contact.B.robot < 0 ? nullptr : scene.robots[contact.B.robot].model.get();
-  TermGroups::Contacts& group =
-      g.contacts[{scene.robots[contact.A.robot].model.get(), B, contact.A.robot == contact.B.robot, contact.type,
-                  contact.A.joint, contact.B.joint}];
+  TermGroups::Contacts& group = g.contacts[key_of(scene, contact)];
   while (group.kernels.size() < w.threads.size())
     group.kernels.push_back(level.make_contacts(scene, contact, w.supports[c]));
   if (!group.members.empty())
@@ -54,6 +61,10 @@ bool before(const Contact& x, const Contact& y) {
   return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
 }
 
+TermGroups::Contacts& group_of(const Scene& scene, Workspace& w, int contact) {
+  return w.term_groups.contacts.at(key_of(scene, scene.contacts[contact]));
+}
+
 void regroup_terms(const Scene& scene, Workspace& w) {
   TermGroups& g = w.term_groups;
   for (auto& [model, group] : g.robots) group.members.clear();
@@ -67,6 +78,7 @@ void regroup_terms(const Scene& scene, Workspace& w) {
   for (ThreadWork& thread : w.threads) {
     thread.robots.reserve(level->width);
     thread.rows.reserve(level->width);
+    thread.joining.reserve(level->width);
   }
   for (const std::unique_ptr<IslandWork>& d : w.islands) {
     if (!evaluated_in_lanes(scene, *d)) continue;

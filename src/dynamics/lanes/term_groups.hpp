@@ -52,5 +52,8 @@ bool before(const Contact& x, const Contact& y);
 /// Sorts the robots and contacts of the islands at hand into groups. Allocates nothing for a contact set met before.
 void regroup_terms(const Scene& scene, Workspace& work);
 
+/// That of a contact of these islands which moves at both ends.
+TermGroups::Contacts& group_of(const Scene& scene, Workspace& work, int contact);
+
 }  // namespace lanes
 }  // namespace manycontact

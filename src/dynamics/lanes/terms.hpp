@@ -2,6 +2,8 @@
 // The terms of robots side by side in the lanes of S = Pack<W>, and of contacts alike: dynamics/evaluate.cpp for all
 // lanes at once, from and into the arrays of each.
 
+#include <limits>
+
 #include "../drop_rounding.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/rnea.hpp"
@@ -40,6 +42,18 @@ template <class P, class Item, class At>
 std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
   return {memory, items.size()};
+}
+
+/// Per lane, the largest entry of the row of J whose entries are the smallest.
+template <class S>
+S smallest_row(const ContactData<S>& rows) {
+  S smallest(std::numeric_limits<double>::infinity());
+  for (Eigen::Index i = 0; i < rows.J.rows(); ++i) {
+    S size(0);
+    for (Eigen::Index j = 0; j < rows.J.cols(); ++j) size = larger(abs(rows.J(i, j)), size);
+    smallest = -larger(-size, -smallest);
+  }
+  return smallest;
 }
 
 template <class S>
@@ -110,24 +124,41 @@ class ContactTermsOf {
     SE3<S> on_A, on_B;
     load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_A; }), 12, on_A.R.data());
     load_arrays(side_by_side(rows, from, [](const auto& r) { return r.placement_B; }), 12, on_B.R.data());
-    const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * on_A;
-    Vec3<S> from_b = A_.kin.origin;
-    if (contact.B.robot < 0) {
-      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, on_B, from_b, rows_);
-    } else {
+    if (contact.B.robot >= 0)
       B_.load(rows, contact.B.joint, [](const ContactTerms::Rows& r) -> const ContactTerms::Body& { return r.B; });
-      if (contact.A.robot == contact.B.robot)
-        from_b.setZero();
-      else
-        from_b -= B_.kin.origin;
-      contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, B_.kin.oMi[contact.B.joint] * on_B,
-                              from_b, rows_);
-    }
+    evaluate_between(gravity, contact, on_A, on_B);
     const ContactTerms::Arrays<S> arrays = ContactTerms::arrays_of(rows_);
     const ContactTerms::Counts counts = ContactTerms::counts_of(contact.rows(), support_.cols());
     for (std::size_t k = 0; k < arrays.size(); ++k) {
       double* to[8];
       store_arrays(arrays[k], counts[k], side_by_side(rows, to, [k](const auto& r) { return r.out[k]; }));
+    }
+  }
+
+  void evaluate(const Vec3<double>& gravity, std::span<ContactTerms::JoiningRows> rows) {
+    using Rows = ContactTerms::JoiningRows;
+    const Contact& contact = *rows.front().contact;
+    const double* from[8];
+    SE3<S> on_A, on_B;
+    load_arrays(side_by_side(rows, from, [](const Rows& r) { return r.contact->A.placement.R.data(); }), 12,
+                on_A.R.data());
+    load_arrays(side_by_side(rows, from, [](const Rows& r) { return r.contact->B.placement.R.data(); }), 12,
+                on_B.R.data());
+    A_.load_joined(rows, contact.A.joint, [](const Rows& r) { return r.A; });
+    B_.load_joined(rows, contact.B.joint, [](const Rows& r) { return r.B; });
+    evaluate_between(gravity, contact, on_A, on_B);
+    double* to[8];
+    const int at_A = static_cast<int>(rows_.J.rows() * support_.a.size());
+    store_arrays(rows_.J.data(), at_A, side_by_side(rows, to, [](const Rows& r) { return r.A; }));
+    store_arrays(rows_.J.data() + at_A, static_cast<int>(rows_.J.size()) - at_A,
+                 side_by_side(rows, to, [](const Rows& r) { return r.B; }));
+    store_arrays(rows_.a0.data(), contact.rows(), side_by_side(rows, to, [](const Rows& r) { return r.a0; }));
+    const S smallest = smallest_row(rows_), motion = motion_size(contact, rows_);
+    for (std::size_t l = 0; l < rows.size(); ++l) {
+      const int lane = static_cast<int>(l);
+      rows[l].smallest_row = smallest[lane];
+      rows[l].motion =
+          (holds_turning(contact.type) ? motion : motion_size(*rows[l].contact, rows_))[lane];  // placement
     }
   }
 
@@ -157,7 +188,35 @@ class ContactTermsOf {
       for (const auto& [begin, stop] : stretches)
         load_arrays(at(&Body::J, 6 * begin), 6 * (stop - begin), kin.J.col(begin).data());
     }
+    template <class Of>
+    void load_joined(std::span<ContactTerms::JoiningRows> rows, int joint, Of&& end) {
+      const double* from[8];
+      int next = 0;
+      const auto load = [&](int count, S* to) {
+        load_arrays(side_by_side(rows, from, [&](const auto& r) { return end(r) + next; }), count, to);
+        next += count;
+      };
+      load(3, kin.origin.data());
+      load(12, kin.oMi[joint].R.data());
+      load(6, kin.v[joint].data());
+      load(6, kin.a[joint].data());
+      for (const auto& [begin, stop] : stretches) load(6 * (stop - begin), kin.J.col(begin).data());
+    }
   };
+
+  // on_A, on_B: the contact's frames on their bodies, or in the world.
+  void evaluate_between(const Vec3<double>& gravity, const Contact& contact, const SE3<S>& on_A, const SE3<S>& on_B) {
+    const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * on_A;
+    Vec3<S> from_b = A_.kin.origin;
+    if (contact.B.robot < 0)
+      return contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, on_B, from_b, rows_);
+    if (contact.A.robot == contact.B.robot)
+      from_b.setZero();
+    else
+      from_b -= B_.kin.origin;
+    contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, B_.kin.oMi[contact.B.joint] * on_B,
+                            from_b, rows_);
+  }
 
   ContactSupport support_;
   End A_, B_;

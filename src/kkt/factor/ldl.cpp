@@ -45,33 +45,32 @@ class LdlFactor final : public Factor {
     const int* perm = pattern_->perm.data();
     if (!schedule_)
       return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    reserve_panels();
-    sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work_.data());
+    sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work());
   }
   bool refines_panels() const override { return schedule_; }
   void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
-    reserve_panels();
     sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
-                                          pattern_->perm.data(), X, ld, first, cols, nonzero, work_.data());
+                                          pattern_->perm.data(), X, ld, first, cols, nonzero, work());
   }
   double panel_error(const KktMatrix& K) override {
-    reserve_panels();
-    double *of_factor = work_.data(), *of_K = of_factor + D_.size();
+    double *of_factor = work(), *of_K = of_factor + D_.size();
     sparse::ldl_row_sums(pattern_->K, K.values.data(), pattern_->ldl, L_.data(), D_.data(), of_factor, of_K);
     return sparse::ldl_rounding(pattern_->ldl) * *std::max_element(of_factor, of_K) /
            *std::max_element(of_K, of_K + D_.size());
   }
-  void release_panels() override { work_ = {}; }
 
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
-  // For refinement too: a later state may need it, and must not allocate.
-  void reserve_panels() {
+  // Memory of panels, which the factors of a thread share: it stays in the cache. For refinement too: a later state may
+  // need it, and must not allocate.
+  double* work() const {
+    thread_local std::vector<double> memory;
     const std::size_t size = schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size();
-    if (work_.size() < size) work_.resize(size);
+    if (memory.size() < size) memory.resize(size);
+    return memory.data();
   }
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     pattern_ = nullptr;  // should memory run out
@@ -86,7 +85,6 @@ class LdlFactor final : public Factor {
   std::shared_ptr<const KktPattern> pattern_;
   const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
   std::vector<double> L_, D_;
-  std::vector<double> work_;  // of solve_panel and solve_panel_refined
   double growth_ = 1;
 };
 

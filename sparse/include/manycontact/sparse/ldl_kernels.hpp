@@ -142,6 +142,14 @@ requires(N > 1) struct Tile<double, N> {
   }
 };
 
+/// Asks for what stands `ahead` values further, of matrices that do not stay in the caches from one sweep to the next;
+/// nothing where that is zero.
+template <int ahead, class V>
+inline void fetch(const V* x) {
+  if constexpr (ahead != 0) __builtin_prefetch(x + ahead);
+}
+inline constexpr int kAhead = 64;  // packs, of a cache line each
+
 /// Rows at a time; the remainder by halves.
 template <class V>
 inline constexpr int kRows = 4;
@@ -257,7 +265,7 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
 }
 
 /// A block of x = L^T \ (D \ x): the rows below it four at a time, then its own, the last one last.
-template <class V>
+template <int ahead, class V>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x) {
   const int step = width + below - 2;
@@ -270,8 +278,14 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
     for (const LdlSchedule::Run* r = run; r != end; ++r) {
       const V* y = x + r->row - r->begin;
       int b = r->begin;
-      for (; b + 4 <= r->end; b += 4) four.add(Tile<V, 4>::load(l + b), Tile<V, 4>::load(y + b));
-      for (; b < r->end; ++b) rest = multiply_add(l[b], y[b], rest);
+      for (; b + 4 <= r->end; b += 4) {
+        for (int i = b; i < b + 4; ++i) fetch<-ahead>(l + i);
+        four.add(Tile<V, 4>::load(l + b), Tile<V, 4>::load(y + b));
+      }
+      for (; b < r->end; ++b) {
+        fetch<-ahead>(l + b);
+        rest = multiply_add(l[b], y[b], rest);
+      }
     }
     V sums[4];
     four.store(sums);
@@ -298,7 +312,7 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D,
     D[k] = Ax[schedule.diagonal.data()[k]];
     scale[k] = absolute(D[k]);
   }
-  for (int k = 0; k < schedule.blocks(); ++k) {
+  for (int k = 0; k < schedule.eliminated; ++k) {
     const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
     V* L = Lx + Lp[first];
     kernel::factor_block(width, below, L, D + first, scale + first);
@@ -309,19 +323,33 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D,
   }
 }
 
-/// x <- A^-1 x.
+/// x <- L^-1 x. Where not all columns are eliminated, x ends in the right-hand side of the Schur complement.
 template <class V>
-void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
+void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
-  for (int k = 0; k < schedule.blocks(); ++k) {  // x = L \ x
+  for (int k = 0; k < schedule.eliminated; ++k) {
     const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
     kernel::forward(width, below, Lx + Lp[first], runs + run[k], runs + run[k + 1], x + first, x);
   }
-  for (int k = schedule.blocks() - 1; k >= 0; --k) {  // x = L^T \ (D \ x)
+}
+
+/// x <- L^-T D^-1 x. Where not all columns are eliminated, x ends in the answer to the Schur complement.
+template <int ahead = 0, class V>
+void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
+  const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
+  const LdlSchedule::Run* runs = schedule.runs.data();
+  for (int k = schedule.eliminated - 1; k >= 0; --k) {
     const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
-    kernel::backward(width, below, Lx + Lp[first], D + first, runs + run[k], runs + run[k + 1], x + first, x);
+    kernel::backward<ahead>(width, below, Lx + Lp[first], D + first, runs + run[k], runs + run[k + 1], x + first, x);
   }
+}
+
+/// x <- A^-1 x.
+template <class V>
+void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
+  ldl_scheduled_forward(schedule, Lx, x);
+  ldl_scheduled_backward(schedule, Lx, D, x);
 }
 
 /// Sets the flags of the rows that the forward sweep reaches from those whose flags are set.
@@ -337,7 +365,7 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
 }
 
 /// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual. All of length A.n.
-template <class V>
+template <int ahead = 0, class V>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, V* scale) {
   const int *p = A.p.data(), *row = A.i.data();
   for (int k = 0; k < A.n; ++k) {
@@ -350,6 +378,7 @@ void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V*
     V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
     for (int k = p[j]; k < last; ++k) {
       const int i = row[k];
+      kernel::fetch<ahead>(Ax + k);
       const V a = -Ax[k], size = absolute(a);
       r[i] = multiply_add(a, x_j, r[i]);
       scale[i] = multiply_add(size, size_j, scale[i]);

@@ -45,6 +45,7 @@ struct LdlSchedule {
   static constexpr int kHigh = 8;
 
   int n = 0;
+  int eliminated = 0;         // blocks that are; those behind them keep what is left of A
   bool compiled = false;      // false: it would take too much memory, see compile_ldl
   std::vector<int> diagonal;  // slot of A_kk
   std::vector<int> from, to;  // slots of A's other entries, and where these go in L
@@ -64,5 +65,7 @@ struct LdlSchedule {
 /// symbolic: of A. Not compiled where targets would take more than four times the memory of L's pattern and values:
 /// scattered patterns without nesting columns, of which SuiteSparse's numeric phase needs no lists.
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic);
+/// Of the first `columns` columns alone. L and D end in the Schur complement on the others: its diagonal in D.
+LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns);
 
 }  // namespace manycontact::sparse

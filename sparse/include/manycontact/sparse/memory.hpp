@@ -1,6 +1,8 @@
 #pragma once
 // More memory than there is, refused before it is asked for: the system would promise it and end the program later.
 
+#include <cstddef>
+#include <memory>
 #include <new>
 
 namespace manycontact::sparse {
@@ -11,6 +13,21 @@ struct TooLarge : std::bad_alloc {
 
  private:
   char text_[120];
+};
+
+/// Doubles from a cache line's border on, in large pages where the system has them. What they hold is not kept.
+class LargeMemory {
+ public:
+  /// Room for `count`; allocates where there was less.
+  void reserve(std::size_t count);
+  double* data() const { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(double* x) const;
+  };
+  std::unique_ptr<double[], Free> data_;
+  std::size_t size_ = 0;
 };
 
 /// Throws TooLarge when `bytes` are more than this machine's memory.

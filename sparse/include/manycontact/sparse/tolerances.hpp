@@ -124,10 +124,9 @@ inline constexpr double kQuaternion = 1e-6;
 /// Used by: estimate_errors.
 inline constexpr double kNormEstimate = 3;
 /// Error bounds, in eps of everything a row was computed from: 8 and the joints below the base that its terms pass
-/// through; where rows are dependent, eight times that: rounding of J turns its null space too.
+/// through.
 /// Used by: estimate_errors.
 inline constexpr int kBoundRounding = 8;
-inline constexpr int kBoundDependent = 8;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 

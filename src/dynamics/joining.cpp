@@ -1,0 +1,85 @@
+#include "joining.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "manycontact/sparse/ordering.hpp"
+#include "steps.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Each contact to the robot it is on, or to the two that it joins.
+void share_out(const Scene& scene, const Island& island, Joining& j) {
+  std::vector<int> first(island.contacts.size());  // joining row of a contact
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    const int number = static_cast<int>(c);
+    if (!joins_two(contact)) {
+      j.robots[local_robot(island, robot_of(contact))].contacts.push_back(number);
+      continue;
+    }
+    const int a = local_robot(island, contact.A.robot), b = local_robot(island, contact.B.robot);
+    for (const auto& [at, other] : {std::pair(a, b), std::pair(b, a)}) {
+      Joining::OfRobot& r = j.robots[at];
+      r.joins.push_back(number);
+      if (std::find(r.neighbours.begin(), r.neighbours.end(), other) == r.neighbours.end())
+        r.neighbours.push_back(other);
+    }
+    first[c] = j.rows();
+    for (int i = 0; i < contact.rows(); ++i) j.row.push_back(island.nv + island.row_offset[c] + i);
+  }
+  for (std::size_t k = 0; k < j.robots.size(); ++k) {
+    Joining::OfRobot& r = j.robots[k];
+    const auto place = [&](int c) {  // alike robots have theirs in one order
+      const Contact& contact = scene.contacts[island.contacts[c]];
+      return std::tuple(contact.type, end_on(contact, island.robots[k]).joint, c);
+    };
+    std::sort(r.joins.begin(), r.joins.end(), [&](int x, int y) { return place(x) < place(y); });
+    for (int c : r.joins)
+      for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i) r.joining.push_back(first[c] + i);
+  }
+}
+
+void analyze_joining(Joining& joining) {
+  std::vector<std::pair<int, int>> entries;
+  const auto each_entry = [&joining](auto&& use) {
+    for (Joining::OfRobot& r : joining.robots)
+      for (std::size_t j = 0; j < r.joining.size(); ++j)
+        for (std::size_t i = 0; i <= j; ++i) use(r, r.joining[i], r.joining[j]);
+  };
+  each_entry([&](Joining::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
+  const sparse::UpperCsc pattern = sparse::make_pattern(joining.rows(), std::move(entries));
+  joining.perm = sparse::camd_order(pattern, {});
+  joining.place = sparse::inverse(joining.perm);
+  joining.S = sparse::permute(pattern, joining.place);
+  joining.symbolic = sparse::ldl_analyze(joining.S);
+  joining.schedule = sparse::compile_ldl(joining.S, joining.symbolic);
+  const std::vector<int>& at = joining.place;
+  each_entry([&](Joining::OfRobot& r, int i, int j) {
+    r.slot.push_back(joining.S.slot(std::min(at[i], at[j]), std::max(at[i], at[j])));
+  });
+}
+
+}  // namespace
+
+Joining::Joining(const IslandShape& shape) : robots(shape.island().robots.size()) {
+  share_out(shape.scene(), shape.island(), *this);
+  analyze_joining(*this);
+}
+
+Island alone(const IslandShape& shape, const Joining& joining, std::size_t robot) {
+  Island out;
+  out.robots = {shape.island().robots[robot]};
+  for (int c : joining.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
+  number_island(shape.scene(), out);
+  return out;
+}
+
+const std::shared_ptr<const Joining>& internal::joining_of(IslandWork& d) {
+  if (!d.joining) d.joining = std::make_shared<const Joining>(*d.shape);
+  return d.joining;
+}
+
+}  // namespace manycontact
