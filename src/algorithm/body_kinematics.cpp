@@ -10,26 +10,26 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// R, r come as the joint frame's; J's columns are about the child frame's origin. Zeros in J stay from the beginning.
+// R, r come as the joint frame's; J: the joint's columns, about the child frame's origin. Zeros in J stay from the
+// beginning.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
-  const int iv = joint.idx_v;
   move_frame<S>(joint, q, R, r);
   switch (joint.type) {
     case JointType::kRevolute:
-      J.col(iv).template tail<3>() = axis_of<S>(joint, R);
+      J.col(0).template tail<3>() = axis_of<S>(joint, R);
       break;
     case JointType::kPrismatic:
-      J.col(iv).template head<3>() = axis_of<S>(joint, R);
+      J.col(0).template head<3>() = axis_of<S>(joint, R);
       break;
     case JointType::kFloating:
-      J.template block<3, 3>(0, iv) = R;
-      J.template block<3, 3>(3, iv + 3) = R;
+      J.template block<3, 3>(0, 0) = R;
+      J.template block<3, 3>(3, 3) = R;
       break;
     case JointType::kPlanar:
-      J.col(iv).template head<3>() = R.col(0);
-      J.col(iv + 1).template head<3>() = R.col(1);
-      J.col(iv + 2).template tail<3>() = R.col(2);
+      J.col(0).template head<3>() = R.col(0);
+      J.col(1).template head<3>() = R.col(1);
+      J.col(2).template tail<3>() = R.col(2);
       break;
   }
 }
@@ -37,58 +37,61 @@ void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>&
 // S v of a joint.
 template <class S>
 Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const ConstVecRef<S>& v) {
-  Vec6<S> out = J.col(joint.idx_v) * v[joint.idx_v];
-  for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv(); ++k) out += J.col(k) * v[k];
+  Vec6<S> out = J.col(0) * v[joint.idx_v];
+  for (int k = 1; k < joint.nv(); ++k) out += J.col(k) * v[joint.idx_v + k];
   return out;
 }
 
 }  // namespace
 
 template <class S>
-void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
-                     BodyKinematics<S>& kin, BodyTerms<S> terms) {
-  const Mat3<S> base_R = model.floating_base ? Mat3<S>(Mat3<S>::Identity()) : Mat3<S>(base.R.cast<S>());
-  if (model.floating_base)
-    kin.origin = q.template head<3>();
-  else
-    kin.origin = base.p.cast<S>();
-  const Vec3<S> none = Vec3<S>::Zero();
-  for (int i = 0; i < model.njoints(); ++i) {
-    const Joint& joint = model.joints[i];
-    const bool root = joint.parent < 0;
-    Mat3<S>& R = kin.R[i];
-    Vec3<S>& r = terms.r[i];
-    if (i == 0 && model.floating_base) {  // the base's origin is here: r = 0
-      R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
-      r.setZero();
-      terms.S_i.template block<3, 3>(0, 0) = R;
-      terms.S_i.template block<3, 3>(3, 3) = R;
-    } else {
-      const Mat3<S>& P = root ? base_R : kin.R[joint.parent];
-      r.noalias() = P * joint.placement.p.cast<S>();
-      if (joint.placement_rotates)
-        R.noalias() = P * joint.placement.R.cast<S>();
-      else
-        R = P;
-      move_body<S>(joint, q, R, r, terms.S_i);
-    }
-    kin.p[i] = (root ? none : kin.p[joint.parent]) + r;
-    const Inertia<S>& Y = terms.Y[i] = joint.inertia.template cast<S>().turned(R);
-    const Vec6<S> vJ = joint_motion<S>(joint, terms.S_i, v);
-    if (root) {
-      kin.v[i] = vJ;
-      terms.c[i].setZero();
-    } else {
-      const Vec6<S> vp = motion_at(kin.v[joint.parent], r);
-      kin.v[i] = vp + vJ;
-      terms.c[i] = cross_motion(vp, vJ);  // v x S v, since S v x S v = 0
-    }
-    terms.h[i] = cross_force(kin.v[i], Y * kin.v[i]);
+Vec3<S> origin_of(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q) {
+  if (model.floating_base) return q.template head<3>();
+  return base.p.cast<S>();
+}
+
+template <class S>
+void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
+                     const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms) {
+  const Joint& joint = model.joints[i];
+  const bool root = joint.parent < 0;
+  Mat3<S>& R = kin.R[i];
+  Vec3<S>& r = *terms.r;
+  Eigen::Map<Mat6X<S>> J(terms.S_i, 6, joint.nv());
+  if (i == 0 && model.floating_base) {  // the base's origin is here: r = 0
+    R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
+    r.setZero();
+    J.template block<3, 3>(0, 0) = R;
+    J.template block<3, 3>(3, 3) = R;
+  } else {
+    Mat3<S> base_R;
+    if (root) base_R = model.floating_base ? Mat3<S>(Mat3<S>::Identity()) : Mat3<S>(base.R.cast<S>());
+    const Mat3<S>& P = root ? base_R : kin.R[joint.parent];
+    r.noalias() = P * joint.placement.p.cast<S>();
+    if (joint.placement_rotates)
+      R.noalias() = P * joint.placement.R.cast<S>();
+    else
+      R = P;
+    move_body<S>(joint, q, R, r, J);
   }
+  kin.p[i] = root ? r : kin.p[joint.parent] + r;
+  const Inertia<S>& Y = *terms.Y = joint.inertia.template cast<S>().turned(R);
+  const Vec6<S> vJ = joint_motion<S>(joint, J, v);
+  if (root) {
+    kin.v[i] = vJ;
+    terms.c->setZero();
+  } else {
+    const Vec6<S> vp = motion_at(kin.v[joint.parent], r);
+    kin.v[i] = vp + vJ;
+    *terms.c = cross_motion(vp, vJ);  // v x S v, since S v x S v = 0
+  }
+  *terms.h = cross_force(kin.v[i], Y * kin.v[i]);
 }
 
 template struct BodyKinematics<InstantiatedScalar>;
-template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&,
+template Vec3<InstantiatedScalar> origin_of<InstantiatedScalar>(const Model&, const SE3<double>&,
+                                                                const ConstVecRef<InstantiatedScalar>&);
+template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&, int,
                                                   const ConstVecRef<InstantiatedScalar>&,
                                                   const ConstVecRef<InstantiatedScalar>&,
                                                   BodyKinematics<InstantiatedScalar>&, BodyTerms<InstantiatedScalar>);

@@ -11,14 +11,17 @@
 
 namespace manycontact {
 
-BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape) : factor(shape->bodies()) {
-  const BodyPattern& p = *shape->bodies();
-  for (std::size_t k = 0; k < shape->scene().robots.size(); ++k) {
-    const Model& model = *shape->scene().robots[k].model;
-    kin.emplace_back(model);
-    factor.system.armature.segment(shape->island().dof_offset[k], model.nv) = model.armature;
-  }
-  solution.resize(p);
+BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape) : parts(&shape->body_parts()), factor(shape->bodies()) {
+  for (const Robot& robot : shape->scene().robots) kin.emplace_back(*robot.model);
+  if (parts->cuts.empty()) return;
+  held.resize(parts->cuts.size());
+  for (const BodyPart& part : parts->parts)
+    if (part.shape == static_cast<int>(work.size())) work.emplace_back(part.pattern);
+}
+
+BodyForm::Part::Part(const std::shared_ptr<const BodyPattern>& pattern) : factor(pattern), row(pattern->nc) {
+  factor.make_room();
+  solution.resize(*pattern);
 }
 
 namespace internal {
@@ -27,57 +30,76 @@ namespace {
 
 using V6 = Vec6<double>;
 
+}  // namespace
+
+void evaluate_node(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t k, int joint, int at,
+                   int dof, BodySystem& s, BodyVectors& b) {
+  const Robot& robot = scene.robots[d.island.robots[k]];
+  const Model& model = *robot.model;
+  const Joint& of = model.joints[joint];
+  body_kinematics<double>(model, robot.base, joint, data.workspace->q.segment(robot.idx_q, model.nq),
+                          data.v.segment(robot.idx_v, model.nv), d.bodies->kin[k],
+                          {&s.r[at], s.S.col(dof).data(), &s.Y[at], &b.motion[at], &b.force[at]});
+  for (int i = 0; i < of.nv(); ++i) {
+    s.armature[dof + i] = model.armature[of.idx_v + i];
+    b.joints[dof + i] = data.tau[robot.idx_v + of.idx_v + i];
+  }
+  if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // what bases accelerate with
+}
+
 // The rows' forces on their bodies, and what is left of them where bodies do not accelerate.
-void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
-  Workspace& w = *data.workspace;
-  BodySystem& s = form.factor.system;
+void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t k, int first,
+                   BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const int c = d.island.contacts[k];
-    const Contact& contact = scene.contacts[c];
-    ContactData<double>& rows = w.contacts[c];
-    body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B), none,
-              none, rows);
-    rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
-    rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
-    const int first = d.island.row_offset[k];
-    for (int i = 0; i < contact.rows(); ++i) {
-      const V6 unit = rows.W.row(i).transpose();
-      if (s.pattern->A[first + i] >= 0) s.GA.col(first + i) = rows.aMA.act_force(unit);
-      if (s.pattern->B[first + i] >= 0) s.GB.col(first + i) = -rows.bMA.act_force(unit);
-      form.solution.b.rows[first + i] = wanted_in(data, c, i) - rows.a0[i];
-    }
+  const int c = d.island.contacts[k];
+  const Contact& contact = scene.contacts[c];
+  ContactData<double>& rows = data.workspace->contacts[c];
+  body_rows(scene, contact, kinematics_at(*d.bodies, d.island, contact.A),
+            kinematics_at(*d.bodies, d.island, contact.B), none, none, rows);
+  rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
+  rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < contact.rows(); ++i) {
+    const V6 unit = rows.W.row(i).transpose();
+    if (s.pattern->A[first + i] >= 0) s.GA.col(first + i) = rows.aMA.act_force(unit);
+    if (s.pattern->B[first + i] >= 0) s.GB.col(first + i) = -rows.bMA.act_force(unit);
+    b.rows[first + i] = wanted_in(data, c, i) - rows.a0[i];
   }
 }
 
-void evaluate_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d) {
+namespace {
+
+void evaluate_bodies(const Scene& scene, const SceneData& data, IslandWork& d) {
   BodyForm& form = *d.bodies;
+  form.factor.make_room();
+  form.solution.resize(*form.factor.system.pattern);
   BodySystem& s = form.factor.system;
-  BodyVectors& b = form.solution.b;
   s.delta = scene.damping;
-  V6 base = V6::Zero();  // what bases accelerate with
-  base.head<3>() = -scene.gravity;
+  begin_evaluation(scene, data, d);
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    const Model& model = *robot.model;
-    data.workspace->robots[d.island.robots[k]].known = false;
-    BodyKinematics<double>& kin = form.kin[k];
-    const int o = s.pattern->node_offset[k], first = d.island.dof_offset[k];
-    body_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv), kin,
-                            {s.r.data() + o,
-                             {s.S.data() + static_cast<std::ptrdiff_t>(6) * first, 6, model.nv},
-                             s.Y.data() + o,
-                             b.motion.data() + o,
-                             b.force.data() + o});
-    b.joints.segment(first, model.nv) = data.tau.segment(robot.idx_v, model.nv);
-    for (int i = o; i < o + model.njoints(); i = s.pattern->end[i]) b.motion[i] += base;
+    const int o = s.pattern->node_offset[k];
+    for (int i = 0; i < scene.robots[d.island.robots[k]].model->njoints(); ++i)
+      evaluate_node(scene, data, d, k, i, o + i, s.pattern->first_dof[o + i], s, form.solution.b);
   }
-  evaluate_rows(scene, data, d, form);
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k)
+    evaluate_rows(scene, data, d, k, d.island.row_offset[k], s, form.solution.b);
+}
+
+bool all_finite(const BodyVectors& x) {
+  const auto finite = [](const V6& y) { return y.allFinite(); };
+  return x.joints.allFinite() && x.rows.allFinite() && std::all_of(x.motion.begin(), x.motion.end(), finite) &&
+         std::all_of(x.force.begin(), x.force.end(), finite);
+}
+
+// kNone: the factor and form.solution are sound.
+Reason solve_whole(const Scene& scene, const SceneData& data, IslandWork& d, sparse::Refinement& refinement) {
+  BodyForm& form = *d.bodies;
+  evaluate_bodies(scene, data, d);
+  form.in_parts = false;
+  return factorize_and_solve(form.factor, form.solution, refinement);
 }
 
 // Whether a row moves no coordinate by more than rounding: its E_kk is then noise, and has nothing to cancel with.
-bool has_vanishing_row(const BodyForm& form) {
-  const BodySystem& s = form.factor.system;
+bool has_vanishing_row(const BodySystem& s) {
   const BodyPattern& p = *s.pattern;
   if (s.delta > 0) return false;
   const auto moved = [&](int node, V6 G) {  // the largest entry of J met first that is no rounding
@@ -95,47 +117,83 @@ bool has_vanishing_row(const BodyForm& form) {
   return false;
 }
 
-bool all_finite(const BodyVectors& x) {
-  const auto finite = [](const V6& y) { return y.allFinite(); };
-  return x.joints.allFinite() && x.rows.allFinite() && std::all_of(x.motion.begin(), x.motion.end(), finite) &&
-         std::all_of(x.force.begin(), x.force.end(), finite);
+}  // namespace
+
+void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d) {
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    data.workspace->robots[d.island.robots[k]].known = false;
+    d.bodies->kin[k].origin =
+        origin_of<double>(*robot.model, robot.base, data.workspace->q.segment(robot.idx_q, robot.model->nq));
+  }
 }
 
-}  // namespace
+Reason factorize_and_solve(BodyFactor& factor, BodySolve& solve, sparse::Refinement& refinement) {
+  if (has_vanishing_row(factor.system)) return Reason::kSmallPivot;
+  const Reason reason = factorize_bodies(factor.system, factor.ldl, &solve.b);
+  if (reason != Reason::kNone) return reason;
+  refinement = solve_refined(factor.system, factor.ldl, solve, tolerance::kRefinementSteps, true);
+  if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // NaN where x is not finite
+  return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
+}
+
+void BodyAnswer::add(const BodyFactor& factor, const BodySolve& solve, const sparse::Refinement& r) {
+  const auto take = [](auto& largest, auto x) { largest = std::max(largest, x); };
+  nonzeros += factor.nonzeros();
+  take(refinement.steps, r.steps);
+  take(refinement.backward_error, r.backward_error), take(refinement.first, r.first);
+  const BodyResidual& left = solve.residual;
+  take(dynamics, left.dynamics), take(dynamics_scale, left.dynamics_scale);
+  take(contact, left.contact), take(contact_scale, left.contact_scale);
+}
+
+void report_bodies(const Scene& scene, const BodyAnswer& x, IslandWork& d, IslandReport& report) {
+  d.factor = &d.bodies->factor;
+  d.first_error = x.refinement.first;
+  d.contradiction = d.was_dependent = false;
+  report.method = Method::kSparseBodies;
+  report.reason = Reason::kNone;
+  report.factor_nonzeros = x.nonzeros;
+  report.refinement_steps = x.refinement.steps;
+  report.backward_error = x.refinement.backward_error;
+  report.residual_dynamics = x.dynamics == 0 ? 0 : x.dynamics / x.dynamics_scale;
+  report.residual_contact = x.contact == 0 ? 0 : x.contact / std::max(x.contact_scale, scene.gravity.norm());
+}
 
 const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at) {
   return moves(at) ? &form.kin[local_robot(island, at.robot)] : nullptr;
 }
 
-bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                     IslandReport& report) {
+bool solve_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
-  evaluate_bodies(scene, q, v, data, d);
+  if (solve_in_parts(scene, data, d, report)) return true;
   report.method = Method::kSparseBodies;
-  report.reason = has_vanishing_row(form) ? Reason::kSmallPivot
-                                          : factorize_bodies(form.factor.system, form.factor.ldl, &form.solution.b);
+  sparse::Refinement refinement;
+  report.reason = solve_whole(scene, data, d, refinement);
   if (report.reason != Reason::kNone) return false;
-  const sparse::Refinement refinement =
-      solve_refined(form.factor.system, form.factor.ldl, form.solution, tolerance::kRefinementSteps, true);
-  report.factor_nonzeros = form.factor.nonzeros();
-  report.refinement_steps = refinement.steps;
+  BodyAnswer answer;
+  answer.add(form.factor, form.solution, refinement);
+  report_bodies(scene, answer, d, report);
   const BodyVectors& x = form.solution.x;
-  if (!(refinement.backward_error <= tolerance::kConverged)) {  // NaN where x is not finite
-    report.reason = all_finite(form.solution.b) ? Reason::kLargeResidual : Reason::kNotFinite;
-    return false;
-  }
-  d.factor = &form.factor;
-  d.first_error = refinement.first;
-  d.contradiction = d.was_dependent = false;
   each_velocity_block(scene, d.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });
   each_force_block(scene, data.f_offset, d.island,
                    [&](int to, int from, int n) { data.f.segment(to, n) = -x.rows.segment(from, n); });
-  const BodyResidual& left = form.solution.residual;
-  report.backward_error = refinement.backward_error;
-  report.residual_dynamics = left.dynamics == 0 ? 0 : left.dynamics / left.dynamics_scale;
-  report.residual_contact = left.contact == 0 ? 0 : left.contact / std::max(left.contact_scale, scene.gravity.norm());
   return true;
+}
+
+void complete_bodies(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
+  if (!by_bodies(d) || !d.bodies->in_parts) return;
+  sparse::Refinement refinement;
+  if (solve_whole(scene, data, d, refinement) == Reason::kNone) {
+    d.first_error = refinement.first;
+    return;
+  }
+  d.factor = nullptr;
+  if (joint_space_size(*d.shape) > kMostJointSpace) return;
+  make_joint_space(scene, *data.workspace, d);
+  evaluate(scene, data.workspace->q, data.v, *data.workspace, d.island);
+  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
 }
 
 void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {

@@ -8,11 +8,30 @@
 
 namespace manycontact {
 
+/// A body whose rows say how it accelerates, once its own part is solved.
+struct HeldBody {
+  Vec6<double> a;
+  BodyHold hold;
+  int row[6];  // of its rows among the scene's forces
+};
+
 struct BodyForm {
   explicit BodyForm(const std::shared_ptr<IslandShape>& shape);
 
   // by solve
   std::vector<BodyKinematics<double>> kin;  // per robot of the island
+  // part by part, where held bodies cut the trees; memory of the part at hand, per shape
+  const BodyParts* parts;
+  struct Part {
+    explicit Part(const std::shared_ptr<const BodyPattern>& pattern);
+    BodyFactor factor;
+    BodySolve solution;
+    std::vector<int> row;  // per row: its number among the scene's forces
+  };
+  std::vector<Part> work;
+  std::vector<HeldBody> held;  // per cut
+  bool in_parts = false;       // the last solve went so: all below is another's until `complete_bodies`
+  // as a whole
   BodyFactor factor;
   BodySolve solution;
 
@@ -28,10 +47,38 @@ namespace internal {
 inline bool has_bodies(const IslandWork& d) { return d.bodies != nullptr; }
 inline bool by_bodies(const IslandWork& d) { return d.bodies && d.factor == &d.bodies->factor; }
 
+/// As solve_by_bodies, each part while it is in the cache. False where the island is one part, or one has no sound
+/// answer.
+bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report);
+
+/// The whole system with its solution, where parts answered the last solve. Where that has no sound pivots the joint
+/// space has, or d.factor is null.
+void complete_bodies(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread);
+
+/// The pieces of both: a robot's node, a contact's rows, in equations numbered from node `at`, coordinate `dof` and row
+/// `first` on.
+void evaluate_node(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t robot, int joint, int at,
+                   int dof, BodySystem& system, BodyVectors& b);
+void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t contact, int first,
+                   BodySystem& system, BodyVectors& b);
+/// Before the first node: where the bases are; no joint-space terms are known.
+void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d);
+/// After the last: x of `solve`, refined. kNone: it is sound.
+Reason factorize_and_solve(BodyFactor& factor, BodySolve& solve, sparse::Refinement& refinement);
+
+/// What is reported of systems solved: the worst and the largest of all.
+struct BodyAnswer {
+  sparse::Refinement refinement;
+  int nonzeros = 0;
+  double dynamics = 0, dynamics_scale = 0, contact = 0, contact_scale = 0;
+  void add(const BodyFactor& factor, const BodySolve& solve, const sparse::Refinement& refinement);
+};
+/// d.factor and the report of an answer.
+void report_bodies(const Scene& scene, const BodyAnswer& answer, IslandWork& d, IslandReport& report);
+
 /// Evaluates, factorizes and solves; d.factor, data.a, data.f and the report are the answer's. False where there is
 /// none, report.reason says why.
-bool solve_by_bodies(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                     IslandReport& report);
+bool solve_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report);
 
 /// Of an attachment's robot; nullptr where its body cannot move.
 const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at);
@@ -43,7 +90,7 @@ void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function);
 
 /// report.error_acceleration and error_forces, as estimate_errors has them.
-void bound_by_bodies(const Scene& scene, const Workspace& work, IslandWork& d, IslandReport& report);
+void bound_by_bodies(const Scene& scene, const SceneData& data, IslandWork& d, IslandReport& report);
 /// x <- K x, in the island's order, by a recursion.
 void multiply_bodies(const BodySystem& system, double* x);
 

@@ -92,15 +92,24 @@ double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
 
 }  // namespace
 
-void bound_by_bodies(const Scene& scene, const Workspace& work, IslandWork& d, IslandReport& report) {
+void bound_by_bodies(const Scene& scene, const SceneData& data, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
-  (void)backward_error(form.factor.system, form.solution.b, form.solution.x, form.solution.residual);
-  const std::vector<double> w = uncertainty(scene, work, d);
-  const auto relative = [](double error, const Eigen::VectorXd& x) {
-    return x.size() == 0 || error == 0 ? 0 : error / x.cwiseAbs().maxCoeff();
+  const BodyVectors& x = form.solution.x;
+  (void)backward_error(form.factor.system, form.solution.b, x, form.solution.residual);
+  const std::vector<double> w = uncertainty(scene, *data.workspace, d);
+  double da = 0,
+         df = 0;  // where parts answered: how far that is from the whole system's answer, whose error is bounded
+  each_velocity_block(scene, d.island, [&](int from, int to, int n) {
+    if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());
+  });
+  each_force_block(scene, data.f_offset, d.island, [&](int from, int to, int n) {
+    df = std::max(df, (data.f.segment(from, n) + x.rows.segment(to, n)).cwiseAbs().maxCoeff());
+  });
+  const auto relative = [](double error, const Eigen::VectorXd& y) {
+    return y.size() == 0 || error == 0 ? 0 : error / y.cwiseAbs().maxCoeff();
   };
-  report.error_acceleration = relative(bound(form, w, false), form.solution.x.joints);
-  report.error_forces = form.solution.x.rows.size() == 0 ? 0 : relative(bound(form, w, true), form.solution.x.rows);
+  report.error_acceleration = relative(bound(form, w, false) + da, x.joints);
+  report.error_forces = x.rows.size() == 0 ? 0 : relative(bound(form, w, true) + df, x.rows);
 }
 
 void multiply_bodies(const BodySystem& s, double* x) {

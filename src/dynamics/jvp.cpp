@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "bodies.hpp"
+#include "cut.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/products.hpp"
 #include "steps.hpp"
@@ -19,6 +20,10 @@ ProductWork::ProductWork(const Scene& scene) {
     robots.push_back(
         {std::vector<BodyVariation>(n), zeros, zeros, zeros, zeros, zeros, std::vector<double>(r.model->nv)});
   }
+  int rows = 0;
+  for (const Contact& contact : scene.contacts) rows += contact.rows();
+  a.resize(scene.nv);
+  f.resize(rows);
 }
 
 namespace {
@@ -171,8 +176,43 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
                     [&](int to, int from, int n) { wu.segment(to, n) = out.segment(D.u_first + from, n); });
 }
 
+// work(number, memory of the thread) for each island that no lane serves. Those that were cut have their own use for
+// all threads.
+template <class Work>
+void each_alone(SceneData& data, Work&& work) {
+  Workspace& w = *data.workspace;
+  const auto cut = [&](std::size_t i) { return internal::solved_cut(data, *w.islands[i]); };
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    if (cut(i)) work(i, w.threads.front());
+  internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    if (!w.islands[i]->served_in_lanes() && !cut(i)) work(i, thread);
+  });
+}
+
+// Whether there is an answer; where lanes or parts gave it, with all that products need.
+bool solution_at_hand(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread) {
+  if (internal::solved_cut(data, d)) return true;
+  if (d.in_lanes) internal::complete_island(scene, data, d, thread);
+  internal::complete_bodies(scene, data, d, thread);
+  return d.factor;
+}
+
+// v.x = K^-1 v.b, refined once.
+void solve_once_refined(const Scene& scene, SceneData& data, IslandWork& d, KktVectors& v, ProductWork& pd) {
+  if (!internal::solved_cut(data, d)) return (void)solve_refined(*d.factor, d.K, v, 1);
+  const auto turn = [&] {
+    each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { pd.f.segment(first, n) *= -1; });
+  };
+  internal::scatter(scene, data.f_offset, *d.K.pattern, d.island, v.b.data(), pd.a, pd.f);
+  turn();
+  internal::solve_once_refined_cut(scene, data, d, pd.a, pd.f);
+  turn();
+  internal::gather(scene, data.f_offset, *d.K.pattern, d.island, pd.a, pd.f, v.x.data());
+}
+
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_unasked(scene, data, function);
+  internal::evaluate_cut(scene, data);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands)
@@ -195,17 +235,15 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   df.setConstant(std::numeric_limits<double>::quiet_NaN());
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::jvp_in_lanes(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
-  internal::each_item(*data.workspace, data.workspace->islands.size(), [&](std::size_t i, ThreadWork& thread) {
+  each_alone(data, [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *data.workspace->islands[i];
-    if (d.served_in_lanes()) return;
-    if (d.in_lanes) internal::complete_island(scene, data, d, thread);
-    if (!d.factor) return;
+    if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
     if (internal::rank_deficient(d)) return formed_jvp(scene, data, i, dq, dv, du, da, df, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());
     tangent_rhs(scene, data, d, dq, dv, du, thread.v, pd);
-    (void)solve_refined(*d.factor, d.K, thread.v, 1);
+    solve_once_refined(scene, data, d, thread.v, pd);
     internal::scatter(scene, data.f_offset, *d.K.pattern, d.island, thread.v.x.data(), da, df);
     each_force_block(scene, data.f_offset, d.island,
                      [&](int first, int, int n) { df.segment(first, n) *= -1; });  // x = [da; -df]
@@ -223,18 +261,16 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   for (auto* w : {&wq, &wv, &wu}) w->setConstant(std::numeric_limits<double>::quiet_NaN());
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::vjp_in_lanes(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
-  internal::each_item(*data.workspace, data.workspace->islands.size(), [&](std::size_t i, ThreadWork& thread) {
+  each_alone(data, [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *data.workspace->islands[i];
-    if (d.served_in_lanes()) return;
-    if (d.in_lanes) internal::complete_island(scene, data, d, thread);
-    if (!d.factor) return;
+    if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
     if (internal::rank_deficient(d)) return formed_vjp(scene, data, i, wa, wf, wq, wv, wu, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());
     internal::gather(scene, data.f_offset, *d.K.pattern, d.island, wa, wf, thread.v.b.data());
     for (int k = 0; k < d.island.nc; ++k) thread.v.b[d.K.pattern->iperm[d.island.nv + k]] *= -1;
-    (void)solve_refined(*d.factor, d.K, thread.v, 1);
+    solve_once_refined(scene, data, d, thread.v, pd);
     pull_back_island(scene, data, d, thread.v, pd, wq, wv, wu);
   });
 }

@@ -7,6 +7,7 @@
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/kkt/bodies/parts.hpp"
 #include "support/allocations.hpp"
 #include "support/chains.hpp"
 #include "support/measure.hpp"
@@ -54,11 +55,85 @@ TEST(Bodies, AgreeWithTheOracle) {
   EXPECT_GE(answered, 0.95 * islands);
 }
 
+// Bodies with children are held in 6D, beside the scene's other contacts, wherever six coordinates or more have moved
+// them since the last: trees that fall into parts.
+RandomScene held_scene(std::mt19937& rng) {
+  SceneOptions options = trees(0);
+  options.ncontacts = 2;
+  RandomScene s = random_scene(rng, options);
+  for (int r = 0; r < static_cast<int>(s.scene.robots.size()); ++r) {
+    const Model& model = *s.scene.robots[r].model;
+    std::vector<int> moved(model.njoints());
+    for (int i = 0; i < model.njoints(); ++i) {
+      const int parent = model.joints[i].parent;
+      moved[i] = (parent < 0 ? 0 : moved[parent]) + model.joints[i].nv();
+      if (moved[i] < 6 || model.subtree_end[i] == i + 1) continue;
+      Contact c;
+      c.name = "held" + std::to_string(r) + "_" + std::to_string(i);
+      c.type = ContactType::k6D;
+      c.A.robot = r;
+      c.A.joint = i;
+      c.A.placement.p = Vec3<double>(0.1, -0.2, 0.05);
+      c.beta = 3;
+      add_contact(s.scene, c);
+      moved[i] = 0;
+    }
+  }
+  return s;
+}
+
+int cuts_of(const Scene& scene) {
+  std::size_t cuts = 0;
+  for (const Island& island : find_islands(scene, std::vector<char>(scene.contacts.size(), 1)))
+    cuts += split_bodies(island, analyze_bodies(scene, island)).cuts.size();
+  return static_cast<int>(cuts);
+}
+
+TEST(Bodies, PartsAgreeWithTheOracle) {
+  std::mt19937 rng(3);
+  int cuts = 0, sound = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const RandomScene s = held_scene(rng);
+    cuts += cuts_of(s.scene);
+    Both x(s.scene, s.q, s.v, s.u);
+    EXPECT_EQ(x.bodies.report.status, x.dense.report.status) << trial;
+    sound += x.bodies.report.status == Status::kOk;
+    const Errors e = errors<double>(s.scene, x.bodies, x.dense.a, x.dense.f, conditions(s.scene, x.dense));
+    EXPECT_LE(e.excess, 1) << trial << ": " << e;
+    for (const IslandReport& island : x.bodies.report.islands)  // the ladder's may be least squares
+      if (island.method == Method::kSparseBodies) {
+        EXPECT_LE(island.backward_error, 1e-14) << trial;
+      }
+  }
+  EXPECT_GE(cuts, 60);
+  EXPECT_GE(sound, 15);
+}
+
+// Long chains with branches, and rows past a held body, which keep what hangs below in its part.
+TEST(Bodies, PartsOfChains) {
+  ChainOptions options;
+  options.links = 100;
+  Chain c = make_chain(options);
+  EXPECT_EQ(cuts_of(c.scene), 9);  // nothing hangs on the last
+  Contact past;
+  past.name = "past";
+  past.type = ContactType::k3D;
+  past.A = {0, 31, {}};
+  past.B = {0, 45, {}};
+  add_contact(c.scene, past);
+  EXPECT_EQ(cuts_of(c.scene), 8);
+  Both x(c.scene, c.q, c.v, c.u);
+  ASSERT_EQ(x.bodies.report.status, Status::kOk);
+  EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
+  const Errors e = errors<double>(c.scene, x.bodies, x.dense.a, x.dense.f, conditions(c.scene, x.dense));
+  EXPECT_LE(e.excess, 1) << e;
+}
+
 // Products by the recursion, and blocks by panels, beside those of sparse-ldl.
 TEST(Bodies, DerivativesAgreeWithSparseLdl) {
   std::mt19937 rng(2);
-  for (int trial = 0; trial < 20; ++trial) {
-    const RandomScene s = random_scene(rng, trees(trial % 3 == 2 ? 1e-3 : 0));
+  for (int trial = 0; trial < 30; ++trial) {
+    const RandomScene s = trial < 20 ? random_scene(rng, trees(trial % 3 == 2 ? 1e-3 : 0)) : held_scene(rng);
     SceneData x(s.scene, kBodies), y(s.scene, {Method::kSparseLdl, {}});
     if (solve(s.scene, s.q, s.v, s.u, x).status != Status::kOk) continue;
     if (solve(s.scene, s.q, s.v, s.u, y).status != Status::kOk) continue;
@@ -207,21 +282,23 @@ TEST(Bodies, DependentRowsAreLeftToTheLadder) {
 
 TEST(Bodies, AllocateNothingInSteadyState) {
 #if MANYCONTACT_COUNTS_ALLOCATIONS
-  ChainOptions options;
-  options.links = 300;
-  options.held_every = 0;
-  options.loop_every = 60;
-  const Chain c = make_chain(options);
-  SceneData x(c.scene, kBodies);
-  VectorXd a = c.v, f(x.f.size()), q = c.v, v = c.v, u = c.u;
-  const auto work = [&] {
-    (void)solve(c.scene, c.q, c.v, c.u, x);
-    jvp(c.scene, x, c.v, c.v, c.u, a, f);
-    vjp(c.scene, x, a, f, q, v, u);
-  };
-  work();
-  ASSERT_EQ(x.report.islands[0].method, Method::kSparseBodies);
-  EXPECT_EQ(allocations(work), 0u);
+  for (const int held_every : {0, 10}) {
+    ChainOptions options;
+    options.links = 300;
+    options.held_every = held_every;
+    options.loop_every = held_every == 0 ? 60 : 0;
+    const Chain c = make_chain(options);
+    SceneData x(c.scene, kBodies);
+    VectorXd a = c.v, f(x.f.size()), q = c.v, v = c.v, u = c.u;
+    const auto work = [&] {
+      (void)solve(c.scene, c.q, c.v, c.u, x);
+      jvp(c.scene, x, c.v, c.v, c.u, a, f);
+      vjp(c.scene, x, a, f, q, v, u);
+    };
+    work();
+    ASSERT_EQ(x.report.islands[0].method, Method::kSparseBodies);
+    EXPECT_EQ(allocations(work), 0u);
+  }
 #endif
 }
 

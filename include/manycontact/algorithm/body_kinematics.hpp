@@ -1,8 +1,8 @@
 #pragma once
-// Forward kinematics of one robot for deep trees, each body in its **body frame**: world axes, origin at the body's own
-// child frame, as it stands at the instant. What is far from the base loses no digits, as it does in the tree frame
-// (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next there is a
-// translation r:
+// Forward kinematics of a robot for deep trees, joint by joint, each body in its **body frame**: world axes, origin at
+// the body's own child frame, as it stands at the instant. What is far from the base loses no digits, as it does in the
+// tree frame (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next
+// there is a translation r:
 //
 //   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
 
@@ -32,26 +32,31 @@ template <class S>
 struct BodyKinematics {
   explicit BodyKinematics(const Model& model);  // room for this robot
 
+  Vec3<S> origin;  // by the caller: the base's origin in the world [m]
+
   // by body_kinematics, from q, v
-  Vec3<S> origin;          // the base's origin in the world [m]
   std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
   std::vector<Vec3<S>> p;  // njoints: its origin, seen from the base's, world axes
   std::vector<Vec6<S>> v;  // njoints: spatial velocity
 };
 
-/// What the equations of motion are made of; memory of the caller's.
+/// What one joint's equations of motion are made of; memory of the caller's.
 template <class S>
 struct BodyTerms {
-  Vec3<S>* r;                // njoints: origin seen from the parent's; from the base where there is no parent
-  Eigen::Map<Mat6X<S>> S_i;  // 6 x nv: motion subspace of each velocity coordinate; zero before the first call
-  Inertia<S>* Y;             // njoints: inertia of each body
-  Vec6<S>* c;                // njoints: bias acceleration of the joint, v x S v
-  Vec6<S>* h;                // njoints: bias force of the body, v x* Y v
+  Vec3<S>* r;     // origin seen from the parent's; from the base where there is no parent
+  S* S_i;         // 6 x nv of the joint, by columns: its motion subspace; zero before the first call
+  Inertia<S>* Y;  // the body's inertia
+  Vec6<S>* c;     // bias acceleration of the joint, v x S v
+  Vec6<S>* h;     // bias force of the body, v x* Y v
 };
 
-/// Fills `kin` and what `terms` points to. q: nq, v: nv. base: as forward_kinematics.
+/// BodyKinematics::origin of a configuration q (nq). base: as forward_kinematics.
 template <class S>
-void body_kinematics(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
-                     BodyKinematics<S>& kin, BodyTerms<S> terms);
+Vec3<S> origin_of(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q);
+
+/// Fills joint i's numbers in `kin`, where its parent's stand, and what `terms` points to. q: nq, v: nv of the robot.
+template <class S>
+void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
+                     const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms);
 
 }  // namespace manycontact

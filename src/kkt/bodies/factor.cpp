@@ -37,11 +37,13 @@ double normwise(const BodyResidual& r) {
 
 }  // namespace
 
-BodyFactor::BodyFactor(std::shared_ptr<const BodyPattern> pattern) {
-  system.reset(std::move(pattern));
+void BodyFactor::make_room() {
+  if (has_room_) return;
+  system.reset(system.pattern);
   ldl.resize(*system.pattern);
   work_.resize(*system.pattern);
   work_.b.set_zero();
+  has_room_ = true;
 }
 
 Reason BodyFactor::factorize(const KktMatrix&, FactorScratch&) { return factorize_bodies(system, ldl); }

@@ -267,28 +267,14 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Q R = G of the rows that hold node i, by Gram and Schmidt; then N C N and N G_j in place of C and G_j (BodyHold).
+// N C N and N G_j in place of C and G_j (BodyHold).
 void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
   BodyHold& h = d.hold[s.hold[i]];
   const int* own = s.own.data() + s.own_first[s.hold[i]];
   const int m = s.own_first[s.hold[i] + 1] - s.own_first[s.hold[i]];
-  h.rows = 0;
-  if (system.delta > 0) return;
-  for (int k = 0; k < m; ++k) {
-    const int row = own[k];
-    V6 G = s.A[row] == i ? system.GA.col(row) : system.GB.col(row);
-    const double length = G.norm();
-    for (int j = 0; j < k; ++j) {
-      h.R(j, k) = h.Q.col(j).dot(G);
-      G -= h.R(j, k) * h.Q.col(j);
-    }
-    h.R(k, k) = G.norm();
-    if (!(h.R(k, k) > tolerance::kHeldApart * length)) return;
-    h.Q.col(k) = G / h.R(k, k);
-  }
-  h.rows = m;
+  if (!factorize_hold(system, i, own, m, h)) return;
   const auto Q = h.Q.leftCols(m);
   for (int k = 0; k < at.m; ++k) {
     if (std::find(own, own + m, at.row[k]) != own + m) continue;

@@ -28,6 +28,11 @@ inline Two load(const double* x) {
 
 inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
 
+/// y += x
+[[gnu::always_inline]] inline void add(const Vec6<double>& x, Vec6<double>& y) {
+  for (int k = 0; k < 6; k += 2) store(load(y.data() + k) + load(x.data() + k), y.data() + k);
+}
+
 inline Two max(Two x, Two y) { return x < y ? y : x; }
 
 /// The largest of the linear and of the angular entries' sizes.

@@ -26,17 +26,18 @@ void number_rows(const Scene& scene, const Island& island, BodyPattern& p) {
   const auto node = [&](const Attachment& at) {
     return at.robot < 0 || at.joint < 0 ? -1 : p.node_offset[local_robot(island, at.robot)] + at.joint;
   };
-  std::vector<int> count(p.nodes + 1, 0);
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
-    const int A = node(contact.A), B = node(contact.B);
-    for (int k = 0; k < contact.rows(); ++k) {
-      p.A.push_back(A);
-      p.B.push_back(B);
-      if (A >= 0) ++count[A + 1];
-      if (B >= 0) ++count[B + 1];
-    }
+    p.A.insert(p.A.end(), contact.rows(), node(contact.A));
+    p.B.insert(p.B.end(), contact.rows(), node(contact.B));
   }
+}
+
+void list_rows(BodyPattern& p) {
+  std::vector<int> count(p.nodes + 1, 0);
+  for (int row = 0; row < p.nc; ++row)
+    for (int i : {p.A[row], p.B[row]})
+      if (i >= 0) ++count[i + 1];
   for (int i = 0; i < p.nodes; ++i) count[i + 1] += count[i];
   p.at_first = count;
   p.at.resize(count[p.nodes]);
@@ -62,13 +63,6 @@ void find_holds(BodyPattern& p) {
   }
 }
 
-// The node at which a row's two ends meet, -1: none.
-int meeting(const BodyPattern& p, int row) {
-  int i = p.A[row];
-  while (i >= 0 && !p.complete(row, i)) i = p.parent[i];
-  return i;
-}
-
 // How many rows may be open where.
 void make_room(BodyPattern& p) {
   std::vector<int> waiting(p.nodes, 0), complete(p.nodes, 0);  // ends that arrive at a node; rows that are complete
@@ -76,11 +70,11 @@ void make_room(BodyPattern& p) {
   for (int row = 0; row < p.nc; ++row) {
     const bool two = p.A[row] >= 0 && p.B[row] >= 0;
     if (!two) {
-      ++complete[std::max(p.A[row], p.B[row])];
+      if (const int i = std::max(p.A[row], p.B[row]); i >= 0) ++complete[i];
       continue;
     }
     ++waiting[p.A[row]], ++waiting[p.B[row]];
-    if (const int i = meeting(p, row); i >= 0) complete[i] += 1, waiting[i] -= 2;
+    if (const int i = p.meeting(row); i >= 0) complete[i] += 1, waiting[i] -= 2;
   }
   // a row that completes at a node is counted there by its ends as well: no harm
   p.most.resize(p.nodes);
@@ -115,14 +109,25 @@ void make_room(BodyPattern& p) {
 
 }  // namespace
 
+int BodyPattern::meeting(int row) const {
+  int i = A[row];
+  while (i >= 0 && !complete(row, i)) i = parent[i];
+  return i;
+}
+
+void BodyPattern::complete_analysis() {
+  list_rows(*this);
+  find_holds(*this);
+  make_room(*this);
+}
+
 BodyPattern analyze_bodies(const Scene& scene, const Island& island) {
   BodyPattern p;
   p.nv = island.nv;
   p.nc = island.nc;
   number_nodes(scene, island, p);
   number_rows(scene, island, p);
-  find_holds(p);
-  make_room(p);
+  p.complete_analysis();
   return p;
 }
 

@@ -8,14 +8,6 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// x of R^T x = b, in place.
-void solve_transposed(const BodyHold& h, V6& x) {
-  for (int k = 0; k < h.rows; ++k) {
-    for (int j = 0; j < k; ++j) x[k] -= h.R(j, k) * x[j];
-    x[k] /= h.R(k, k);
-  }
-}
-
 // p and g_j of what comes from the children, the acceleration along the rows that hold node i put in (BodyHold).
 void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -25,8 +17,7 @@ void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
   const auto Q = h.Q.leftCols(h.rows);
   V6 w;
   for (int k = 0; k < h.rows; ++k) w[k] = d.g[own[k]];
-  solve_transposed(h, w);
-  const V6 a = Q * w.head(h.rows);
+  const V6 a = Q * solve_transposed(h, w).head(h.rows);
   for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
     const V6 at_child = pairs::motion_at(a, system.r[child]);
     const std::size_t at = d.row_first[child];
@@ -115,12 +106,8 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
     if (s.A[row] < 0 || s.B[row] < 0) continue;
     f -= (s.A[row] == i ? system.GA.col(row) : system.GB.col(row)) * x.rows[row];
   }
-  V6 w;
-  w.head(h.rows) = h.Q.leftCols(h.rows).transpose() * f;
-  for (int k = h.rows - 1; k >= 0; --k) {  // R y = Q^T f
-    for (int j = k + 1; j < h.rows; ++j) w[k] -= h.R(k, j) * w[j];
-    x.rows[own[k]] = w[k] /= h.R(k, k);
-  }
+  const V6 y = forces_of(h, f);
+  for (int k = 0; k < h.rows; ++k) x.rows[own[k]] = y[k];
 }
 
 // y of the rows left at the bases.
@@ -195,8 +182,8 @@ double correct_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b
   const BodyPattern& s = *system.pattern;
   BodyJudge judge(system, b, x, left);
   const auto add = [&](int i) {
-    x.motion[i] += dx.motion[i];
-    x.force[i] += dx.force[i];
+    pairs::add(dx.motion[i], x.motion[i]);
+    pairs::add(dx.force[i], x.force[i]);
     for (int k = s.first_dof[i]; k < s.first_dof[i] + s.ndof[i]; ++k) x.joints[k] += dx.joints[k];
   };
   drop_all(system, d, left.r, dx, add, [&](int i) { judge.node(i, dx.rows.data()); });

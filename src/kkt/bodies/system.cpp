@@ -56,13 +56,13 @@ template <int N>
   scale = max(sizes(b.motion[i]), sizes(a));
   if (parent >= 0) {
     const V6 ap = pairs::motion_at(x.motion[parent], s.r[i]);
-    r += ap;
+    pairs::add(ap, r);
     const Two ap_sizes = sizes(ap);
     scale = max(scale, max(ap_sizes, Two{reach(s.r[i]) * ap_sizes[1], 0}));
   }
   for (int k = first; k < first + N; ++k) {
     const V6 Sx = s.S.col(k) * x.joints[k];
-    r += Sx;
+    pairs::add(Sx, r);
     scale = max(scale, sizes(Sx));
   }
 }
@@ -81,22 +81,16 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   const BodyPattern& p = *s.pattern;
   for (int child = i + 1; child < p.end[i]; child = p.end[child]) {
     const V6& f = x.force[child];
-    r += pairs::force_from(f, s.r[child]);
+    pairs::add(pairs::force_from(f, s.r[child]), r);
     const Two f_sizes = sizes(f);
     scale = max(scale, max(f_sizes, Two{0, reach(s.r[child]) * f_sizes[0]}));
   }
   for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q) {
     const int row = p.at[q];
     const double y = more ? x.rows[row] + more[row] : x.rows[row];
-    const auto end = [&](const auto& G) {
-      const V6 F = G * y;
-      r += F;
-      scale = max(scale, sizes(F));
-    };
-    if (p.A[row] == i)
-      end(s.GA.col(row));
-    else
-      end(s.GB.col(row));
+    const V6 F = (p.A[row] == i ? s.GA : s.GB).col(row) * y;
+    pairs::add(F, r);
+    scale = max(scale, sizes(F));
   }
 }
 
@@ -128,7 +122,7 @@ void BodyJudge::equations(int i, const double* more) {
   const Two a_sizes = sizes(a);
   scale = max(max(sizes(f), sizes(b_.force[i])), Two{Y.m, h} * a_sizes[0] + Two{h, I} * a_sizes[1]);
   r = b_.force[i] - f;
-  r += pairs::times(Y, a);
+  pairs::add(pairs::times(Y, a), r);
   outer_forces(s_, x_, i, more, r, scale);
   out_.r.force[i] = r;
   sum_ += r.sum();

@@ -22,7 +22,9 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
 /// Its vectors and panels are in the island's order: there is no K, and no order of elimination to permute to.
 class BodyFactor final : public Factor {
  public:
-  explicit BodyFactor(std::shared_ptr<const BodyPattern> pattern);
+  /// Without memory until make_room.
+  explicit BodyFactor(std::shared_ptr<const BodyPattern> pattern) { system.pattern = std::move(pattern); }
+  void make_room();
 
   BodySystem system;
   BodyLdl ldl;
@@ -41,7 +43,7 @@ class BodyFactor final : public Factor {
 
  private:
   BodySolve work_;
-  std::vector<double> columns_;
+  bool has_room_ = false;
 };
 
 }  // namespace manycontact

@@ -37,6 +37,12 @@ struct BodyHold {
   Mat6<double> Q, R, C;
 };
 
+/// Of `count` rows of a node; false, and rows = 0, where they depend on each other, or nearly.
+bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& hold);
+/// y of R^T y = b and of R y = Q^T f, entries 0 ... rows - 1.
+Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
+Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
+
 struct BodyLdl {  // block LDL from leaves to root
   // by factorize_bodies
   std::vector<Mat6<double>> P;   // per node, before its joint is eliminated

@@ -32,6 +32,10 @@ struct BodyPattern {
     const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[static_cast<std::size_t>(i)]); };
     return inside(A[static_cast<std::size_t>(row)]) && inside(B[static_cast<std::size_t>(row)]);
   }
+  /// The node at which a row's two ends meet, -1: none.
+  int meeting(int row) const;
+  /// Fills what follows from nodes and the ends of rows: all from `at_first` on.
+  void complete_analysis();
 };
 
 /// Complete rows that stay open above a node: its body has six directions, so more would depend on each other.
