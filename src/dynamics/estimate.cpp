@@ -49,18 +49,23 @@ void contact_rounding(const Contact& c, const ContactData<double>& d, const doub
   }
 }
 
+// c eps: of a sum down the deepest tree.
+double rounding(const Scene& scene, const IslandWork& d) {
+  int depth = 0;
+  for (int r : d.island.robots)
+    for (int i : scene.robots[r].model->dof_depth) depth = std::max(depth, i);
+  return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
+}
+
 // |r| + c eps (everything the rows were computed from), in elimination order.
 std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
   const KktVectors& s = d.v;
   const int* iperm = d.K.pattern->iperm.data();
   std::vector<double> w(d.island.size(), 0.0), a(d.island.nv);  // in the island's order
   for (int k = 0; k < d.island.nv; ++k) a[k] = s.x[iperm[k]];
-  int depth = 0;
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Model& model = *scene.robots[d.island.robots[k]].model;
-    const int o = d.island.dof_offset[k];
-    inertia_rounding(model, work.robots[d.island.robots[k]], a.data() + o, w.data() + o);
-    for (int i : model.dof_depth) depth = std::max(depth, i);
+    const int r = d.island.robots[k], o = d.island.dof_offset[k];
+    inertia_rounding(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
   }
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[d.island.contacts[k]];
@@ -71,13 +76,11 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
                      w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
-  const double eps = std::numeric_limits<double>::epsilon();
-  // Where rows are dependent, rounding of J turns its null space as well, and with it the forces of least norm.
-  const double c = (tolerance::kBoundRounding + depth) * (internal::rank_deficient(d) ? tolerance::kBoundDependent : 1);
+  const double c = rounding(scene, d);
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
-    out[at] = std::abs(s.r[at]) + c * eps * (s.scale[at] + w[k]);
+    out[at] = std::abs(s.r[at]) + c * (s.scale[at] + w[k]);
   }
   return out;
 }
@@ -96,6 +99,33 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
+// Where rows depend on others, rounding of J turns the null space of J^T too, and the forces of least norm with it: by
+// P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
+// |P| |dJ| |y|, J y = f.
+double turned_forces(const Scene& scene, const Workspace& work, IslandWork& d) {
+  const int* iperm = d.K.pattern->iperm.data();
+  const int n = d.island.size();
+  std::vector<double> y(n, 0.0), w(n, 0.0), part(n);
+  for (int k = d.island.nv; k < n; ++k) y[iperm[k]] = d.v.x[iperm[k]];
+  d.factor->some_motion(y.data());
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const int c = d.island.contacts[k], rows = scene.contacts[c].rows();
+    double moved = 0;
+    for (int column : d.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
+    const double of_row = rounding(scene, d) * motion_size(scene.contacts[c], work.contacts[c]) * moved;
+    for (int i = 0; i < rows; ++i) w[iperm[d.island.nv + d.island.row_offset[k] + i]] = of_row;
+  }
+  const std::vector<char> kept(n, 1);
+  return bound(
+      [&](double* x) {
+        for (int k = 0; k < d.island.nv; ++k) x[iperm[k]] = 0;
+        std::fill(part.begin(), part.end(), 0.0);
+        d.factor->project_out(x, part.data());
+        std::copy(part.begin(), part.end(), x);
+      },
+      w, kept);
+}
+
 }  // namespace
 
 void estimate_errors(const Scene& scene, SceneData& data) {
@@ -107,24 +137,25 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
     if (!d.factor) continue;
     if (internal::by_bodies(d)) {
-      internal::bound_by_bodies(scene, *data.workspace, d, report);
+      internal::bound_by_bodies(scene, data, d, report);
       continue;
     }
     const std::vector<double> w = uncertainty(scene, *data.workspace, d);
     const int* iperm = d.K.pattern->iperm.data();
     std::vector<char> kept(w.size());
-    const auto relative = [&](int first, int count) {
+    const auto relative = [&](int first, int count, double more) {
       double size = 0;
       std::fill(kept.begin(), kept.end(), 0);
       for (int k = first; k < first + count; ++k) {
         kept[iperm[k]] = 1;
         size = std::max(size, std::abs(d.v.x[iperm[k]]));
       }
-      const double error = count > 0 ? bound(inverse(d), w, kept) : 0;
+      const double error = count > 0 ? bound(inverse(d), w, kept) + more : 0;
       return error == 0 ? 0 : error / size;
     };
-    report.error_acceleration = relative(0, d.island.nv);
-    report.error_forces = relative(d.island.nv, d.island.nc);
+    report.error_acceleration = relative(0, d.island.nv, 0);
+    report.error_forces =
+        relative(d.island.nv, d.island.nc, internal::rank_deficient(d) ? turned_forces(scene, *data.workspace, d) : 0);
   }
   summarise(data.report);
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLargest = 60;
 #ifdef NDEBUG
-constexpr int kSeeds = 24;
+constexpr int kSeeds = 16;
 #else
 constexpr int kSeeds = 8;  // quadruple precision is slow when not optimised
 #endif

@@ -220,5 +220,64 @@ TEST(Vanishing, BoundsOfErrorsDoNotDependOnWhatWasAskedBefore) {
   }
 }
 
+// The rows of J are the relative motion at A's frame: where B's frame is on its body counts in the placement error
+// alone.
+TEST(Vanishing, AFrameFarAwayOnBLeavesRowsAsTheyAre) {
+  std::mt19937 rng(407);
+  for (const ContactType type : {ContactType::k1D, ContactType::k2D, ContactType::k3D}) {
+    Scene scene = scene_of(chain(rng, 4), rng);
+    add_robot(scene, "other", std::make_shared<Model>(chain(rng, 4)), random_placement(rng));
+    Contact c = contact_of(type, 3, random_placement(rng));
+    c.axis = random_vector(3, rng).normalized();
+    c.B = {1, 3, {random_rotation(rng), 1e20 * random_vector(3, rng)}};
+    add_contact(scene, c);
+    const VectorXd q = random_vector(8, rng), v = random_vector(8, rng), u = random_vector(8, rng);
+    for (const Way& way : ways_here(true)) {
+      SCOPED_TRACE(way.name);
+      SceneData data(scene, way.options);
+      EXPECT_EQ(solve(scene, q, v, u, data).status, Status::kOk);
+      EXPECT_EQ(data.report.rank, contact_rows(type));
+    }
+  }
+}
+
+// The same row twice, a million metres away and in other axes, beside a contact at hand: rounding of J, 1e6 eps, turns
+// the null space by as much towards the contact at hand, and the least norm takes that part of its forces.
+TEST(Vanishing, BoundsHoldForForcesOfLeastNormBesideLargeOnes) {
+  std::mt19937 rng(408);
+  for (int k = 0; k < 20; ++k) {
+    ModelOptions options;
+    options.floating_base = true;
+    options.njoints = 2;
+    const Model model = random_model(rng, options);
+    Scene scene;
+    add_robot(scene, "robot", std::make_shared<Model>(model));
+    const VectorXd q = random_configuration(model, rng);
+    const VectorXd v = VectorXd::Zero(scene.nv), u = random_vector(scene.nu, rng);
+    Contact far = contact_of(ContactType::k1D, 0, {Mat3<double>::Identity(), 1e6 * random_vector(3, rng)});
+    far.axis = random_vector(3, rng).normalized();
+    add_contact(scene, far);
+    far.name = "again";
+    far.reference_frame = ReferenceFrame::kWorld;
+    const Eigen::Vector4d r = q.segment<4>(3);
+    far.axis = rotation_of_quaternion(r[0], r[1], r[2], r[3]) * far.axis;
+    add_contact(scene, far);
+    Contact near = contact_of(ContactType::k3D, 0, random_placement(rng));
+    near.name = "near";
+    add_contact(scene, near);
+    const Truth<Quad> truth = solve_truth<Quad>(scene, {1, 1, 1}, q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
+    const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
+    for (const Way& way : ways(true)) {
+      if (way.options.method == Method::kDenseSchur) continue;  // it knows no dependent rows
+      SCOPED_TRACE(way.name + " " + std::to_string(k));
+      SceneData data(scene, way.options);
+      EXPECT_EQ(solve(scene, q, v, u, data).status, Status::kRedundant);
+      estimate_errors(scene, data);
+      EXPECT_LE(size_of(data.a - a), data.report.error_acceleration * size_of(data.a));
+      EXPECT_LE(size_of(data.f - f), data.report.error_forces * size_of(data.f));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace manycontact::test
