@@ -42,7 +42,7 @@ void CostDerivatives::resize(std::size_t ndx, std::size_t nu, MatrixStorage s) {
   storage = s;
   Lx.setZero(ndx);
   Lu.setZero(nu);
-  const bool dense = s != MatrixStorage::kSparse;
+  const bool dense = has_dense(s);
   Lxx.setZero(dense ? ndx : 0, dense ? ndx : 0);
   Lxu.setZero(dense ? ndx : 0, dense ? nu : 0);
   Luu.setZero(dense ? nu : 0, dense ? nu : 0);

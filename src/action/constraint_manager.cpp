@@ -105,7 +105,7 @@ void ConstraintModelManager::check_residuals(const char* where, const Constraint
 void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal) const {
   check_residuals("ConstraintModelManager::lay_out", data);
   DifferentialActionDataAbstract& out = *data.out;
-  const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
+  const bool dense = has_dense(out.storage), sparse = has_blocks(out.storage);
   const Eigen::Index ng = terminal ? ng_T_ : ng_, nh = terminal ? nh_T_ : nh_;
   const Eigen::Index ndx = state_->get_ndx(), nu = nu_;
   out.g.setZero(ng);
@@ -198,7 +198,7 @@ void stack_parts(const ResidualDataAbstract& residual, const std::vector<Part>& 
 void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;
   for (BlockSparse* m : {&out.Gx_blocks, &out.Gu_blocks, &out.Hx_blocks, &out.Hu_blocks}) m->set_zero();
-  const bool dense = out.storage != MatrixStorage::kSparse, sparse = out.storage != MatrixStorage::kDense;
+  const bool dense = has_dense(out.storage), sparse = has_blocks(out.storage);
   for (const auto& [name, parts] : data.g_parts)
     stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Gx, out.Gu, out.Gx_blocks,
                 out.Gu_blocks);

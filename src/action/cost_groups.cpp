@@ -20,12 +20,21 @@ std::vector<CostGroup::Run> runs_of(const std::vector<int>& columns) {
   return runs;
 }
 
+bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1; }
+
+// Of the group at hand.
+struct Scratch {
+  std::vector<double> L, R;  // row-major: rows [Rx Ru], and of each w Arr Rx, w Arr Ru, w Ar
+  std::vector<double> H;     // L^T R; its last column is the gradient
+};
+
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
 }  // namespace
 
-void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, CostDerivatives& out) {
+void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, int ndx, int nu, CostDerivatives& out) {
   groups.clear();
+  squares.clear();
   std::map<std::pair<std::vector<int>, std::vector<int>>, std::size_t> known;
   for (std::size_t c = 0; c < costs.size(); ++c)
     for (std::size_t k = 0; k < costs[c]->residual->blocks.size(); ++k) {
@@ -35,47 +44,59 @@ void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, Cost
       groups[group->second].members.push_back({costs[c], c, k});
     }
   for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
-  std::size_t most = 0, widest = 0;
+  most_ = widest_ = 0;
   for (CostGroup& g : groups) {
-    if (out.storage != MatrixStorage::kDense) {
+    if (has_blocks(out.storage)) {
       g.xx = out.Lxx_blocks.plan(g.xcols, g.xcols);
       g.xu = out.Lxu_blocks.plan(g.xcols, g.ucols);
       g.uu = out.Luu_blocks.plan(g.ucols, g.ucols);
     }
+    if (is_square(g)) {
+      take_squares(g);
+      continue;
+    }
     std::size_t rows = 0;
     for (const CostGroup::Member& member : g.members) rows += block_of(member).rows.size();
     const std::size_t ld = sparse::padded(g.xcols.size() + g.ucols.size() + 1);
-    most = std::max(most, rows * ld);
-    widest = std::max(widest, ld);
+    most_ = std::max(most_, rows * ld);
+    widest_ = std::max(widest_, ld);
   }
-  L.assign(most, 0);
-  R.assign(most, 0);
-  H.assign(widest * widest, 0);
+  std::erase_if(groups, is_square);
+  out.Lxx_blocks.finish(ndx, ndx);
+  out.Lxu_blocks.finish(ndx, nu);
+  out.Luu_blocks.finish(nu, nu);
+  if (has_blocks(out.storage))
+    for (CostSquare& s : squares) s.entry = (s.by_x ? out.Lxx_blocks : out.Luu_blocks).entry(s.entry);
+}
+
+void CostGroups::take_squares(const CostGroup& g) {
+  const bool by_x = !g.xcols.empty();
+  for (const CostGroup::Member& member : g.members) {
+    const ResidualBlock& b = block_of(member);
+    const RowMajorMatrix& J = by_x ? b.Rx : b.Ru;
+    for (std::size_t i = 0; i < b.rows.size(); ++i) {
+      const double* at = J.data() + i;
+      squares.push_back({member.cost, b.constant ? nullptr : at, *at, static_cast<int>(member.index), b.rows[i],
+                         by_x ? g.xcols[0] : g.ucols[0], by_x, by_x ? g.xx : g.uu});
+    }
+  }
+}
+
+void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
+  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
+  double *xx = out.Lxx_blocks.matrix.valuePtr(), *uu = out.Luu_blocks.matrix.valuePtr();
+  for (const CostSquare& s : squares) {
+    const double w = weights[static_cast<std::size_t>(s.index)];
+    if (w == 0 || (terminal && !s.by_x)) continue;
+    const ActivationDataAbstract& a = *s.cost->activation;
+    const double J = s.J ? *s.J : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
+    (s.by_x ? out.Lx : out.Lu)[s.column] += w * a.Ar[s.row] * J;
+    if (dense) (s.by_x ? out.Lxx : out.Luu)(s.column, s.column) += square;
+    if (blocks) (s.by_x ? xx : uu)[s.entry] += square;
+  }
 }
 
 namespace {
-
-// The group has one column, and its blocks one row: a sum of squares.
-void add_squares(const CostGroup& g, const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
-  const bool by_x = !g.xcols.empty();
-  if (terminal && !by_x) return;
-  double gradient = 0, square = 0;
-  for (const CostGroup::Member& member : g.members) {
-    const double w = weights[member.index];
-    const ResidualBlock& b = block_of(member);
-    const ActivationDataAbstract& a = *member.cost->activation;
-    const RowMajorMatrix& J = by_x ? b.Rx : b.Ru;
-    for (std::size_t i = 0; i < b.rows.size() && w != 0; ++i) {
-      gradient += w * a.Ar[b.rows[i]] * J(i, 0);
-      square += w * a.Arr.diagonal()[b.rows[i]] * J(i, 0) * J(i, 0);
-    }
-  }
-  const int c = by_x ? g.xcols[0] : g.ucols[0];
-  (by_x ? out.Lx : out.Lu)[c] += gradient;
-  if (out.storage != MatrixStorage::kSparse) (by_x ? out.Lxx : out.Luu)(c, c) += square;
-  if (out.storage != MatrixStorage::kDense)
-    (by_x ? out.Lxx_blocks : out.Luu_blocks).add(by_x ? g.xx : g.uu, 1, Eigen::Matrix<double, 1, 1>(square));
-}
 
 // The lower triangle of a symmetric matrix of which the upper one is known; ld: a multiple of eight.
 void mirror(double* H, int n, int ld) {
@@ -102,10 +123,8 @@ void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, 
   for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
 }
 
-}  // namespace
-
 // Rows that weigh nothing, of barriers say, are left out. Returns the number of the others.
-int CostGroups::gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld) {
+int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
   int depth = 0;
   for (const CostGroup::Member& member : g.members) {
     const double w = weights[member.index];
@@ -116,7 +135,7 @@ int CostGroups::gather(const CostGroup& g, const std::vector<double>& weights, i
     for (std::size_t i = 0; i < b.rows.size(); ++i) {
       const double first = w * Ar[b.rows[i]], second = w * Arr[b.rows[i]];
       if (first == 0 && second == 0) continue;
-      double *l = L.data() + depth * ld, *r = R.data() + depth * ld;
+      double *l = work.L.data() + depth * ld, *r = work.R.data() + depth * ld;
       std::copy_n(b.Rx.data() + i * b.Rx.cols(), nx, l);
       std::copy_n(b.Ru.data() + i * b.Ru.cols(), nu, l + nx);
       for (int j = 0; j < nx + nu; ++j) r[j] = second * l[j];
@@ -127,32 +146,35 @@ int CostGroups::gather(const CostGroup& g, const std::vector<double>& weights, i
   return depth;
 }
 
+}  // namespace
+
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
+  add_squares(weights, terminal, out);
+  thread_local Scratch work;  // of all nodes that a thread evaluates: it stays in the cache
+  for (auto* rows : {&work.L, &work.R})
+    if (rows->size() < most_) rows->resize(most_);
+  if (work.H.size() < widest_ * widest_) work.H.resize(widest_ * widest_);
+  double* H = work.H.data();
   for (const CostGroup& g : groups) {
-    if (g.xcols.size() + g.ucols.size() == 1) {
-      add_squares(g, weights, terminal, out);
-      continue;
-    }
     const int nx = static_cast<int>(g.xcols.size()), nu = terminal ? 0 : static_cast<int>(g.ucols.size());
     const int n = nx + nu, ld = sparse::padded(n + 1);
     if (n == 0) continue;
-    const int depth = gather(g, weights, nx, nu, ld);
+    const int depth = gather(g, weights, nx, nu, ld, work);
     if (depth == 0) continue;
-    sparse::panel_kernels().upper_product(L.data(), R.data(), depth, n + 1, ld, H.data());
-    mirror(H.data(), n, ld);
-    add_gradient(H.data() + n, ld, g.xcols, out.Lx);
-    const Columns xx(H.data(), nx, nx, Eigen::OuterStride<>(ld)),
-        xu(H.data() + nx * ld, nx, nu, Eigen::OuterStride<>(ld)),
-        uu(H.data() + nx * ld + nx, nu, nu, Eigen::OuterStride<>(ld));
-    if (out.storage != MatrixStorage::kSparse) add_dense(xx, g.xruns, g.xcols, out.Lxx);
-    if (out.storage != MatrixStorage::kDense) out.Lxx_blocks.add(g.xx, 1, xx);
+    sparse::panel_kernels().upper_product(work.L.data(), work.R.data(), depth, n + 1, ld, H);
+    mirror(H, n, ld);
+    add_gradient(H + n, ld, g.xcols, out.Lx);
+    const Columns xx(H, nx, nx, Eigen::OuterStride<>(ld)), xu(H + nx * ld, nx, nu, Eigen::OuterStride<>(ld)),
+        uu(H + nx * ld + nx, nu, nu, Eigen::OuterStride<>(ld));
+    if (has_dense(out.storage)) add_dense(xx, g.xruns, g.xcols, out.Lxx);
+    if (has_blocks(out.storage)) out.Lxx_blocks.add(g.xx, 1, xx);
     if (nu == 0) continue;
-    add_gradient(H.data() + nx * ld + n, ld, g.ucols, out.Lu);
-    if (out.storage != MatrixStorage::kSparse) {
+    add_gradient(H + nx * ld + n, ld, g.ucols, out.Lu);
+    if (has_dense(out.storage)) {
       add_dense(xu, g.xruns, g.ucols, out.Lxu);
       add_dense(uu, g.uruns, g.ucols, out.Luu);
     }
-    if (out.storage != MatrixStorage::kDense) {
+    if (has_blocks(out.storage)) {
       out.Lxu_blocks.add(g.xu, 1, xu);
       out.Luu_blocks.add(g.uu, 1, uu);
     }

@@ -129,11 +129,7 @@ void CostModelSum::lay_out(CostDataSum& data) const {
     parts.push_back(d.get());
   }
   data.weights.assign(parts.size(), 0);
-  data.groups.lay_out(parts, out);
-  const int ndx = static_cast<int>(state_->get_ndx()), nu = static_cast<int>(nu_);
-  out.Lxx_blocks.finish(ndx, ndx);
-  out.Lxu_blocks.finish(ndx, nu);
-  out.Luu_blocks.finish(nu, nu);
+  data.groups.lay_out(parts, static_cast<int>(state_->get_ndx()), static_cast<int>(nu_), out);
 }
 
 void CostModelSum::print(std::ostream& os) const {

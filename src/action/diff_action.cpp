@@ -9,7 +9,7 @@ DifferentialActionDataAbstract::DifferentialActionDataAbstract(const Differentia
   const Eigen::Index ndx = model->get_state()->get_ndx(), nv = model->get_state()->get_nv(), nu = model->get_nu();
   const Eigen::Index ng = model->get_ng(), nh = model->get_nh();
   resize(ndx, nu, model->get_storage());
-  const bool dense = storage != MatrixStorage::kSparse;
+  const bool dense = has_dense(storage);
   xout.setZero(nv);
   Fx.setZero(dense ? nv : 0, dense ? ndx : 0);
   Fu.setZero(dense ? nv : 0, dense ? nu : 0);

@@ -113,6 +113,10 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   DataCollector& m = *data.multibody;
   const Actuation how = kind(actuation, m.scene);
   const int nv = m.scene.nv, nu = static_cast<int>(actuation.get_nu());
+  require(data.storage != MatrixStorage::kPanel || island_count(m.solution) == 1,
+          "DifferentialActionDataContactFwdDynamics",
+          "storage kPanel of a scene of " + std::to_string(island_count(m.solution)) + " islands, one is expected");
+  new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));
   m.islands.assign(island_count(m.solution), {});
   m.custom.assign(how == Actuation::kCustom ? m.islands.size() : 0, {});
   data.Fx.setZero();
@@ -136,7 +140,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
       columns.x = columns.v;
       for (int k : columns.v) columns.x.push_back(nv + k);
     }
-    if (data.storage == MatrixStorage::kDense) continue;
+    if (data.storage == MatrixStorage::kDense || data.storage == MatrixStorage::kPanel) continue;
     data.Fx_blocks.plan(columns.v, columns.x);
     data.Fu_blocks.plan(columns.v, columns.u);
   }

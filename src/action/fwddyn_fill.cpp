@@ -64,6 +64,11 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
 
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
   const DataCollector& m = *data.multibody;
+  if (data.storage == MatrixStorage::kPanel) {
+    const PanelView P = m.panel(0);
+    new (&data.panel) PanelView(P.data(), data.xout.size(), P.cols(), Eigen::OuterStride<>(P.outerStride()));
+    return;
+  }
   data.Fx_blocks.set_zero();
   data.Fu_blocks.set_zero();
   for (std::size_t i = 0; i < m.islands.size(); ++i) {
@@ -71,7 +76,7 @@ void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
     const Eigen::Index nv = columns.v.size(), nx = columns.x.size(), nu = columns.u.size();
     const PanelView P = m.panel(i);
     const auto da_dx = P.topLeftCorner(nv, nx), da_du = P.block(0, nx, nv, nu);
-    if (data.storage != MatrixStorage::kSparse) {
+    if (has_dense(data.storage)) {
       if (m.islands.size() == 1) {
         data.Fx = da_dx;
         data.Fu = da_du;
@@ -82,7 +87,7 @@ void fill_dynamics(DifferentialActionDataContactFwdDynamics& data) {
           for (Eigen::Index k = 0; k < nv; ++k) data.Fu(columns.v[k], columns.u[j]) = da_du(k, j);
       }
     }
-    if (data.storage != MatrixStorage::kDense) {
+    if (has_blocks(data.storage)) {
       data.Fx_blocks.add(i, 1, da_dx);
       data.Fu_blocks.add(i, 1, da_du);
     }

@@ -25,12 +25,20 @@ inline std::vector<int> range(int first, int n) {
   return numbers;
 }
 
+/// A row r = x_i + const. or u_i + const.
+inline void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<int>& ucols,
+                           ResidualDataAbstract& data) {
+  ResidualBlock& block = data.blocks.emplace_back(std::vector<int>{row}, xcols, ucols);
+  block.Rx.setOnes();
+  block.Ru.setOnes();
+  block.constant = true;
+}
+
 /// One block per control, 1 x 1: of r = u - uref.
 inline void lay_out_controls(std::size_t nu, ResidualDataAbstract& data) {
   data.blocks.clear();
   data.blocks.reserve(nu);
-  for (int i = 0; i < static_cast<int>(nu); ++i)
-    data.blocks.emplace_back(std::vector<int>{i}, std::vector<int>{}, std::vector<int>{i});
+  for (int i = 0; i < static_cast<int>(nu); ++i) add_coordinate(i, {}, {i}, data);
 }
 
 }  // namespace manycontact::internal

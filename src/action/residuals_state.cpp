@@ -30,7 +30,7 @@ void ResidualModelState::calc(const std::shared_ptr<ResidualDataAbstract>& data,
   state_->diff(xref_, x, data->r);
 }
 
-// Per joint a block of its q, then a block for each coordinate of its v.
+// A block for the q of each joint, then one for each coordinate of its v.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
   const int nv = static_cast<int>(state_->get_nv());
   data.blocks.clear();
@@ -38,9 +38,11 @@ void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
     for (const Joint& joint : robot.model->joints) {
       const int first = robot.idx_v + joint.idx_v;
       const std::vector<int> dofs = internal::range(first, joint.nv());
-      data.blocks.emplace_back(dofs, dofs, std::vector<int>{});
-      for (int i = first; i < first + joint.nv(); ++i)
-        data.blocks.emplace_back(std::vector<int>{nv + i}, std::vector<int>{nv + i}, std::vector<int>{});
+      if (joint.nv() == 1)
+        internal::add_coordinate(first, dofs, {}, data);
+      else
+        data.blocks.emplace_back(dofs, dofs, std::vector<int>{});
+      for (int i = nv + first; i < nv + first + joint.nv(); ++i) internal::add_coordinate(i, {i}, {}, data);
     }
 }
 
@@ -49,15 +51,12 @@ void ResidualModelState::calcDiff(const std::shared_ptr<ResidualDataAbstract>& d
   auto block = data->blocks.begin();
   for (const Robot& robot : state_->get_model()->scene().robots)
     for (const Joint& joint : robot.model->joints) {
-      RowMajorMatrix& Rx = (block++)->Rx;
-      if (joint.nv() == 1) {
-        Rx(0, 0) = 1;
-      } else {
+      if (joint.nv() > 1) {
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> J(joint.nv(), joint.nv());
         joint_jdiff(joint, data->r.segment(robot.idx_v + joint.idx_v, joint.nv()), false, J);
-        Rx = J;
+        block->Rx = J;
       }
-      for (int i = 0; i < joint.nv(); ++i) (block++)->Rx(0, 0) = 1;
+      block += 1 + joint.nv();
     }
 }
 
@@ -84,10 +83,8 @@ void ResidualModelControl::calc(const std::shared_ptr<ResidualDataAbstract>& dat
 
 void ResidualModelControl::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
-void ResidualModelControl::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                    const ConstVectorRef&) {
-  for (ResidualBlock& block : data->blocks) block.Ru(0, 0) = 1;
-}
+void ResidualModelControl::calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
+                                    const ConstVectorRef&) {}
 
 void ResidualModelControl::print(std::ostream& os) const { os << "ResidualModelControl"; }
 
@@ -127,10 +124,8 @@ void ResidualModelJointEffort::calc(const std::shared_ptr<ResidualDataAbstract>&
 
 void ResidualModelJointEffort::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
-void ResidualModelJointEffort::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                        const ConstVectorRef&) {
-  for (ResidualBlock& block : data->blocks) block.Ru(0, 0) = 1;
-}
+void ResidualModelJointEffort::calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
+                                        const ConstVectorRef&) {}
 
 void ResidualModelJointEffort::print(std::ostream& os) const { os << "ResidualModelJointEffort"; }
 

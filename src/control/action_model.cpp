@@ -17,12 +17,21 @@ ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model, Without
 
 ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model)
     : ActionDataAbstract(model, WithoutMatrices{}) {
+  allocate_matrices(model);
+}
+
+void ActionDataAbstract::allocate_matrices(const ActionModelAbstract* model) {
   const Eigen::Index ndx = model->get_state()->get_ndx(), nu = model->get_nu();
   Fx.setZero(ndx, ndx), Fu.setZero(ndx, nu);
   Lx.setZero(ndx), Lu.setZero(nu);
   Lxx.setZero(ndx, ndx), Lxu.setZero(ndx, nu), Luu.setZero(nu, nu);
   Gx.setZero(g.size(), ndx), Gu.setZero(g.size(), nu);
   Hx.setZero(h.size(), ndx), Hu.setZero(h.size(), nu);
+}
+
+void ActionDataAbstract::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
+  gx.noalias() = Fx.transpose() * p;
+  gu.noalias() = Fu.transpose() * p;
 }
 
 ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,

@@ -226,7 +226,8 @@ void SolverAugmentedLagrangian::assess() {
     }
   }
   kkt_ = larger(
-      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, gap_), kkt_);
+      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, work_),
+      kkt_);
   if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
 

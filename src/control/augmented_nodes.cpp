@@ -123,7 +123,7 @@ void AL::decorate() {
     augmented_ = std::make_shared<ShootingProblem>(std::move(problem));
   else
     *augmented_ = std::move(problem);
-  gap_.setZero(static_cast<Eigen::Index>(problem_->get_ndx()));
+  work_.setZero(static_cast<Eigen::Index>(2 * problem_->get_ndx() + problem_->get_nu_max()));
 }
 
 void AL::resizeData() {

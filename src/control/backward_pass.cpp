@@ -1,12 +1,12 @@
 // The Riccati recursion of SolverDDP, on row-major panels F = [fu fx].
 
 #include <algorithm>
-#include <type_traits>
 #include <typeinfo>
 
 #include "manycontact/control/ddp.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
+#include "wide_joints.hpp"
 
 namespace manycontact {
 
@@ -55,16 +55,24 @@ void mirror(Eigen::MatrixXd& A) {
     }
 }
 
-// use(first coordinate, number of them, J1, J2), floating joints and planar ones.
-template <class Use>
-void each_wide_joint(const IntegratedActionDataEuler& data, Use&& use) {
-  for (const IntegratedActionDataEuler::WideJoint& joint : data.wide_joints) {
-    if (joint.size == 6)
-      use(joint.first, std::integral_constant<int, 6>(), joint.of_x, joint.of_dx);
-    else
-      use(joint.first, std::integral_constant<int, 3>(), Mat3<double>(joint.of_x.topLeftCorner<3, 3>()),
-          Mat3<double>(joint.of_dx.topLeftCorner<3, 3>()));
+using Sparse = Eigen::SparseMatrix<double>;
+
+// The upper triangle by rows from `at` on += weight A, for a symmetric A; where it is not, all of its transpose.
+void add_by_rows(const Sparse& A, bool symmetric, double weight, double* at, Index ld) {
+  for (Index j = 0; j < A.outerSize(); ++j)
+    for (Sparse::InnerIterator it(A, j); it; ++it)
+      if (!symmetric || it.row() >= j) at[j * ld + it.row()] += weight * it.value();
+}
+void add_by_rows(const Eigen::MatrixXd& A, bool symmetric, double* at, Index ld) {
+  using Row = Eigen::Map<Eigen::VectorXd>;
+  for (Index j = 0; j < A.cols(); ++j) {
+    const Index first = symmetric ? j : 0;
+    Row(at + j * ld + first, A.rows() - first) += A.col(j).tail(A.rows() - first);
   }
+}
+
+const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data) {
+  return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
 }
 
 // Of the lower triangle and v: finite and below 1e30.
@@ -78,22 +86,36 @@ bool is_sound(const Eigen::MatrixXd& V, const Eigen::VectorXd& v) {
 
 void SolverDDP::backwardPass() {
   const ActionDataAbstract& terminal = *problem_->get_terminalData();
+  const std::size_t T = problem_->get_T();
   sound_ = true;
-  Vxx_.back() = terminal.Lxx;
-  Vx_.back() = terminal.Lx;
-  Vxx_.back().diagonal().array() += preg_;
-  if (!is_feasible_) Vx_.back().noalias() += Vxx_.back() * fs_.back();
+  Eigen::MatrixXd& Vxx = value(T);
+  if (const auto* euler = without_matrices(terminal)) {
+    Vxx.setZero();
+    add_by_rows(euler->differential->Lxx_sparse(), false, 1, Vxx.data(), Vxx.cols());
+  } else {
+    Vxx = terminal.Lxx;
+  }
+  Vx_[T] = terminal.Lx;
+  Vxx.diagonal().array() += preg_;
+  addGap(T);
   for (std::size_t t = problem_->get_T(); t-- > 0;) {
     const auto& model = problem_->get_runningModels()[t];
     computeActionValueFunction(t, model, problem_->get_runningDatas()[t]);
     computeGains(t);
     if (!sound_) return;
     computeValueFunction(t, model);
-    if (!is_sound(Vxx_[t], Vx_[t])) {
+    if (!is_sound(value(t), Vx_[t])) {
       sound_ = false;
       return;
     }
   }
+}
+
+// Vx += Vxx fs
+void SolverDDP::addGap(std::size_t t) {
+  if (is_feasible_) return;
+  Vxx_fs_[t].noalias() = value(t) * fs_[t];
+  Vx_[t] += Vxx_fs_[t];
 }
 
 void SolverDDP::layOutPanels(Index nu) {
@@ -108,9 +130,8 @@ void SolverDDP::layOutPanels(Index nu) {
   grow(panels_.YF, rows * ld);
   grow(panels_.H, ld * ld);
   grow(panels_.Fv, ld);
-  for (auto* panel : {&panels_.Qux, &panels_.K})
-    grow(*panel, static_cast<std::size_t>(panels_.u) * sparse::padded(ndx));
-  grow(panels_.QuxK, static_cast<std::size_t>(sparse::padded(ndx)) * sparse::padded(ndx));
+  grow(panels_.K, static_cast<std::size_t>(panels_.u) * ld);
+  grow(panels_.QuxK, static_cast<std::size_t>(sparse::padded(ndx)) * ld);
 }
 
 // Fv = F^T v and H = F^T V F, of which the upper triangle.
@@ -137,7 +158,7 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
   Eigen::VectorXd &g = panels_.g, &j1v = panels_.j1v;  // G^T v, J1^T vq
   U = h * V.leftCols(n) + V.rightCols(n);              // V G
   A = V.topLeftCorner(n, n);
-  each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
+  internal::each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
     constexpr int k = size.value;
     U.middleCols<k>(q) = V.middleCols<k>(q).lazyProduct((h * J2).eval()) + V.middleCols<k>(n + q);
     A.middleCols<k>(q) = V.block(0, q, n, k).lazyProduct(J1);
@@ -146,7 +167,7 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
   Y = U.topRows(n);  // transposed, as the kernels read it by rows
   g = h * v.head(n) + v.tail(n);
   j1v = v.head(n);
-  each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
+  internal::each_wide_joint(data, [&](Index q, auto size, const auto& J1, const auto& J2) {
     constexpr int k = size.value;
     const auto transformed = [](const auto& J, const auto& x) { return (J.transpose() * x).eval(); };
     for (Index j = 0; j < n; ++j) {
@@ -158,8 +179,19 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
     j1v.segment<k>(q) = transformed(J1, v.segment<k>(q));
   });
   double *F = panels_.F.data(), *VF = panels_.VF.data(), *H = panels_.H.data(), *YF = panels_.YF.data();
-  copy_rows(data.Fu.bottomRows(n), F, ld);
-  copy_rows(data.Fx.bottomRows(n), F + panels_.u, ld);
+  if (data.has_matrices()) {
+    copy_rows(data.Fu.bottomRows(n), F, ld);
+    copy_rows(data.Fx.bottomRows(n), F + panels_.u, ld);
+  } else {
+    const PanelView& a = data.panel();
+    for (Index i = 0; i < n; ++i) {
+      double *row = F + i * ld, *x = row + panels_.u;
+      const double *ax = a.data() + i * a.outerStride(), *au = ax + panels_.x;
+      for (Index j = 0; j < panels_.x; ++j) x[j] = h * ax[j];
+      for (Index j = 0; j < a.cols() - panels_.x; ++j) row[j] = h * au[j];
+      x[n + i] += 1;
+    }
+  }
   panel_kernels().product(W.data(), nv, F, nv, nv, cols, panels_.ld, VF);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) VF[i * ld + panels_.u + j] += Y(j, i);
@@ -174,75 +206,97 @@ void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, c
   }
 }
 
+// H += Lxx, Lxu, Luu
+void SolverDDP::addHessian(const ActionDataAbstract& data) {
+  double *H = panels_.H.data(), *ux = H + panels_.u, *xx = ux + static_cast<Index>(panels_.u) * panels_.ld;
+  if (const auto* euler = without_matrices(data)) {
+    const DifferentialActionDataAbstract& cost = *euler->differential;
+    add_by_rows(cost.Luu_sparse(), true, euler->step, H, panels_.ld);
+    add_by_rows(cost.Lxu_sparse(), false, euler->step, ux, panels_.ld);
+    add_by_rows(cost.Lxx_sparse(), true, euler->step, xx, panels_.ld);
+  } else {
+    add_by_rows(data.Luu, true, H, panels_.ld);
+    add_by_rows(data.Lxu, false, ux, panels_.ld);
+    add_by_rows(data.Lxx, true, xx, panels_.ld);
+  }
+}
+
 void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                            const std::shared_ptr<ActionDataAbstract>& data) {
   require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
   const Index nu = model->get_nu(), ndx = problem_->get_ndx();
   layOutPanels(nu);
   const ActionModelAbstract& m = *model;
-  const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives
-  if (typeid(m) == typeid(IntegratedActionModelEuler)) euler = dynamic_cast<IntegratedActionDataEuler*>(data.get());
+  const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives, in matrices
+  if (typeid(m) == typeid(IntegratedActionModelEuler) || !data->has_matrices())
+    euler = dynamic_cast<IntegratedActionDataEuler*>(data.get());
   if (euler && euler->joints_are_known)
-    multiplyEuler(*euler, static_cast<const IntegratedActionModelEuler&>(m).get_dt(), Vxx_[t + 1], Vx_[t + 1]);
+    multiplyEuler(*euler, euler->step, value(t + 1), Vx_[t + 1]);
   else
-    multiplyDense(*data, Vxx_[t + 1], Vx_[t + 1]);
-
-  const double* H = panels_.H.data();
+    multiplyDense(*data, value(t + 1), Vx_[t + 1]);
+  addHessian(*data);
+  double* H = panels_.H.data();
   const Index ld = panels_.ld, u = panels_.u;
+  for (Index a = 0; a < nu; ++a) H[a * ld + a] += preg_;
   using Row = Eigen::Map<const Eigen::VectorXd>;
   Qx_[t] = data->Lx + Row(panels_.Fv.data() + u, ndx);
   Qu_[t] = data->Lu + Row(panels_.Fv.data(), nu);
-  for (Index i = 0; i < ndx; ++i)
-    Qxx_[t].col(i).tail(ndx - i) = data->Lxx.col(i).tail(ndx - i) + Row(H + (u + i) * ld + u + i, ndx - i);
-  mirror(Qxx_[t]);
+  if (!keeps_values_) return;
+  for (Index i = 0; i < ndx; ++i) Qxx_[t].col(i).tail(ndx - i) = Row(H + (u + i) * ld + u + i, ndx - i);
   for (Index a = 0; a < nu; ++a) {
-    Quu_[t].col(a).tail(nu - a) = data->Luu.col(a).tail(nu - a) + Row(H + a * ld + a, nu - a);
-    Qxu_[t].col(a) = data->Lxu.col(a) + Row(H + a * ld + u, ndx);
+    Quu_[t].col(a).tail(nu - a) = Row(H + a * ld + a, nu - a);
+    Qxu_[t].col(a) = Row(H + a * ld + u, ndx);
   }
+  mirror(Qxx_[t]);
   mirror(Quu_[t]);
-  Quu_[t].diagonal().array() += preg_;
+}
+
+// The lower triangle of Quu: the upper one by rows.
+SolverDDP::QuuView SolverDDP::currentQuu(std::size_t t) const {
+  const Index nu = Qu_[t].size();
+  return QuuView(panels_.H.data(), nu, nu, Eigen::OuterStride<>(panels_.ld));
 }
 
 void SolverDDP::computeGains(std::size_t t) {
   require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
-  const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x,
-            ld = sparse::padded(ndx);
+  const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x, ld = panels_.ld;
   if (nu == 0) return;
-  Quu_llt_[t].compute(Quu_[t]);
+  Quu_llt_[t].compute(currentQuu(t));
   if (Quu_llt_[t].info() != Eigen::Success) {
     sound_ = false;
     return;
   }
-  const double* L = Quu_llt_[t].matrixLLT().data();
-  for (int a = 0; a < nu; ++a) std::copy_n(Qxu_[t].col(a).data(), ndx, panels_.K.data() + a * ld);
-  panel_kernels().lower_solve(L, nu, nu, panels_.K.data(), ndx, ld);
-  panel_kernels().upper_solve(L, nu, nu, panels_.K.data(), ndx, ld);
-  for (int a = 0; a < nu; ++a) std::copy_n(panels_.K.data() + a * ld, ndx, K_[t].row(a).data());
+  const double *L = Quu_llt_[t].matrixLLT().data(), *Qux = panels_.H.data() + panels_.u;
+  double* K = panels_.K.data();
+  for (int a = 0; a < nu; ++a) std::copy_n(Qux + a * ld, ndx, K + a * ld);
+  panel_kernels().lower_solve(L, nu, nu, K, ndx, ld);
+  panel_kernels().upper_solve(L, nu, nu, K, ndx, ld);
+  for (int a = 0; a < nu; ++a) std::copy_n(K + a * ld, ndx, K_[t].row(a).data());
   k_[t] = Qu_[t];
   Quu_llt_[t].solveInPlace(k_[t]);
 }
 
 void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) {
   require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
-  const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = sparse::padded(ndx);
+  const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = panels_.ld;
+  const double *Qux = panels_.H.data() + panels_.u, *Qxx = Qux + static_cast<Index>(panels_.u) * ld;
+  using Row = Eigen::Map<const Eigen::VectorXd>;
+  Eigen::MatrixXd& Vxx = value(t);
   Vx_[t] = Qx_[t];
-  if (nu == 0) {
-    Vxx_[t] = Qxx_[t];
-  } else {
-    Quuk_[t].noalias() = Quu_[t] * k_[t];
+  if (nu > 0) {
+    Quuk_[t].noalias() = currentQuu(t).selfadjointView<Eigen::Lower>() * k_[t];
     Vx_[t].noalias() -= K_[t].transpose() * Qu_[t];
-    for (int a = 0; a < nu; ++a) {
-      std::copy_n(Qxu_[t].col(a).data(), ndx, panels_.Qux.data() + a * ld);
-      std::copy_n(K_[t].row(a).data(), ndx, panels_.K.data() + a * ld);
-    }
-    panel_kernels().upper_product(panels_.Qux.data(), panels_.K.data(), nu, ndx, ld, panels_.QuxK.data());
-    for (int i = 0; i < ndx; ++i)
-      Vxx_[t].col(i).tail(ndx - i) =
-          Qxx_[t].col(i).tail(ndx - i) - Eigen::Map<const Eigen::VectorXd>(panels_.QuxK.data() + i * ld + i, ndx - i);
-    mirror(Vxx_[t]);
+    for (int a = 0; a < nu; ++a) std::copy_n(K_[t].row(a).data(), ndx, panels_.K.data() + a * ld);
+    panel_kernels().upper_product(Qux, panels_.K.data(), nu, ndx, ld, panels_.QuxK.data());
   }
-  Vxx_[t].diagonal().array() += preg_;
-  if (!is_feasible_) Vx_[t].noalias() += Vxx_[t] * fs_[t];
+  for (int i = 0; i < ndx; ++i) {
+    auto column = Vxx.col(i).tail(ndx - i);
+    column = Row(Qxx + i * ld + i, ndx - i);
+    if (nu > 0) column -= Row(panels_.QuxK.data() + i * ld + i, ndx - i);
+  }
+  mirror(Vxx);
+  Vxx.diagonal().array() += preg_;
+  addGap(t);
 }
 
 }  // namespace manycontact

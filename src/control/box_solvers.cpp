@@ -7,6 +7,7 @@ namespace manycontact {
 template <class Base>
 SolverWithBox<Base>::SolverWithBox(typename Base::Source source)
     : Base(std::move(source)), qp_(this->problem_->get_runningModels()[0]->get_nu(), 100, 0.1, 1e-5, 0) {
+  this->keeps_values_ = true;
   SolverWithBox::allocateData();
   // The multipliers of the limits are not part of the expected improvement, which stays larger than without limits.
   this->th_stop_ = 5e-5;

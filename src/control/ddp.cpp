@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kkt_residual.hpp"
+#include "manycontact/control/euler.hpp"
 #include "step_lengths.hpp"
 
 namespace manycontact {
@@ -22,6 +23,11 @@ void SolverDDP::resizeData() {
 
 namespace {
 
+// Whether the backward pass finds a node's derivatives.
+bool is_readable(const ActionDataAbstract& data, Eigen::Index ndx) {
+  return data.has_matrices() ? data.Fx.rows() == ndx : dynamic_cast<const IntegratedActionDataEuler*>(&data) != nullptr;
+}
+
 template <class M>
 void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
   if (matrix.rows() != rows || matrix.cols() != cols) matrix.setZero(rows, cols);
@@ -33,30 +39,33 @@ void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
 void SolverDDP::allocateData() {
   const std::size_t T = problem_->get_T();
   const Eigen::Index nx = problem_->get_nx(), ndx = problem_->get_ndx();
-  for (const auto& data : problem_->get_runningDatas())
-    require(data->Fx.rows() == ndx, "SolverDDP",
+  for (std::size_t t = 0; t <= T; ++t)
+    require(is_readable(*problem_->data(t), ndx), "SolverDDP",
             "a node's data hold no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
-  for (auto* states : {&xs_try_, &Vx_}) states->resize(T + 1);
+  for (auto* states : {&xs_try_, &Vx_, &Vxx_fs_}) states->resize(T + 1);
   for (auto* vectors : {&us_try_, &dx_, &Qx_, &Qu_, &k_, &Quuk_}) vectors->resize(T);
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_}) matrices->resize(T);
-  Vxx_.resize(T + 1);
+  Vxx_.resize(keeps_values_ ? T + 1 : 2);
+  for (Eigen::MatrixXd& V : Vxx_) fit(V, ndx, ndx);
   K_.resize(T);
   Quu_llt_.resize(T);
   for (std::size_t t = 0; t <= T; ++t) {
     fit(xs_try_[t], nx, 1);
     fit(Vx_[t], ndx, 1);
-    fit(Vxx_[t], ndx, ndx);
+    fit(Vxx_fs_[t], ndx, 1);
     if (t == T) break;
     const Eigen::Index nu = problem_->get_runningModels()[t]->get_nu();
     for (auto* u : {&us_try_, &Qu_, &k_, &Quuk_}) fit((*u)[t], nu, 1);
     for (auto* x : {&dx_, &Qx_}) fit((*x)[t], ndx, 1);
-    fit(Qxx_[t], ndx, ndx);
-    fit(Qxu_[t], ndx, nu);
-    fit(Quu_[t], nu, nu);
+    if (keeps_values_) {
+      fit(Qxx_[t], ndx, ndx);
+      fit(Qxu_[t], ndx, nu);
+      fit(Quu_[t], nu, nu);
+    }
     fit(K_[t], nu, ndx);
     if (Quu_llt_[t].rows() != nu) Quu_llt_[t] = Eigen::LLT<Eigen::MatrixXd>(nu);
   }
-  for (Eigen::VectorXd* x : {&fTVxx_p_, &step_}) fit(*x, ndx, 1);
+  fit(step_, ndx, 1);
   fit(xnext_, nx, 1);
 }
 
@@ -115,8 +124,8 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
     if (moved) {
       calcDiff();
       const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, keeps_limits());
-      Eigen::VectorXd gap;
-      kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, gap);
+      Eigen::VectorXd work;
+      kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, work);
     }
     if (kkt_ <= th_kkt_) return StopReason::kConverged;
     if (polishing_ == maxiter) return StopReason::kIterations;

@@ -4,6 +4,7 @@
 
 #include "manycontact/control/state_vector.hpp"
 #include "steps.hpp"
+#include "wide_joints.hpp"
 
 namespace manycontact {
 
@@ -11,14 +12,26 @@ using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::own_data;
 
 IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler* model)
-    : ActionDataAbstract(model),
+    : ActionDataAbstract(model, WithoutMatrices{}),
       differential(model->get_differential()->createData()),
       control(model->get_control()->createData()),
-      dx(Eigen::VectorXd::Zero(model->get_state()->get_ndx())),
-      da_du(Eigen::MatrixXd::Zero(model->get_state()->get_nv(), model->get_nu())),
-      Lwu(Eigen::MatrixXd::Zero(model->get_control()->get_nw(), model->get_nu())) {
+      dx(Eigen::VectorXd::Zero(model->get_state()->get_ndx())) {
   const StateAbstract* state = model->get_state().get();
   joints_are_known = typeid(*state) == typeid(StateVector) || typeid(*state) == typeid(StateMultibody);
+  if (has_matrices()) {
+    allocate_matrices(model);
+    da_du.setZero(state->get_nv(), model->get_nu());
+    Lwu.setZero(model->get_control()->get_nw(), model->get_nu());
+  } else {
+    const ControlParametrizationModelAbstract& parametrization = *model->get_control();
+    require(g.size() + h.size() == 0 && joints_are_known &&
+                typeid(parametrization) == typeid(ControlParametrizationModelPolyZero),
+            "IntegratedActionModelEuler",
+            "storage kPanel with constraints, controls that change over a step or a state of another kind");
+    Lx.setZero(state->get_ndx());
+    Lu.setZero(model->get_nu());
+    pulled.setZero(state->get_nv());
+  }
   if (typeid(*state) != typeid(StateMultibody)) return;
   for (const Robot& robot : static_cast<const StateMultibody*>(state)->get_model()->scene().robots)
     for (const Joint& joint : robot.model->joints)
@@ -28,22 +41,56 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
   if (!wide_joints.empty()) joint_columns.setZero(state->get_ndx(), 6);
 }
 
-namespace {
-
-// The joints' blocks of J1 or J2, by their action on identities.
-void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, IntegratedActionDataEuler& d) {
-  if (d.wide_joints.empty()) return;
-  for (const Jcomponent which : {first, second}) {
-    for (const IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
-      d.joint_columns.block(joint.first, 0, joint.size, joint.size).setIdentity();
-    state.JintegrateTransport(x, d.dx, d.joint_columns, which);
-    for (IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
-      (which == first ? joint.of_x : joint.of_dx).topLeftCorner(joint.size, joint.size) =
-          d.joint_columns.block(joint.first, 0, joint.size, joint.size);
-  }
+const PanelView& IntegratedActionDataEuler::panel() const {
+  if (!differential->panel.data())
+    throw std::logic_error("IntegratedActionDataEuler: no derivatives, calcDiff is expected");
+  return differential->panel;
 }
 
-}  // namespace
+// With the panel [a_x a_u] and g = h J2^T p_q + p_v:    gx = h a_x^T g + [J1^T p_q; g],    gu = h a_u^T g
+void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
+  if (has_matrices()) return ActionDataAbstract::pull_back(p, gx, gu);
+  const Eigen::Index nv = pulled.size();
+  const PanelView& a = panel();
+  gx = p;
+  pulled = step * p.head(nv) + p.tail(nv);
+  internal::each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
+    constexpr int k = size.value;
+    gx.segment<k>(q) = J1.transpose() * p.segment<k>(q);
+    pulled.segment<k>(q) = step * (J2.transpose() * p.segment<k>(q)) + p.segment<k>(nv + q);
+  });
+  gx.tail(nv) = pulled;
+  gx.noalias() += step * (a.leftCols(2 * nv).transpose() * pulled);
+  gu.noalias() = step * (a.rightCols(a.cols() - 2 * nv).transpose() * pulled);
+}
+
+void IntegratedActionDataEuler::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
+  if (has_matrices()) return ActionDataAbstract::dynamics(fx, fu);
+  const Eigen::Index nv = pulled.size();
+  const PanelView& a = panel();
+  fx.resize(2 * nv, 2 * nv);
+  fu.resize(2 * nv, a.cols() - 2 * nv);
+  fx.bottomRows(nv) = step * a.leftCols(2 * nv);
+  fu.bottomRows(nv) = step * a.rightCols(fu.cols());
+  integrate_velocities(fx, fu);
+}
+
+// Of Fx, Fu from dv'/dx without v's own, and dv'/du, in the lower halves:
+//
+//     Fx = [J1 0; 0 0] + [h J2; 1] (h a_x + [0 I]),    Fu = [h J2; 1] h a_u
+void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
+  const Eigen::Index nv = fx.rows() / 2;
+  fx.bottomRightCorner(nv, nv).diagonal().array() += 1;
+  fx.topRows(nv) = step * fx.bottomRows(nv);
+  fu.topRows(nv) = step * fu.bottomRows(nv);
+  fx.topLeftCorner(nv, nv).diagonal().array() += 1;
+  internal::each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
+    constexpr int k = size.value;
+    fx.middleRows<k>(q) = step * J2.lazyProduct(fx.middleRows<k>(nv + q));
+    fu.middleRows<k>(q) = step * J2.lazyProduct(fu.middleRows<k>(nv + q));
+    fx.template block<k, k>(q, q) += J1;
+  });
+}
 
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calc", x, u);
@@ -69,6 +116,23 @@ void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef&
   internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
+namespace {
+
+// The joints' blocks of J1 or J2, by their action on identities.
+void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, IntegratedActionDataEuler& d) {
+  if (d.wide_joints.empty()) return;
+  for (const Jcomponent which : {first, second}) {
+    for (const IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
+      d.joint_columns.block(joint.first, 0, joint.size, joint.size).setIdentity();
+    state.JintegrateTransport(x, d.dx, d.joint_columns, which);
+    for (IntegratedActionDataEuler::WideJoint& joint : d.wide_joints)
+      (which == first ? joint.of_x : joint.of_dx).topLeftCorner(joint.size, joint.size) =
+          d.joint_columns.block(joint.first, 0, joint.size, joint.size);
+  }
+}
+
+}  // namespace
+
 // With J1, J2 of x (+) dx:    Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calcDiff", x, u);
@@ -77,19 +141,27 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
   const Eigen::Index nv = state_->get_nv();
   const double h = time_step_;
   differential_->calcDiff(d.differential, x, d.control->w);
+  d.step = h;
+  d.Lx = h * a.Lx;
+  differentiate_joints(*state_, x, d);
+  if (!d.has_matrices()) {
+    d.Lu = h * a.Lu;
+    return;
+  }
   internal::check_dense("IntegratedActionModelEuler::calcDiff", a);
   control_->multiplyByJacobian(d.control, a.Fu, d.da_du);
-  d.Fx.topRows(nv) = time_step2_ * a.Fx;
   d.Fx.bottomRows(nv) = h * a.Fx;
-  d.Fx.topRightCorner(nv, nv).diagonal().array() += h;
-  d.Fu.topRows(nv) = time_step2_ * d.da_du;
   d.Fu.bottomRows(nv) = h * d.da_du;
-  state_->JintegrateTransport(x, d.dx, d.Fx, second);
-  state_->Jintegrate(x, d.dx, d.Fx, d.Fx, first, addto);
-  state_->JintegrateTransport(x, d.dx, d.Fu, second);
-  differentiate_joints(*state_, x, d);
-
-  d.Lx = h * a.Lx;
+  if (d.joints_are_known) {
+    d.integrate_velocities(d.Fx, d.Fu);
+  } else {
+    d.Fx.topRows(nv) = time_step2_ * a.Fx;
+    d.Fx.topRightCorner(nv, nv).diagonal().array() += h;
+    d.Fu.topRows(nv) = time_step2_ * d.da_du;
+    state_->JintegrateTransport(x, d.dx, d.Fx, second);
+    state_->Jintegrate(x, d.dx, d.Fx, d.Fx, first, addto);
+    state_->JintegrateTransport(x, d.dx, d.Fu, second);
+  }
   d.Lxx = h * a.Lxx;
   control_->multiplyJacobianTransposeBy(d.control, a.Lu, d.Lu);
   control_->multiplyByJacobian(d.control, a.Lxu, d.Lxu);
@@ -103,6 +175,10 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
   check("IntegratedActionModelEuler::calcDiff", x);
   IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);
   differential_->calcDiff(d.differential, x);
+  if (!d.has_matrices()) {
+    d.Lx = d.differential->Lx;
+    return;
+  }
   internal::copy_terminal_derivatives(*d.differential, d);
 }
 

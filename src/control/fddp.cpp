@@ -11,8 +11,7 @@ const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
     for (std::size_t k = 0; k <= T; ++k) {
       const std::size_t t = k == 0 ? T : k - 1;  // the terminal node first, as in Crocoddyl
       problem_->model(t)->get_state()->diff(xs_try_[t], xs_[t], step_);
-      fTVxx_p_.noalias() = Vxx_[t] * step_;
-      dv_ -= fs_[t].dot(fTVxx_p_);
+      dv_ -= Vxx_fs_[t].dot(step_);
     }
   }
   d_[0] = dg_ + dv_;
@@ -26,8 +25,7 @@ void SolverFDDP::updateExpectedImprovement() {
   const std::size_t T = problem_->get_T();
   const auto add_gap = [this](std::size_t t) {
     dg_ -= Vx_[t].dot(fs_[t]);
-    fTVxx_p_.noalias() = Vxx_[t] * fs_[t];
-    dq_ += fs_[t].dot(fTVxx_p_);
+    dq_ += fs_[t].dot(Vxx_fs_[t]);
   };
   if (!is_feasible_) add_gap(T);
   for (std::size_t t = 0; t < T; ++t) {

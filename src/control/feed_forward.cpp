@@ -34,11 +34,11 @@ void SolverDDP::computeFeedForwardGradient(Vectors& g) {
   Vx_[T] = problem_->get_terminalData()->Lx;
   for (std::size_t t = T; t-- > 0;) {
     const ActionDataAbstract& d = *problem_->data(t);
-    g[t] = d.Lu;
-    g[t].noalias() += d.Fu.transpose() * Vx_[t + 1];
+    g[t].resize(d.Lu.size());
+    d.pull_back(Vx_[t + 1], Vx_[t], g[t]);
+    g[t] += d.Lu;
     holdControls(t, g[t]);
-    Vx_[t] = d.Lx;
-    Vx_[t].noalias() += d.Fx.transpose() * Vx_[t + 1];
+    Vx_[t] += d.Lx;
     Vx_[t].noalias() -= K_[t].transpose() * g[t];
   }
 }

@@ -168,7 +168,7 @@ void SolverJoinedPart::allocateData() {
   dx_.assign(T, VectorXd::Zero(ndx));
   us_try_.assign(T, VectorXd::Zero(nu));
   k_ = us_try_;
-  step_ = fTVxx_p_ = from_model_ = of_cluster_ = VectorXd::Zero(ndx);
+  step_ = from_model_ = of_cluster_ = VectorXd::Zero(ndx);
   u_of_cluster_ = VectorXd::Zero(nu);
   xnext_ = VectorXd::Zero(nx);
   lq_ = structure_of(*problem_);
@@ -204,7 +204,7 @@ void SolverJoinedPart::backwardPass() {
   outcome_ = direction_->solve(lq_, z_);
   if (outcome_.status != lq::Status::kOk) return;
   sound_ = true;
-  const lq::Change change = lq::cost_change(lq_, layout_, z_);
+  const lq::Change change = lq::cost_change(lq_, layout_, {preg_, dreg_, 0}, z_);
   d_ << -change.linear, -change.quadratic;
   dg_ = d_[0];
   dq_ = d_[1];

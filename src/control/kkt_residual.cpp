@@ -22,7 +22,7 @@ struct Largest {
     if (!std::isfinite(number)) value = std::numeric_limits<double>::infinity();
     value = std::max(value, std::abs(number));
   }
-  void add(const Eigen::VectorXd& x) {
+  void add(const ConstVectorRef& x) {
     for (const double number : x) add(number);
   }
 };
@@ -65,26 +65,33 @@ void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen
 namespace internal {
 
 double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
+  const Eigen::Index ndx = static_cast<Eigen::Index>(problem.get_ndx());
+  auto gap = work.head(ndx), gx = work.segment(ndx, ndx);
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
     const ActionModelAbstract& model = *problem.model(t);
     const ActionDataAbstract& d = *problem.data(t);
+    auto gu = work.segment(2 * ndx, t < T ? us[t].size() : 0);
+    if (t < T)
+      d.pull_back(l[t + 1], gx, gu);
+    else
+      gx.setZero();
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, worst);
     for (Eigen::Index i = 0; i < l[t].size(); ++i)
-      worst.add(d.Lx[i] - l[t][i] + (t < T ? d.Fx.col(i).dot(l[t + 1]) : 0) +
+      worst.add(d.Lx[i] - l[t][i] + gx[i] +
                 pull_back(
                     rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i));
     if (t == T) break;
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
     for (Eigen::Index i = 0; i < us[t].size(); ++i) {
-      const double slope = d.Lu[i] + d.Fu.col(i).dot(l[t + 1]) +
+      const double slope = d.Lu[i] + gu[i] +
                            pull_back(
                                rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
       add_slope(model, us[t], i, limits, slope, worst);
@@ -95,11 +102,12 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
 
 // The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
 double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                              bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
+                              bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
   Eigen::VectorXd gx, gu;
   const Eigen::VectorXd none;
+  auto gap = work.head(static_cast<Eigen::Index>(problem.get_ndx()));
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
@@ -118,15 +126,15 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
 }
 
 double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
-  gap.resize(static_cast<Eigen::Index>(problem.get_ndx()));
-  return SolverJoinedPart::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, gap)
-                                           : kkt_residual_of_data(problem, xs, us, l, limits, ys, gap);
+                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  work.resize(static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max()));
+  return SolverJoinedPart::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, work)
+                                           : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
 }
 
 double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                             bool limits, const Vectors& ys, Eigen::VectorXd& gap) {
-  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, gap);
+                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, work);
   const std::vector<ShootingPart> parts = separate(problem);
   std::vector<Vectors> own_ys(parts.size(), Vectors(ys.size()));
   for (std::size_t t = 0; t < ys.size(); ++t) {
@@ -145,7 +153,7 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
       gather(l[t], part.dx, own_l[t]);
       if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
     }
-    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], gap));
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], work));
   }
   return worst;
 }
@@ -159,8 +167,8 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
           "the number of multipliers is not T + 1");
   problem.calc(xs, us);
   problem.calcDiff(xs, us);
-  Eigen::VectorXd gap;
-  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, gap);
+  Eigen::VectorXd work;
+  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, work);
 }
 
 }  // namespace manycontact

@@ -4,15 +4,15 @@
 
 namespace manycontact::internal {
 
-/// kkt_residual of nodes that are evaluated. gap: ndx numbers to work in.
+/// kkt_residual of nodes that are evaluated. work: memory, of a size that it takes once.
 double kkt_residual_of_data(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                             const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
-                            const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& gap);
+                            const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);
 
 /// The same of nodes that may be of several parts, which takes memory then.
 double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                              const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
-                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& gap);
+                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);
 
 /// least_squares_multipliers of nodes that are evaluated.
 std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,

@@ -10,12 +10,13 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// A node's fu, lu without the controls that stand at a limit: their slope is the limit's multiplier.
+// A node's fx, and fu, lu without the controls that stand at a limit: their slope is the limit's multiplier.
 struct FreeControls {
-  Eigen::MatrixXd fu;
+  Eigen::MatrixXd fx, fu;
   Eigen::VectorXd lu;
   FreeControls(const ActionModelAbstract& model, const ActionDataAbstract& d, const Eigen::VectorXd& u, bool limits)
-      : fu(d.Fu), lu(d.Lu) {
+      : lu(d.Lu) {
+    d.dynamics(fx, fu);
     for (Eigen::Index i = 0; i < u.size(); ++i) {
       if (!internal::stands_at_limit(model, u, i, limits)) continue;
       fu.col(i).setZero();
@@ -35,24 +36,24 @@ Vectors of_one_part(const ShootingProblem& problem, const Vectors& us, bool limi
   for (std::size_t t = T; t-- > 0;) {
     const ActionDataAbstract& d = *problem.data(t);
     const FreeControls free(*problem.model(t), d, us[t], limits);
-    const Eigen::MatrixXd Vfu = V[t + 1] * free.fu, Qux = Vfu.transpose() * d.Fx;
+    const Eigen::MatrixXd Vfu = V[t + 1] * free.fu, Qux = Vfu.transpose() * free.fx;
     Eigen::MatrixXd Quu = free.fu.transpose() * Vfu;
     Quu.diagonal().array() += 1;
     const Eigen::LLT<Eigen::MatrixXd> llt(Quu);
     const Eigen::VectorXd Qu = free.lu + free.fu.transpose() * v[t + 1];
     k[t] = llt.solve(Qu);
     K[t] = llt.solve(Qux);
-    V[t] = d.Fx.transpose() * V[t + 1] * d.Fx - Qux.transpose() * K[t];
+    V[t] = free.fx.transpose() * V[t + 1] * free.fx - Qux.transpose() * K[t];
     V[t].diagonal().array() += 1;
-    v[t] = d.Lx + d.Fx.transpose() * v[t + 1] - K[t].transpose() * Qu;
+    v[t] = d.Lx + free.fx.transpose() * v[t + 1] - K[t].transpose() * Qu;
   }
   Eigen::VectorXd dx = Eigen::VectorXd::Zero(n);
   for (std::size_t t = 0;; ++t) {
     l[t] = v[t] + V[t] * dx;
     if (t == T) return l;
-    const ActionDataAbstract& d = *problem.data(t);
+    const FreeControls free(*problem.model(t), *problem.data(t), us[t], limits);
     const Eigen::VectorXd du = -k[t] - K[t] * dx;
-    dx = d.Fx * dx + FreeControls(*problem.model(t), d, us[t], limits).fu * du;
+    dx = free.fx * dx + free.fu * du;
   }
 }
 

@@ -80,6 +80,9 @@ DataPtr ActionModelParts::createData() {
 
 DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
   check_size("ActionModelParts::createData", "the parts' data", parts.size(), parts_.size());
+  for (const DataPtr& part : parts)
+    require(storage_ == MatrixStorage::kSparse || check_data("ActionModelParts::createData", part).has_matrices(),
+            "ActionModelParts::createData", "a part's data have no matrices, storage kSparse is expected");
   auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
   data->parts = std::move(parts);

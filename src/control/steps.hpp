@@ -7,8 +7,7 @@ namespace manycontact::internal {
 
 /// Throws std::invalid_argument when the differential model leaves its dense matrices out.
 inline void check_dense(const char* where, const DifferentialActionDataAbstract& from) {
-  require(from.storage != MatrixStorage::kSparse, where,
-          "the differential model's storage is kSparse, kDense or kBoth is expected");
+  require(has_dense(from.storage), where, "the differential model's storage is not dense, kDense or kBoth is expected");
 }
 
 /// g, h and, if asked for, r.

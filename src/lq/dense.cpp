@@ -56,4 +56,10 @@ void solve_L(ConstBlock L, Block X) { level().solve_L(panel(L), panel(X)); }
 void solve_Lt(ConstBlock L, Block X) { level().solve_Lt(panel(L), panel(X)); }
 void solve_Lt_right(ConstBlock L, Block X) { level().solve_Lt_right(panel(L), panel(X)); }
 
+void add_Az(ConstBlock A, const double* z, double* sum, double* scale) { level().add_Az(panel(A), z, sum, scale); }
+void add_Az_Atw(ConstBlock A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
+                double* scale_t) {
+  level().add_Az_Atw(panel(A), z, sum, scale, w, sum_t, scale_t);
+}
+
 }  // namespace manycontact::lq

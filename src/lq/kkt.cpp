@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dense.hpp"
 #include "pieces.hpp"
 
 namespace manycontact::lq {
@@ -16,29 +17,19 @@ using Eigen::VectorXd;
 struct Rows {
   VectorXd& sum;
   VectorXd& scale;
-
-  void add(Index row, double term) {
-    sum[row] += term;
-    scale[row] += std::abs(term);
-  }
 };
 
 using Part = Eigen::Ref<const MatrixXd>;
 
 // rows[to ...] += M z[from ...]
 void multiply(const Part& M, const VectorXd& z, Index from, Rows rows, Index to) {
-  for (Index j = 0; j < M.cols(); ++j) {
-    rows.sum.segment(to, M.rows()) += M.col(j) * z[from + j];
-    rows.scale.segment(to, M.rows()) += M.col(j).cwiseAbs() * std::abs(z[from + j]);
-  }
+  add_Az(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to);
 }
 
-// rows[to ...] += M^T z[from ...]
-void multiply_transposed(const Part& M, const VectorXd& z, Index from, Rows rows, Index to) {
-  for (Index j = 0; j < M.cols(); ++j) {
-    rows.sum[to + j] += M.col(j).dot(z.segment(from, M.rows()));
-    rows.scale[to + j] += M.col(j).cwiseAbs().dot(z.segment(from, M.rows()).cwiseAbs());
-  }
+// rows[to ...] += M z[from ...], and of the transposed: columns[from ...] += M^T w[to ...]
+void multiply_both(const Part& M, const VectorXd& z, Index from, Rows columns, const VectorXd& w, Index to, Rows rows) {
+  add_Az_Atw(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to, w.data() + to, columns.sum.data() + from,
+             columns.scale.data() + from);
 }
 
 void add_segment(const VectorXd& terms, Index from, Index size, Rows rows, Index to) {
@@ -62,12 +53,10 @@ void add_group(const Problem& problem, const Layout& layout, int k, const Group&
     for_each_x(problem, layout, g, [&](Index j, Index xj, Index nj) {
       multiply(g.Q.block(j, i, nj, ni), z.x[k], xi, rx, xj);
       if (last) return;
-      multiply(g.A.block(j, i, nj, ni), z.x[k], xi, next, xj);
-      multiply_transposed(g.A.block(j, i, nj, ni), z.lambda[k + 1], xj, rx, xi);
+      multiply_both(g.A.block(j, i, nj, ni), z.x[k], xi, rx, z.lambda[k + 1], xj, next);
     });
     for_each_row(problem, layout, k, g, [&](Index j, Index rj, Index nj) {
-      multiply(g.C.block(j, i, nj, ni), z.x[k], xi, rmu, rj);
-      multiply_transposed(g.C.block(j, i, nj, ni), z.mu[k], rj, rx, xi);
+      multiply_both(g.C.block(j, i, nj, ni), z.x[k], xi, rx, z.mu[k], rj, rmu);
     });
   });
   for_each_row(problem, layout, k, g, [&](Index j, Index rj, Index nj) { add_segment(g.d, j, nj, rmu, rj); });
@@ -77,15 +66,12 @@ void add_group(const Problem& problem, const Layout& layout, int k, const Group&
     const VectorXd& v = (i_is_u ? z.u : z.w)[k];
     add_segment(g.r, i, ni, rv, vi);
     for_each_x(problem, layout, g, [&](Index j, Index xj, Index nj) {
-      multiply(g.S.block(j, i, nj, ni), v, vi, rx, xj);
-      multiply_transposed(g.S.block(j, i, nj, ni), z.x[k], xj, rv, vi);
+      multiply_both(g.S.block(j, i, nj, ni), v, vi, rv, z.x[k], xj, rx);
       if (last) return;
-      multiply(g.B.block(j, i, nj, ni), v, vi, next, xj);
-      multiply_transposed(g.B.block(j, i, nj, ni), z.lambda[k + 1], xj, rv, vi);
+      multiply_both(g.B.block(j, i, nj, ni), v, vi, rv, z.lambda[k + 1], xj, next);
     });
     for_each_row(problem, layout, k, g, [&](Index j, Index rj, Index nj) {
-      multiply(g.D.block(j, i, nj, ni), v, vi, rmu, rj);
-      multiply_transposed(g.D.block(j, i, nj, ni), z.mu[k], rj, rv, vi);
+      multiply_both(g.D.block(j, i, nj, ni), v, vi, rv, z.mu[k], rj, rmu);
     });
     for_each_v(problem, layout, k, g, [&](Index j, bool j_is_u, Index vj, Index nj) {
       multiply(g.R.block(j, i, nj, ni), v, vi, rows_of(j_is_u ? &Point::u : &Point::w, k), vj);
@@ -167,29 +153,26 @@ double kkt_error(const Problem& problem, const Point& z, const Regularisation& r
   return kkt_residual(problem, layout, reg, z, residual, scale);
 }
 
-Change cost_change(const Problem& problem, const Layout& layout, const Point& z) {
+// z^T (H z + h) = 0 splits into cost and constraints:
+//     linear + quadratic = sum lambda^T (x0, f) + mu^T d - reg.x |x|^2 - reg.u |u|^2 - reg.rows |mu|^2
+Change cost_change(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z) {
   Change change;
-  for (int k = 0; k <= problem.horizon(); ++k)
+  double sum = z.lambda[0].dot(problem.x0);
+  for (int k = 0; k <= problem.horizon(); ++k) {
     for (const Group& g : problem.knots[k].groups) {
-      for_each_x(problem, layout, g, [&](Index i, Index xi, Index ni) {
-        const auto x = z.x[k].segment(xi, ni);
-        change.linear += g.q.segment(i, ni).dot(x);
-        for_each_x(problem, layout, g, [&](Index j, Index xj, Index nj) {
-          change.quadratic += z.x[k].segment(xj, nj).dot(g.Q.block(j, i, nj, ni).lazyProduct(x));
-        });
+      for_each_x(problem, layout, g, [&](Index i, Index xi, Index n) {
+        change.linear += g.q.segment(i, n).dot(z.x[k].segment(xi, n));
+        if (k < problem.horizon()) sum += g.f.segment(i, n).dot(z.lambda[k + 1].segment(xi, n));
       });
-      for_each_v(problem, layout, k, g, [&](Index i, bool i_is_u, Index vi, Index ni) {
-        const auto v = (i_is_u ? z.u : z.w)[k].segment(vi, ni);
-        change.linear += g.r.segment(i, ni).dot(v);
-        for_each_x(problem, layout, g, [&](Index j, Index xj, Index nj) {
-          change.quadratic += 2 * z.x[k].segment(xj, nj).dot(g.S.block(j, i, nj, ni).lazyProduct(v));
-        });
-        for_each_v(problem, layout, k, g, [&](Index j, bool j_is_u, Index vj, Index nj) {
-          const auto other = (j_is_u ? z.u : z.w)[k].segment(vj, nj);
-          change.quadratic += other.dot(g.R.block(j, i, nj, ni).lazyProduct(v));
-        });
+      for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index vi, Index n) {
+        change.linear += g.r.segment(i, n).dot((is_u ? z.u : z.w)[k].segment(vi, n));
       });
+      for_each_row(problem, layout, k, g,
+                   [&](Index i, Index ri, Index n) { sum += g.d.segment(i, n).dot(z.mu[k].segment(ri, n)); });
     }
+    sum -= reg.x * z.x[k].squaredNorm() + reg.u * z.u[k].squaredNorm() + reg.rows * z.mu[k].squaredNorm();
+  }
+  change.quadratic = sum - change.linear;
   return change;
 }
 

@@ -2,6 +2,7 @@
 // name). Nothing of it but the level is seen by the linker (src/lanes.cmake).
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "dense_level.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
@@ -50,10 +51,35 @@ void solve_Lt_right(ConstPanel L, Panel X) {
   map(L).transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
 }
 
+using Vector = Eigen::Map<Eigen::VectorXd>;
+using ConstVector = Eigen::Map<const Eigen::VectorXd>;
+
+void add_Az(ConstPanel A, const double* z, double* sum, double* scale) {
+  Vector y(sum, A.rows), size(scale, A.rows);
+  for (Eigen::Index j = 0; j < A.cols; ++j) {
+    const ConstVector column(A.entries + j * A.stride, A.rows);
+    y += z[j] * column;
+    size += std::abs(z[j]) * column.cwiseAbs();
+  }
+}
+void add_Az_Atw(ConstPanel A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
+                double* scale_t) {
+  Vector y(sum, A.rows), size(scale, A.rows);
+  const ConstVector along(w, A.rows);
+  for (Eigen::Index j = 0; j < A.cols; ++j) {
+    const ConstVector column(A.entries + j * A.stride, A.rows);
+    y += z[j] * column;
+    size += std::abs(z[j]) * column.cwiseAbs();
+    sum_t[j] += column.dot(along);
+    scale_t[j] += column.cwiseAbs().dot(along.cwiseAbs());
+  }
+}
+
 }  // namespace
 
 extern const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_);
-const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_) = {add_AB,        add_AtB,  add_ABt, add_lower_AB, add_lower_AtB,
-                                                       add_lower_ABt, cholesky, solve_L, solve_Lt,     solve_Lt_right};
+const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_) = {add_AB,        add_AtB,        add_ABt,  add_lower_AB,
+                                                       add_lower_AtB, add_lower_ABt,  cholesky, solve_L,
+                                                       solve_Lt,      solve_Lt_right, add_Az,   add_Az_Atw};
 
 }  // namespace manycontact::lq

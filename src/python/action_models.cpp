@@ -155,7 +155,8 @@ void add_base(py::module_& m) {
   py::enum_<MatrixStorage>(m, "MatrixStorage", "Which of the large matrices are filled.")
       .value("kBoth", MatrixStorage::kBoth)
       .value("kDense", MatrixStorage::kDense)
-      .value("kSparse", MatrixStorage::kSparse);
+      .value("kSparse", MatrixStorage::kSparse)
+      .value("kPanel", MatrixStorage::kPanel);
 
   py::class_<AbstractData, std::shared_ptr<AbstractData>> data(m, "DifferentialActionDataAbstract");
   py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(

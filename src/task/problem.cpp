@@ -111,7 +111,7 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   out.actuation = task::actuation_of(out.state);
   const auto add = [&](const TaskPhase& phase) {
     out.models.push_back(task::model_of(task, phase, out.state, out.actuation, storage));
-    if (storage == MatrixStorage::kDense) blame(task, phase.line, [&] { (void)out.models.back()->createData(); });
+    if (storage != MatrixStorage::kSparse) blame(task, phase.line, [&] { (void)out.models.back()->createData(); });
   };
   for (const TaskPhase& phase : task.phases) add(phase);
   add(task.terminal);
@@ -182,6 +182,14 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
+// What the nodes of a part keep. Panels are of one island: of one robot, whatever its contacts; an augmented Lagrangian
+// needs matrices.
+MatrixStorage storage_of(const TaskFile& part) {
+  const bool panel =
+      part.scene.scene.nrobots() == 1 && part.integrator == TaskIntegrator::kEuler && !has_constraints(part);
+  return panel ? MatrixStorage::kPanel : MatrixStorage::kDense;
+}
+
 // Nodes and guess of every part, put together.
 void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
   const std::size_t phases = task.phases.size();
@@ -190,7 +198,7 @@ void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskP
   std::vector<Eigen::VectorXd> us(phases, Eigen::VectorXd::Zero(task.scene.scene.nu));
   for (const Part& own : parts) {
     const Nodes nodes = own.blocks.size() > 1 ? task::joined_nodes(own.task, own.blocks)
-                                              : nodes_of(own.task, models_of(own.task, MatrixStorage::kDense));
+                                              : nodes_of(own.task, models_of(own.task, storage_of(own.task)));
     const std::vector<Eigen::VectorXd> own_us = task::guess_of(own.task);
     ActionPart part = coordinates_of(task.scene.scene, own.robots);
     const auto add = [&part](const std::shared_ptr<ActionModelAbstract>& model, std::vector<ActionPart>& to) {

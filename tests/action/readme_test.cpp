@@ -149,9 +149,10 @@ TEST(ActionReadme, UmbrellaIncludesEveryHeader) {
 // Classes that Crocoddyl has no name for need none with Tpl.
 TEST(ActionReadme, EveryClassHasItsTplName) {
   const std::set<std::string> own = {
-      "BlockSparse",   "IslandColumns",   "ResidualBlock",      "Dependence",      "CostDerivatives",
-      "FrameResidual", "ContactResidual", "CentroidalResidual", "GravityResidual", "Vector3MaskType",
-      "MatrixStorage", "CostGroup",       "CostGroups",         "Impact",          "ImpulseModelBetweenBodies"};
+      "BlockSparse",     "IslandColumns",   "ResidualBlock",   "Dependence",
+      "CostDerivatives", "FrameResidual",   "ContactResidual", "CentroidalResidual",
+      "GravityResidual", "Vector3MaskType", "MatrixStorage",   "CostGroup",
+      "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies"};
   const std::string tpl = read(kFloor / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

@@ -50,6 +50,57 @@ TEST_P(BackwardPass, OfSymplecticEulerIsThatOfItsMatrices) {
   }
 }
 
+// The same where nodes keep no matrices; a calc in between, of a step that is not taken, say, leaves derivatives alone.
+TEST_P(BackwardPass, OfPanelsIsThatOfMatrices) {
+  Problem p = problem_with_costs(GetParam());
+  p.constraints = std::make_shared<ConstraintModelManager>(p.state, p.actuation->get_nu());
+  const auto model = p.model(), panels = p.model();
+  panels->set_storage(MatrixStorage::kPanel);
+  if (as_fwddyn(model->createData()).multibody->islands.size() > 1) {
+    EXPECT_THROW((void)panels->createData(), std::invalid_argument);
+    return;
+  }
+  const auto solved = [&](const auto& m) {
+    const NodePtr node = std::make_shared<IntegratedActionModelEuler>(m, 0.02);
+    const NodePtr terminal = std::make_shared<IntegratedActionModelEuler>(m, 0);
+    SolverFDDP solver(std::make_shared<ShootingProblem>(p.x, std::vector<NodePtr>(3, node), terminal));
+    prepare(solver, p);
+    node->calc(solver.get_problem()->get_runningDatas()[1], p.x, p.u);
+    solver.computeDirection(false);
+    EXPECT_TRUE(solver.direction_is_sound());
+    return solver;
+  };
+  const SolverFDDP by_panels = solved(panels), by_matrices = solved(model);
+  std::mt19937 rng(GetParam());
+  for (std::size_t t = 0; t < 3; ++t) {
+    EXPECT_LT(error_of(by_panels.get_Qxx()[t], by_matrices.get_Qxx()[t]), 1e-9);
+    EXPECT_LT(error_of(by_panels.get_Vx()[t], by_matrices.get_Vx()[t]), 1e-9);
+    EXPECT_LT(error_of(Eigen::MatrixXd(by_panels.get_K()[t]), Eigen::MatrixXd(by_matrices.get_K()[t])), 1e-7);
+    const ActionDataAbstract& own = *by_panels.get_problem()->get_runningDatas()[t];
+    const ActionDataAbstract& d = *by_matrices.get_problem()->get_runningDatas()[t];
+    EXPECT_FALSE(own.has_matrices());
+    EXPECT_EQ(own.Fx.size() + own.Lxx.size(), 0);
+    Eigen::MatrixXd fx, fu;
+    own.dynamics(fx, fu);
+    EXPECT_LT(error_of(fx, d.Fx), 1e-12);
+    EXPECT_LT(error_of(fu, d.Fu), 1e-12);
+    const Eigen::VectorXd l = random_vector(static_cast<int>(fx.rows()), rng);
+    Eigen::VectorXd gx(fx.cols()), gu(fu.cols());
+    own.pull_back(l, gx, gu);
+    EXPECT_LT(error_of(gx, Eigen::VectorXd(d.Fx.transpose() * l)), 1e-12);
+    EXPECT_LT(error_of(gu, Eigen::VectorXd(d.Fu.transpose() * l)), 1e-12);
+  }
+}
+
+TEST_P(BackwardPass, PanelsAreOfEulerWithoutConstraints) {
+  const Problem p = problem_with_costs(GetParam());
+  const auto model = p.model();
+  if (as_fwddyn(model->createData()).multibody->islands.size() > 1) return;
+  model->set_storage(MatrixStorage::kPanel);
+  EXPECT_GT(model->get_ng() + model->get_nh(), 0u);
+  EXPECT_THROW((void)IntegratedActionModelEuler(model, 0.02).createData(), std::invalid_argument);
+}
+
 TEST_P(BackwardPass, FollowsItsFormulas) {
   const Problem p = problem_with_costs(GetParam());
   const NodePtr node = std::make_shared<DenseEuler>(p.model(), 0.02);

@@ -215,20 +215,16 @@ TEST_P(DirectionSolvers, ChangeOfCostIsThatOfTheProblem) {
   ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk);
   lq::Point z;
   ASSERT_EQ(solver->solve(problem, z).status, Status::kOk);
-  const lq::Change change = lq::cost_change(problem, layout, z);
-  // By the optimality conditions: z^T (H z + h) = 0 splits into cost and constraints.
-  double expected = 0, size = 0;
-  lq::Point h(problem, layout);
-  lq::linear_terms(problem, layout, h);
-  for (int k = 0; k <= problem.horizon(); ++k) {
-    const double terms[] = {z.lambda[k].dot(h.lambda[k]), z.mu[k].dot(h.mu[k]), -c.reg.x * z.x[k].squaredNorm(),
-                            -c.reg.u * z.u[k].squaredNorm(), -c.reg.rows * z.mu[k].squaredNorm()};
-    for (double t : terms) {
-      expected += t;
-      size += std::abs(t);
-    }
-  }
-  EXPECT_NEAR(change.linear + change.quadratic, expected, 1e-9 * (size + std::abs(change.linear)));
+  const lq::Change change = lq::cost_change(problem, layout, c.reg, z);
+  for (auto part : {&lq::Point::lambda, &lq::Point::mu})
+    for (VectorXd& multipliers : z.*part) multipliers.setZero();
+  VectorXd h;
+  const MatrixXd H = dense_kkt(problem, {}, h);  // of x, u and w: q, r and Q, S, R
+  const VectorXd step = flat(z);
+  const double linear = h.dot(step), quadratic = step.dot(H * step);
+  const double size = step.cwiseAbs().dot(h.cwiseAbs() + H.cwiseAbs() * step.cwiseAbs());
+  EXPECT_NEAR(change.linear, linear, 1e-12 * size);
+  EXPECT_NEAR(change.quadratic, quadratic, 1e-9 * size);
 }
 
 TEST_P(DirectionSolvers, AllocateNothingAgain) {

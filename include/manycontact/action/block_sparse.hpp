@@ -19,6 +19,8 @@ class BlockSparse {  // a sparse matrix of dense blocks
   void finish(int rows, int cols);
 
   void set_zero();
+  /// Where the first number of a block is among the matrix's values.
+  std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
   /// matrix += weight * values at the block's places. values: rows x cols of the block.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {

@@ -10,9 +10,6 @@
 
 namespace manycontact {
 
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
-
 /// Numbers of one contact, filled by the action model. The columns of Jc and da0_dx are those of the robots of A and B'
 /// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for
 /// v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.

@@ -23,19 +23,31 @@ struct CostGroup {
   std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
 };
 
+/// A row that depends on one coordinate alone.
+struct CostSquare {
+  const CostDataResidual* cost;
+  const double* J;  // the row's Jacobian; null where it is `constant`
+  double constant;
+  int index;        // of the cost in the stack
+  int row, column;  // in the residual; in x or in u
+  bool by_x;
+  std::size_t entry;  // its block, then its entry, in the sparse matrix
+};
+
 struct CostGroups {
-  /// Groups the blocks of the stack's costs, and plans the groups' blocks in out's sparse matrices.
-  void lay_out(const std::vector<const CostDataResidual*>& costs, CostDerivatives& out);
+  /// Groups the blocks of the stack's costs, and lays out's sparse matrices out, of ndx and nu columns.
+  void lay_out(const std::vector<const CostDataResidual*>& costs, int ndx, int nu, CostDerivatives& out);
   /// Adds weighted gradients and Hessians to out; of a terminal node those by x alone. weights: per cost of the stack,
   /// 0 where it is inactive.
   void add(const std::vector<double>& weights, bool terminal, CostDerivatives& out);
 
   std::vector<CostGroup> groups;
+  std::vector<CostSquare> squares;
 
  private:
-  int gather(const CostGroup& group, const std::vector<double>& weights, int nx, int nu, int ld);
-  std::vector<double> L, R;  // scratch, row-major: rows [Rx Ru], and of each w Arr Rx, w Arr Ru, w Ar
-  std::vector<double> H;     // scratch: L^T R; its last column is the gradient
+  void take_squares(const CostGroup& group);
+  void add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const;
+  std::size_t most_ = 0, widest_ = 0;  // numbers of the largest group's rows; its columns
 };
 
 }  // namespace manycontact

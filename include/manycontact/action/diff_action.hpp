@@ -23,6 +23,8 @@ struct DifferentialActionDataAbstract : CostDerivatives {
   Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu
   Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu
 
+  PanelView panel{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // [Fx Fu] by rows with kPanel: by calcDiff(data, x, u)
+
   BlockSparse Fx_blocks, Fu_blocks, Gx_blocks, Gu_blocks, Hx_blocks, Hu_blocks;
   const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }
   const Eigen::SparseMatrix<double>& Fu_sparse() const { return Fu_blocks.matrix; }

@@ -39,6 +39,8 @@ struct MathBase {
 using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
 using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
 
 /// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" when they differ.
 inline void check_size(const char* where, const char* what, Eigen::Index given, std::size_t expected) {

@@ -15,6 +15,7 @@ struct ResidualBlock {
   std::vector<int> xcols;  // in ndx
   std::vector<int> ucols;  // in nu
   RowMajorMatrix Rx, Ru;   // rows x xcols, rows x ucols
+  bool constant = false;   // set by lay_out, and by nobody else
 };
 
 struct ResidualDataAbstract {  // r and its Jacobians as blocks

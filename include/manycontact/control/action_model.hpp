@@ -30,6 +30,16 @@ struct ActionDataAbstract {
   Eigen::VectorXd g, h;           // ng, nh (of a terminal node ng_T, nh_T): by calc
   Eigen::MatrixXd Gx, Gu;         // ng x ndx, ng x nu: by calcDiff
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: by calcDiff
+
+  /// False where the derivatives are kept in a shape of their own, and matrices above are empty: of
+  /// IntegratedActionModelEuler with storage kPanel.
+  virtual bool has_matrices() const { return true; }
+  /// gx = Fx^T p, gu = Fu^T p for p of ndx numbers, and [Fx Fu] as matrices: of the last calcDiff.
+  virtual void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const;
+  virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const { fx = Fx, fu = Fu; }
+
+ protected:
+  void allocate_matrices(const ActionModelAbstract* model);
 };
 
 class ActionModelAbstract {  // a node in discrete time

@@ -128,7 +128,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
   std::vector<Node> nodes_;  // T + 1
-  Eigen::VectorXd gap_;
+  Eigen::VectorXd work_;
   double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
   double tolerance_ = 0;  // of the minimisation at hand

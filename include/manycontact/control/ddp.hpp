@@ -146,14 +146,15 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_;
-  std::vector<Eigen::VectorXd> dx_;  // T
-  std::vector<Eigen::MatrixXd> Vxx_;
+  std::vector<Eigen::VectorXd> dx_;   // T
+  std::vector<Eigen::MatrixXd> Vxx_;  // T + 1, or the two last ones of the backward pass: see value()
   std::vector<Eigen::VectorXd> Vx_;
   std::vector<Eigen::MatrixXd> Qxx_, Qxu_, Quu_;
   std::vector<Eigen::VectorXd> Qx_, Qu_;
   std::vector<MatrixXdRowMajor> K_;
   std::vector<Eigen::VectorXd> k_;
-  Eigen::VectorXd xnext_, step_, fTVxx_p_;  // nx, ndx, ndx
+  std::vector<Eigen::VectorXd> Vxx_fs_;  // T + 1: Vxx fs, where the candidate has gaps
+  Eigen::VectorXd xnext_, step_;         // nx, ndx
   std::vector<Eigen::LLT<Eigen::MatrixXd>> Quu_llt_;
   std::vector<Eigen::VectorXd> Quuk_;
   std::vector<double> alphas_;
@@ -161,21 +162,27 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
   bool sound_ = false, stepped_ = false;
+  bool keeps_values_ = true;   // whether Vxx, Qxx, Qxu, Quu of all nodes are kept
   bool held_changed_ = false;  // other controls stand at limits than at the gradient before
 
  private:
   /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.
   struct Panels {
-    int u = 0, x = 0, ld = 0;          // where x begins, its columns, columns of a row
-    std::vector<double> F, VF, H;      // [fu fx], Vxx' [fu fx], their product
-    std::vector<double> Qux, K, QuxK;  // nu rows of x
-    Eigen::MatrixXd U, W, Y, A;        // of symplectic Euler
+    int u = 0, x = 0, ld = 0;      // where x begins, its columns, columns of a row
+    std::vector<double> F, VF, H;  // [fu fx], Vxx' [fu fx]; the upper triangle of [Quu Qux; . Qxx]
+    std::vector<double> K, QuxK;   // nu and ndx rows of x
+    Eigen::MatrixXd U, W, Y, A;    // of symplectic Euler
     std::vector<double> YF, Fv;
     Eigen::VectorXd g, j1v;
   };
   void computeFeedForwardDirection();
   bool searchFeedForward();
   void layOutPanels(Eigen::Index nu);
+  Eigen::MatrixXd& value(std::size_t t) { return Vxx_[keeps_values_ ? t : t % 2]; }
+  void addGap(std::size_t t);
+  void addHessian(const ActionDataAbstract& data);
+  using QuuView = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  QuuView currentQuu(std::size_t t) const;
   void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
   void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
                      const Eigen::VectorXd& v);

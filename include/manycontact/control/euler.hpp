@@ -3,7 +3,8 @@
 //
 //     x' = x (+) [h v + h^2 a; h a].
 //
-// Crocoddyl's IntegratedActionModelEuler.
+// Crocoddyl's IntegratedActionModelEuler. Of a differential model with storage kPanel, which has no constraints and
+// whose controls are constant over a step (PolyZero), the data have no matrices: solvers read the differential model's.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -26,11 +27,22 @@ class IntegratedActionModelEuler : public IntegratedActionModelAbstract {  // a 
 };
 
 struct IntegratedActionDataEuler : ActionDataAbstract {  // of such a node
+  /// Throws std::invalid_argument for storage kPanel with constraints, other controls, or a state of another kind than
+  /// this library's.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
+
+  bool has_matrices() const override { return differential->storage != MatrixStorage::kPanel; }
+  void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const override;
+  void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const override;
+  /// [a_x a_u] where there are no matrices. Throws std::logic_error before calcDiff.
+  const PanelView& panel() const;
+  /// Fx, Fu where their lower halves are h a_x, h a_u: by calcDiff's J1, J2. Of joints that are known.
+  void integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;
   std::shared_ptr<ControlParametrizationDataAbstract> control;
   Eigen::VectorXd dx;     // ndx: the step, by calc
+  double step = 0;        // h: by calcDiff
   Eigen::MatrixXd da_du;  // nv x nu: by calcDiff
   Eigen::MatrixXd Lwu;    // nw x nu: by calcDiff
 
@@ -41,8 +53,9 @@ struct IntegratedActionDataEuler : ActionDataAbstract {  // of such a node
     Mat6<double> of_x, of_dx;  // J1, J2: size x size
   };
   std::vector<WideJoint> wide_joints;
-  bool joints_are_known = false;  // false for states of other kinds than this library's
-  Eigen::MatrixXd joint_columns;  // ndx x 6: workspace
+  bool joints_are_known = false;   // false for states of other kinds than this library's
+  Eigen::MatrixXd joint_columns;   // ndx x 6: workspace
+  mutable Eigen::VectorXd pulled;  // nv: workspace of pull_back
 };
 
 }  // namespace manycontact

@@ -18,7 +18,8 @@
 
 namespace manycontact {
 
-/// A part's share: passes, gains, value function.
+/// A part's share: passes, gains, gradients. Of the Hessians (Vxx, Qxx, Qxu, Quu) only those of
+/// the node at hand are kept, but with limits: a node takes half the memory.
 class SolverSparsePart : public SolverFDDP {
  public:
   using Source = ShootingPart;
@@ -29,7 +30,10 @@ class SolverSparsePart : public SolverFDDP {
   virtual std::vector<int> blocks() const;
 
  protected:
-  explicit SolverSparsePart(ShootingPart part) : SolverFDDP(part.problem), part_(std::move(part)) {}
+  explicit SolverSparsePart(ShootingPart part) : SolverSparsePart(std::move(part), WithoutMatrices{}) {
+    keeps_values_ = false;
+    SolverFDDP::allocateData();
+  }
   SolverSparsePart(ShootingPart part, WithoutMatrices none) : SolverFDDP(part.problem, none), part_(std::move(part)) {}
 
  private:
@@ -54,7 +58,7 @@ class SolverSparse : public SolverFDDP {
   void backwardPass() override;
   void forwardPass(double steplength) override;
   const Eigen::Vector2d& expectedImprovement() override;
-  /// Of every part.
+  /// Of every part; in the backward pass' order.
   void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                   const std::shared_ptr<ActionDataAbstract>& data) override;
   void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) override;

@@ -17,10 +17,11 @@ double kkt_residual(const Problem& problem, const Layout& layout, const Regulari
 /// As above, with scratch of its own.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
-/// What a step z changes: cost(z) - cost(0) = linear + quadratic / 2. The problem's own, without regularisation.
+/// What the optimum z of the problem under `reg` changes: cost(z) - cost(0) = linear + quadratic / 2, of the problem
+/// itself, without regularisation. By vectors alone, from the optimality conditions.
 struct Change {
   double linear = 0, quadratic = 0;
 };
-Change cost_change(const Problem& problem, const Layout& layout, const Point& z);
+Change cost_change(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z);
 
 }  // namespace manycontact::lq
