@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "manycontact/dynamics/solve.hpp"
+#include "support/folder.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -171,16 +171,15 @@ TEST(Contradictions, TellTheirSize) {
 }
 
 TEST(Weightless, JointsByName) {
-  const std::string path = testing::TempDir() + "manycontact_weightless.urdf";
-  std::ofstream(path) << R"(<robot name="r">
+  const TemporaryFolder folder;
+  (void)folder.write("r.urdf", R"(<robot name="r">
     <link name="base"/>
     <link name="arm"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
     <link name="ghost"/>
     <joint name="shoulder" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
-    <joint name="wrist" type="continuous"><parent link="arm"/><child link="ghost"/><axis xyz="0 1 0"/></joint></robot>)";
-  const std::string scene = testing::TempDir() + "manycontact_weightless.xml";
-  std::ofstream(scene) << "<scene><robot name=\"r\" urdf=\"manycontact_weightless.urdf\" base=\"fixed\"/></scene>";
-  const SceneFile file = load_scene(scene);
+    <joint name="wrist" type="continuous"><parent link="arm"/><child link="ghost"/><axis xyz="0 1 0"/></joint></robot>)");
+  const SceneFile file =
+      load_scene(folder.write("scene.xml", "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"fixed\"/></scene>"));
   SceneData data(file.scene);
   (void)solve(file.scene, file.q, file.v, file.u, data);
   ASSERT_EQ(data.report.status, Status::kFailed);

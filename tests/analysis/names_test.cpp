@@ -46,7 +46,9 @@ TEST(PlaceName, OfAFixedBaseIsItsFrameOrTheWorld) {
     EXPECT_EQ(place(file.scene, {at}), "a/" + frame.name);
     EXPECT_EQ(place(file.scene, {world_if_immovable(file.scene, at)}), "a/" + frame.name);
     EXPECT_EQ(body_of(at) == Body{}, frame.joint < 0);
-    if (frame.joint < 0) EXPECT_EQ(place(file.scene, {at, Attachment{}}), "world");
+    if (frame.joint < 0) {
+      EXPECT_EQ(place(file.scene, {at, Attachment{}}), "world");
+    }
   }
 }
 

@@ -3,22 +3,14 @@
 #include "../../bench/results.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "../../bench/fit.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact::bench {
 namespace {
-
-// A file that goes away with the test.
-struct TemporaryFile {
-  std::string path =
-      std::filesystem::temp_directory_path() / ("manycontact_results_" + std::to_string(getpid()) + ".json");
-  ~TemporaryFile() { std::filesystem::remove(path); }
-};
 
 Run example() {
   Run run{"manycontact", "1.2", "humanoid", {{"processor", "one, \"quoted\""}, {"date", "today"}}, {}};
@@ -45,10 +37,11 @@ TEST(Fit, OfOneSizeIsNoNumber) {
 }
 
 TEST(Results, AreReadAsWritten) {
-  const TemporaryFile file;
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "results.json";
   const bench::Run run = example();
-  write_runs({run, {"MuJoCo", "2", "humanoid", {}, {}}}, file.path);
-  const std::vector<bench::Run> read = read_runs(file.path);
+  write_runs({run, {"MuJoCo", "2", "humanoid", {}, {}}}, path);
+  const std::vector<bench::Run> read = read_runs(path);
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read[1].program, "MuJoCo");
   EXPECT_EQ(read[0].version, run.version);
@@ -63,11 +56,12 @@ TEST(Results, AreReadAsWritten) {
 }
 
 TEST(Results, OfAFileThatHoldsNoneAreRefused) {
-  const TemporaryFile file;
-  EXPECT_THROW(read_runs(file.path), std::runtime_error);
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "results.json";
+  EXPECT_THROW(read_runs(path), std::runtime_error);
   for (const char* text : {"", "[1]", "[{\"program\": \"p\"}]", "[{"}) {
-    std::ofstream(file.path) << text;
-    EXPECT_THROW(read_runs(file.path), std::runtime_error) << text;
+    std::ofstream(path) << text;
+    EXPECT_THROW(read_runs(path), std::runtime_error) << text;
   }
 }
 
@@ -83,9 +77,10 @@ TEST(Results, OfATaskAscendInSize) {
 }
 
 TEST(Results, AsCsvHaveARowEach) {
-  const TemporaryFile file;
-  write_csv({example()}, file.path);
-  std::ifstream in(file.path);
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "results.json";
+  write_csv({example()}, path);
+  std::ifstream in(path);
   std::string title, row;
   std::getline(in, title);
   EXPECT_TRUE(title.starts_with("program,version,robot,name,us,bytes,difference,processor,")) << title;

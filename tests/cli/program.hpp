@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "support/folder.hpp"
 
 namespace manycontact::cli {
 
@@ -61,11 +62,6 @@ inline void expect_lacks(const std::string& text, const std::string& part) {
 
 class Program : public testing::Test {
  protected:
-  Program() : folder_(testing::TempDir() + "manycontact_cli_" + std::to_string(getpid())) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~Program() override { std::filesystem::remove_all(folder_); }
-
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// Writes a scene next to the models' URDF files; what stands between <scene> and </scene>.
@@ -104,7 +100,7 @@ class Program : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 }  // namespace manycontact::cli

@@ -1,19 +1,15 @@
 // Every kind of bad input: the file and line blamed, and what the message says.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/io/urdf.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string link(const std::string& name, const std::string& inertial) {
   return "<link name=\"" + name + "\"><inertial>" + inertial + "</inertial></link>";
@@ -50,16 +46,9 @@ std::string joined(const std::vector<std::string>& lines) {
 
 class BadInput : public testing::Test {
  protected:
-  BadInput() : folder_(testing::TempDir() + "manycontact_bad_" + std::to_string(getpid())) {
-    fs::create_directories(folder_);
-    write("good.urdf", joined(kUrdf));
-  }
-  ~BadInput() override { fs::remove_all(folder_); }
+  BadInput() { write("good.urdf", joined(kUrdf)); }
 
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return (folder_ / name).string();
-  }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
 
   template <class Load>
   void expect_error(const Load& load, const std::string& file, int line, const std::string& says) const {
@@ -91,7 +80,7 @@ class BadInput : public testing::Test {
     expect_error([&] { (void)load_urdf(path, options); }, path, line, says);
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST(InputError, IsOneLine) {
@@ -126,7 +115,7 @@ TEST_F(BadInput, FilesThatAreNotXml) {
 TEST_F(BadInput, FilesThatAreNotThere) {
   const std::string missing = (folder_ / "none.xml").string();
   expect_error([&] { (void)read_scene(missing); }, missing, 1, "No such file");
-  expect_error([&] { (void)read_scene(folder_.string()); }, folder_.string(), 1, "is a directory");
+  expect_error([&] { (void)read_scene(folder_.path().string()); }, folder_.path().string(), 1, "is a directory");
   expect_error([&] { (void)load_urdf(missing); }, missing, 1, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\"\n urdf=\"none.urdf\"/></scene>", 3, "No such file");
   expect_scene_error("<scene>\n<robot name=\"a\" urdf=\".\"/></scene>", 2, "is a directory");

@@ -1,13 +1,13 @@
 // Scenes in scenes; passive joints; damping and friction from the URDF.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/io/urdf.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
@@ -22,14 +22,12 @@ const std::string kRobot = R"(<robot name="r"><link name="a"/>
 
 class Include : public testing::Test {
  protected:
-  Include() : folder_(testing::TempDir() + "manycontact_include_" + std::to_string(getpid())) {
-    fs::create_directories(folder_ / "sub" / "deeper");
-    for (const char* place : {"", "sub", "sub/deeper"}) std::ofstream(folder_ / place / "robot.urdf") << kRobot;
+  Include() {
+    for (const std::string place : {"", "sub/", "sub/deeper/"}) (void)folder_.write(place + "robot.urdf", kRobot);
   }
-  ~Include() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& inside, const std::string& attributes = "") const {
-    std::ofstream(folder_ / name) << "<scene" << attributes << ">\n" << inside << "\n</scene>\n";
+    (void)folder_.write(name, "<scene" + attributes + ">\n" + inside + "\n</scene>\n");
   }
   SceneFile read(const std::string& name = "scene.xml") const { return read_scene((folder_ / name).string()); }
   std::string problem(const std::string& name = "scene.xml") const {
@@ -47,7 +45,7 @@ class Include : public testing::Test {
     EXPECT_NE(said.find(text), std::string::npos) << said;
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 std::string robot(const std::string& name) { return "<robot name=\"" + name + "\" urdf=\"robot.urdf\"/>\n"; }

@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/io/mesh.hpp"
@@ -13,23 +9,14 @@
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "manycontact/sparse/memory.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
 
-namespace fs = std::filesystem;
-
 class Limits : public testing::Test {
  protected:
-  Limits() : folder_(testing::TempDir() + "manycontact_limits_" + std::to_string(getpid())) {
-    fs::create_directories(folder_);
-  }
-  ~Limits() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return (folder_ / name).string();
-  }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
   std::string refusal(const std::string& scene) const {
     try {
       (void)read_scene(write("scene.xml", scene));
@@ -44,7 +31,7 @@ class Limits : public testing::Test {
            "/>";
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Limits, DeepXml) {

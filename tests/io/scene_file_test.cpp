@@ -3,7 +3,6 @@
 #include "manycontact/io/scene_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/io/urdf.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
@@ -46,20 +46,16 @@ const std::string kSlider = "<robot name=\"s\">\n<link name=\"base\"/>\n" + link
 
 class SceneFileTest : public testing::Test {
  protected:
-  SceneFileTest() : folder_(testing::TempDir() + "manycontact_scene_" + std::to_string(getpid())) {
-    fs::create_directories(folder_ / "sub");
-    std::ofstream(folder_ / "robot.urdf") << kRobot;
-    std::ofstream(folder_ / "sub" / "slider.urdf") << kSlider;
+  SceneFileTest() {
+    (void)folder_.write("robot.urdf", kRobot);
+    (void)folder_.write("sub/slider.urdf", kSlider);
   }
-  ~SceneFileTest() override { fs::remove_all(folder_); }
 
   SceneFile load(const std::string& inside, const std::string& attributes = "") const {
-    const fs::path path = folder_ / "scene.xml";
-    std::ofstream(path) << "<scene" << attributes << ">\n" << inside << "</scene>\n";
-    return read_scene(path.string());
+    return read_scene(folder_.write("scene.xml", "<scene" + attributes + ">\n" + inside + "</scene>\n"));
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 Eigen::VectorXd vector(std::initializer_list<double> values) {

@@ -3,31 +3,20 @@
 #include "manycontact/io/urdf.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "manycontact/io/input_error.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
 
 constexpr double kTight = 1e-14;
 
-// A file in the temporary folder, gone with the object.
-struct TempFile {
-  explicit TempFile(const std::string& text)
-      : path(testing::TempDir() + "manycontact_urdf_" + std::to_string(getpid()) + ".urdf") {
-    std::ofstream(path) << text;
-  }
-  ~TempFile() { std::filesystem::remove(path); }
-  std::string path;
-};
-
 Model load(const std::string& inside, const UrdfOptions& options = {}) {
-  const TempFile file("<robot name=\"test\">\n" + inside + "</robot>\n");
-  return load_urdf(file.path, options);
+  const test::TemporaryFolder folder;
+  return load_urdf(folder.write("robot.urdf", "<robot name=\"test\">\n" + inside + "</robot>\n"), options);
 }
 
 std::string link(const std::string& name, double mass = 1, const std::string& origin = "") {

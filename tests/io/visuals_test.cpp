@@ -3,14 +3,13 @@
 #include "manycontact/io/visuals.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "manycontact/io/mesh.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
@@ -19,16 +18,8 @@ namespace fs = std::filesystem;
 
 class Visuals : public testing::Test {
  protected:
-  Visuals() : folder_(testing::TempDir() + "manycontact_visuals_" + std::to_string(getpid())) {
-    fs::create_directories(folder_);
-  }
-  ~Visuals() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) const {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return (folder_ / name).string();
-  }
-  fs::path folder_;
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
+  test::TemporaryFolder folder_;
 };
 
 std::string error_of(const std::function<void()>& call) {

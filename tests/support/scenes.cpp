@@ -1,7 +1,5 @@
 #include "support/scenes.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +8,7 @@
 #include <stdexcept>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "support/folder.hpp"
 #include "support/random.hpp"
 
 namespace manycontact::test {
@@ -53,18 +52,8 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 // Reads `xml` as if it stood in `folder`.
 SceneFile load_at(std::string xml, const std::string& folder) {
   replace_all(xml, "urdf=\"", "urdf=\"" + folder + "/");
-  static int count = 0;
-  const fs::path path = fs::temp_directory_path() /
-                        ("manycontact_test_" + std::to_string(getpid()) + "_" + std::to_string(count++) + ".xml");
-  std::ofstream(path) << xml;
-  try {
-    SceneFile file = load_scene(path.string());
-    fs::remove(path);
-    return file;
-  } catch (...) {
-    fs::remove(path);
-    throw;
-  }
+  const TemporaryFolder own;
+  return load_scene(own.write("scene.xml", xml));
 }
 
 }  // namespace

@@ -1,17 +1,12 @@
 // Task files that do not fit: the file and line blamed, and what the message says; and what files that fit mean.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 #include "manycontact/task/problem.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
-
-namespace fs = std::filesystem;
 
 // The robot's base is its line 2; contacts on lines 4 to 7.
 constexpr const char* kScene = R"(<scene name="s">
@@ -26,19 +21,14 @@ constexpr const char* kScene = R"(<scene name="s">
 
 class BadTask : public testing::Test {
  protected:
-  BadTask() : folder_(testing::TempDir() + "manycontact_task_" + std::to_string(getpid())) {
-    fs::create_directories(folder_);
+  BadTask() {
     std::string scene = kScene;
     for (std::size_t at; (at = scene.find('%')) != std::string::npos;)
       scene.replace(at, 1, MANYCONTACT_SOURCE_DIR "/models/");
-    std::ofstream(folder_ / "scene.xml") << scene;
+    (void)folder_.write("scene.xml", scene);
   }
-  ~BadTask() override { fs::remove_all(folder_); }
 
-  std::string write(const std::string& text) const {
-    std::ofstream(folder_ / "task.xml") << text;
-    return (folder_ / "task.xml").string();
-  }
+  std::string write(const std::string& text) const { return folder_.write("task.xml", text); }
   static std::string head() { return R"(<task name="t" scene="scene.xml" step="0.01">)"; }
   // A task whose line 3 is `inside`, in a phase.
   std::string phase(const std::string& inside, const std::string& contacts = "lf rf tool") const {
@@ -60,7 +50,7 @@ class BadTask : public testing::Test {
   }
   void bad_term(const std::string& inside, const std::string& says) const { refused(phase(inside), 3, says); }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(BadTask, Structure) {

@@ -7,6 +7,7 @@
 
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/task/optimize.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
@@ -27,9 +28,8 @@ class Constraints : public testing::Test {
     insert("</phase>", in_phases);
     insert("</terminal>", in_terminal);
     xml.replace(xml.find("humanoid_scene.xml"), 18, kTasks + "humanoid_scene.xml");
-    const std::string path = testing::TempDir() + "manycontact_constraints.xml";
-    std::ofstream(path) << xml;
-    return read_task(path);
+    const test::TemporaryFolder folder;
+    return read_task(folder.write("task.xml", xml));
   }
   static Vec3<double> hand(const TaskFile& task, const Eigen::VectorXd& x) {
     const Robot& robot = task.scene.scene.robots[0];

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "manycontact/task/optimize.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact {
 namespace {
@@ -27,9 +28,9 @@ TaskFile herd(int copies, const std::string& arrange) {
   replace(scene_text, "copies=\"64\" arrange=\"grid\"",
           "copies=\"" + std::to_string(copies) + "\" arrange=\"" + arrange + "\"");
   replace(scene_text, "../quadruped.urdf", kTasks + "../quadruped.urdf");
-  std::ofstream(testing::TempDir() + "herd_scene.xml") << scene_text;
-  std::ofstream(testing::TempDir() + "herd_trots.xml") << task_text;
-  return read_task(testing::TempDir() + "herd_trots.xml");
+  const test::TemporaryFolder folder;
+  (void)folder.write("herd_scene.xml", scene_text);
+  return read_task(folder.write("herd_trots.xml", task_text));
 }
 
 TEST(Copies, TrotAsOneDoes) {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <random>
@@ -18,6 +17,7 @@
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
+#include "support/folder.hpp"
 #include "support/random.hpp"
 
 namespace manycontact::test {
@@ -27,12 +27,10 @@ const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
 
 TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task,
                  const std::string& integrator = "euler") {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("manycontact_bonds_" + name);
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "scene.xml") << scene;
-  std::ofstream(folder / "task.xml") << "<task name='" << name << "' scene='scene.xml' step='0.01' integrator='"
-                                     << integrator << "'>" << task << "</task>";
-  return read_task((folder / "task.xml").string());
+  const TemporaryFolder folder;
+  (void)folder.write("scene.xml", scene);
+  return read_task(folder.write("task.xml", "<task name='" + name + "' scene='scene.xml' step='0.01' integrator='" +
+                                                integrator + "'>" + task + "</task>"));
 }
 
 std::string repeated(const std::string& number, int count) {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <random>
 #include <regex>
@@ -15,6 +14,7 @@
 #include "manycontact/task/optimize.hpp"
 #include "manycontact/task/parts.hpp"
 #include "spatial/compare.hpp"
+#include "support/folder.hpp"
 #include "support/random.hpp"
 
 namespace manycontact::test {
@@ -23,12 +23,10 @@ namespace {
 const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
 
 TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("manycontact_sparse_" + name);
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "scene.xml") << scene;
-  std::ofstream(folder / "task.xml") << "<task name='" << name << "' scene='scene.xml' step='0.01'>" << task
-                                     << "</task>";
-  return read_task((folder / "task.xml").string());
+  const TemporaryFolder folder;
+  (void)folder.write("scene.xml", scene);
+  return read_task(
+      folder.write("task.xml", "<task name='" + name + "' scene='scene.xml' step='0.01'>" + task + "</task>"));
 }
 
 // Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
@@ -160,8 +158,9 @@ TEST(SparseTask, ImpactsOfSeparateRobots) {
 TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   std::ostringstream urdf;
   urdf << std::ifstream(kModels + "quadruped.urdf").rdbuf();
-  const std::string weak = testing::TempDir() + "manycontact_weak.urdf";
-  std::ofstream(weak) << std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"17\"");
+  const TemporaryFolder folder;
+  const std::string weak =
+      folder.write("weak.urdf", std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"17\""));
   const TaskFile task =
       task_of("limits", herd(3, "", weak),
               "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") + "</phase><phase nodes='6' contacts='RF LH RH'>" +
