@@ -5,6 +5,7 @@
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
 #include "support/allocations.hpp"
+#include "support/scenes.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -40,7 +41,6 @@ TEST_P(Allocations, NoneAfterTheFirstCall) {
   EXPECT_EQ(allocations([&] { model->calcDiff(data, p.x); }), 0u);
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
 INSTANTIATE_TEST_SUITE_P(Models, Allocations, testing::ValuesIn(model_scenes()), scene_title);
 
 }  // namespace

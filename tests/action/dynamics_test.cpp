@@ -4,6 +4,7 @@
 #include "action/problem.hpp"
 #include "derivatives/judge.hpp"
 #include "support/golden.hpp"
+#include "support/scenes.hpp"
 #include "support/terms.hpp"
 
 namespace manycontact::test {
@@ -84,7 +85,6 @@ TEST_P(DynamicsOf, AreTheScenesOwn) {
   EXPECT_LT(difference_of(data->Fu, expected.da_du), allowed * size_of(expected.da_du));
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
 INSTANTIATE_TEST_SUITE_P(Models, DynamicsOf, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, DynamicsOf, testing::ValuesIn(golden_scenes()), scene_title);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(DynamicsOf);

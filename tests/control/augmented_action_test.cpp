@@ -5,8 +5,6 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Random linear constraints; of the inequalities some bind below, some above, some not, and two have one side only.
 struct Augmented {
   std::shared_ptr<ActionModelLQR> lqr = std::make_shared<ActionModelLQR>(ActionModelLQR::Random(5, 3, 6, 2));

@@ -11,8 +11,6 @@ namespace manycontact::test {
 namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 double residual_of(SolverAugmentedLagrangian& solver, bool limits = false) {
   return kkt_residual(*solver.get_problem(), solver.get_xs(), solver.get_us(), solver.get_dynamics_multipliers(),
                       limits, solver.get_multipliers());

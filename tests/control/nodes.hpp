@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
@@ -10,6 +12,8 @@
 #include "spatial/compare.hpp"
 
 namespace manycontact::test {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using NodePtr = std::shared_ptr<ActionModelAbstract>;
 using NodeDataPtr = std::shared_ptr<ActionDataAbstract>;

@@ -11,8 +11,6 @@
 namespace manycontact::test {
 namespace {
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 State state_of(const SceneFile& file) { return {file.q, file.v, file.u}; }
 
 // Joints moved, the contacts' reference left where it was: without gains no contact minds.

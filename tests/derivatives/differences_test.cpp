@@ -32,8 +32,6 @@ TEST_P(DifferencesOf, AllMatricesByEveryMethod) {
   }
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
-
 INSTANTIATE_TEST_SUITE_P(Models, DifferencesOf, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, DifferencesOf, testing::ValuesIn(golden_scenes()), scene_title);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(DifferencesOf);

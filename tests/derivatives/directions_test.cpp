@@ -120,8 +120,6 @@ std::vector<std::string> large_scenes() {
   return out;
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
-
 INSTANTIATE_TEST_SUITE_P(Large, DirectionsOf, testing::ValuesIn(large_scenes()), scene_title);
 
 // No scene is left out: what differences_test.cpp finds too large is here.

@@ -14,8 +14,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 // Equal numbers, NaN equal to NaN.
 bool same(const MatrixXd& x, const MatrixXd& y) {
   return x.rows() == y.rows() && x.cols() == y.cols() &&
@@ -312,8 +310,6 @@ TEST_P(SteadyDerivatives, AllocateNothingAfterTheFirstCall) {
     }
   }
 }
-
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
 
 INSTANTIATE_TEST_SUITE_P(Models, SteadyDerivatives, testing::ValuesIn(model_scenes()), scene_title);
 

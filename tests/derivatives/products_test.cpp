@@ -12,8 +12,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 VectorXd nan_vector(Eigen::Index n) { return VectorXd::Constant(n, NAN); }
 
 // The scene's derivatives as one matrix, [a; f] by [q | v | u].
@@ -107,8 +105,6 @@ TEST_P(ProductsOf, AreTheMatricesTimesVectors) {
   s = {file.q, file.v, file.u};
   expect_products(name + " moving", file.scene, s, status_at(file.scene, s) != Status::kOk);
 }
-
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
 
 INSTANTIATE_TEST_SUITE_P(Models, ProductsOf, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, ProductsOf, testing::ValuesIn(golden_scenes()), scene_title);

@@ -93,8 +93,6 @@ TEST_P(Steady, TheSameBitsOnEveryThread) {
   }
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
-
 INSTANTIATE_TEST_SUITE_P(Models, Steady, testing::ValuesIn(model_scenes()), scene_title);
 
 // What derivatives took is given back, dense-schur's inverse too, and taken again.

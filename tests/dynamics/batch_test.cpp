@@ -22,8 +22,6 @@
 namespace manycontact::test {
 namespace {
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 struct States {
   BatchMatrix q, v, u;
   int count() const { return static_cast<int>(q.rows()); }

@@ -17,8 +17,6 @@
 namespace manycontact::test {
 namespace {
 
-const char kModels[] = MANYCONTACT_SOURCE_DIR "/models/";
-
 std::vector<char> all_active(const Scene& scene) { return std::vector<char>(scene.contacts.size(), 1); }
 
 // Every method's answer against the truth, least squares where the contacts depend on each other. Returns the status

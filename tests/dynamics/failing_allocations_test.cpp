@@ -19,8 +19,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 struct FailingAllocations : testing::Test {
   void SetUp() override {
     if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";

@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 class Lifecycle : public testing::Test {
  protected:
   void SetUp() override {

@@ -201,8 +201,6 @@ TEST_P(Methods, AgreeWithTheOracleWithFewerContacts) {
   }
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
-
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Methods);
 INSTANTIATE_TEST_SUITE_P(Models, Methods, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, Methods, testing::ValuesIn(golden_scenes()), scene_title);

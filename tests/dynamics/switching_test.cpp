@@ -15,8 +15,6 @@
 namespace manycontact::test {
 namespace {
 
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
-
 void solve_at(const SceneFile& file, SceneData& data) { (void)solve(file.scene, file.q, file.v, file.u, data); }
 
 int contact_named(const Scene& scene, const std::string& name) { return scene.contact_index.at(name); }

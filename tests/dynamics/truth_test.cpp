@@ -72,8 +72,6 @@ TEST_P(TruthOf, EveryMethod) {
   expect_true(name + " moving", file.scene, file.q, file.v, file.u, false);
 }
 
-std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
-
 INSTANTIATE_TEST_SUITE_P(Models, TruthOf, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, TruthOf, testing::ValuesIn(golden_scenes()), scene_title);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(TruthOf);

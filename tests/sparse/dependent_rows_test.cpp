@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using sparse::DependentRows;
 
-struct Factor {
+struct FactorOfRows {
   Symmetric K;
   int nv;
   double J_size;
@@ -29,7 +29,7 @@ struct Factor {
   DependentRows rows;
   int done = -1;
 
-  explicit Factor(const SaddlePoint& s)
+  explicit FactorOfRows(const SaddlePoint& s)
       : K(s.dense()), nv(s.nv()), J_size(s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
     D.assign(K.n(), NAN);
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Sparse, DependentRowsOf, testing::ValuesIn(saddle_point
 
 TEST_P(DependentRowsOf, AreThosePlanted) {
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   std::vector<int> expected;
   for (int k : s.dropped) expected.push_back(s.nv() + k);
@@ -134,7 +134,7 @@ TEST_P(DependentRowsOf, AreThosePlanted) {
 
 TEST_P(DependentRowsOf, ProjectorIsTheDenseOne) {
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   if (s.nc() == 0) return;
   const MatrixXd P = f.projector();
@@ -148,7 +148,7 @@ TEST_P(DependentRowsOf, ProjectorIsTheDenseOne) {
 
 TEST_P(DependentRowsOf, ProjectOutGivesThePartThatItTakes) {
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(42);
   const VectorXd given = random_matrix(s.n(), 1, rng), before = random_matrix(s.n(), 1, rng);
@@ -168,7 +168,7 @@ TEST_P(DependentRowsOf, ProjectOutGivesThePartThatItTakes) {
 TEST_P(DependentRowsOf, PanelEqualsColumns) {
   using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(43);
   std::vector<int> row(s.n());
@@ -195,7 +195,7 @@ TEST_P(DependentRowsOf, PanelEqualsColumns) {
 // [a; y] of least squares and least norm: the dense decomposition's of K with a right-hand side that J can meet.
 TEST_P(DependentRowsOf, AnswerIsTheDenseDecompositions) {
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(44);
   const Spectrum of_J(s.J), of_K(s.dense(), 1e-13);  // in K the smallest of J stand squared
@@ -225,7 +225,7 @@ TEST_P(DependentRowsOf, AnswerIsTheDenseDecompositions) {
 TEST_P(DependentRowsOf, AllocateNothingAgain) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc is not ours to count";
   const SaddlePoint& s = GetParam();
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   const MatrixXd N = f.null_space(), P = f.projector();
   std::vector<int> row(s.n());
@@ -249,10 +249,10 @@ TEST(DependentRows, ClustersThatMergeAllocateNothing) {
   SaddlePoint s{"merging", random_positive(9, 0.4, rng), random_matrix(4, 9, rng)};
   s.J.row(2) = s.J.row(0);
   s.J.row(3) = s.J.row(1);
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.rows.clusters.size(), 2u);
   s.J.row(3) = s.J.row(0);
-  const Factor merged(s);
+  const FactorOfRows merged(s);
   ASSERT_EQ(merged.rows.clusters.size(), 1u);
   f.K.x = merged.K.x;
   EXPECT_EQ(allocations([&] { f.factor(); }), 0u);
@@ -262,8 +262,8 @@ TEST(DependentRows, ClustersThatMergeAllocateNothing) {
 // Scratch memory is the caller's, and other factorizations may have left anything in it.
 TEST(DependentRows, ScratchMayHoldAnything) {
   const SaddlePoint s = saddle_points()[4];
-  const Factor fresh(s);
-  Factor used(s);
+  const FactorOfRows fresh(s);
+  FactorOfRows used(s);
   std::fill(used.work.Y.begin(), used.work.Y.end(), NAN);
   for (std::vector<double>* scratch : {&used.rows.inverse, &used.rows.x, &used.rows.residual, &used.rows.t})
     std::fill(scratch->begin(), scratch->end(), NAN);
@@ -274,10 +274,10 @@ TEST(DependentRows, ScratchMayHoldAnything) {
 }
 
 TEST(DependentRows, StorageIsReusedForOtherMatrices) {
-  Factor f(saddle_points()[4]);
+  FactorOfRows f(saddle_points()[4]);
   for (const SaddlePoint& s : saddle_points()) {
     SCOPED_TRACE(s.name);
-    Factor fresh(s), used(s);
+    FactorOfRows fresh(s), used(s);
     used.rows = f.rows;
     used.factor();
     EXPECT_EQ(used.rows.dropped, fresh.rows.dropped);
@@ -294,7 +294,7 @@ TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
   const Eigen::RowVectorXd other = s.J.row(3);
   for (double apart : {1e-6, 1e-8, 1e-11}) {
     s.J.row(3) = s.J.row(0) - s.J.row(1) + apart * other;
-    Factor f(s);
+    FactorOfRows f(s);
     ASSERT_EQ(f.done, s.n());
     ASSERT_EQ(f.rows.dropped, std::vector<int>{12}) << apart;
     EXPECT_FALSE(f.rows.believable()) << apart;
@@ -302,7 +302,7 @@ TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
     EXPECT_LE(f.rows.largest_residual, 10 * apart);
   }
   s.J.row(3) = s.J.row(0) - s.J.row(1) + 1e-4 * other;
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   EXPECT_TRUE(f.rows.dropped.empty()) << "1e-8 of its pivot is left";
 }
@@ -314,7 +314,7 @@ TEST(DependentRows, AreNotBelievedWhereOneOfSeveralOnlyNearlyDepends) {
     const Eigen::RowVectorXd other = s.J.row(bad);
     for (int k : {3, 4, 5}) s.J.row(k) = s.J.row(k - 3) - s.J.row((k - 2) % 3);
     s.J.row(bad) += 1e-8 * other;
-    const Factor f(s);
+    const FactorOfRows f(s);
     ASSERT_EQ(f.rows.dropped, (std::vector<int>{12, 13, 14}));
     EXPECT_GE(f.rows.largest_residual, 1e-9) << bad;
     EXPECT_FALSE(f.rows.believable()) << bad;
@@ -329,7 +329,7 @@ TEST(DependentRows, AreRefinedWherePivotsKeptAreSmall) {
     s.J.row(2) = s.J.row(0) + 3e-5 * s.J.row(2);
     s.J.row(3) = s.J.row(1) + 3e-5 * s.J.row(3);
     s.J.row(5) = s.J.row(0) + s.J.row(1) + s.J.row(2) - s.J.row(3) + s.J.row(4);
-    Factor f(s);
+    FactorOfRows f(s);
     ASSERT_EQ(f.done, s.n());
     ASSERT_EQ(f.rows.dropped, std::vector<int>{17});
     EXPECT_LE(f.rows.largest_residual, tolerance::kNullColumn);
@@ -343,7 +343,7 @@ TEST(DependentRows, AreNotBelievedWhereCoefficientsAreLarge) {
   s.J.row(0) *= 1e-2;
   for (double large : {29.0, 31.0, 1e4}) {
     s.J.row(3) = large * s.J.row(0);
-    Factor f(s);
+    FactorOfRows f(s);
     ASSERT_EQ(f.rows.dropped, std::vector<int>{12});
     EXPECT_NEAR(f.rows.largest_entry, large, 1e-9 * large);
     EXPECT_EQ(f.rows.believable(), large < tolerance::kLargestEntry);
@@ -354,11 +354,11 @@ TEST(DependentRows, RowsBelowNothingAreDroppedWhateverTheirDirection) {
   std::mt19937 rng(48);
   SaddlePoint s{"tiny", random_positive(9, 0.4, rng), random_matrix(4, 9, rng)};
   s.J.row(2) *= 1e-13;
-  Factor f(s);
+  FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   EXPECT_EQ(f.rows.dropped, std::vector<int>{11});
   s.J.row(2) *= 1e3;  // 1e-10 of the others: small, and a direction of its own
-  Factor g(s);
+  FactorOfRows g(s);
   ASSERT_EQ(g.done, s.n());
   EXPECT_TRUE(g.rows.dropped.empty());
 }
@@ -368,19 +368,19 @@ TEST(DependentRows, ARowOfMWithoutPivotIsReturned) {
   std::mt19937 rng(49);
   SaddlePoint s{"singular M", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
   s.M.row(4).setZero(), s.M.col(4).setZero();
-  EXPECT_EQ(Factor(s).done, 4) << "zero";
+  EXPECT_EQ(FactorOfRows(s).done, 4) << "zero";
   s.M = random_positive(6, 1, rng);
   s.M(4, 4) *= -1;
-  EXPECT_EQ(Factor(s).done, 4) << "negative";
+  EXPECT_EQ(FactorOfRows(s).done, 4) << "negative";
   const MatrixXd half = random_matrix(6, 5, rng);
   s.M = half * half.transpose();
-  EXPECT_EQ(Factor(s).done, 5) << "only rounding is left of the last";
+  EXPECT_EQ(FactorOfRows(s).done, 5) << "only rounding is left of the last";
 }
 
 TEST(DependentRows, ARowOfJWithAPivotOfTheWrongSignIsReturned) {
   std::mt19937 rng(50);
   const SaddlePoint s{"wrong sign", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
-  Factor f(s);
+  FactorOfRows f(s);
   f.K.x[f.K.pattern.slot(7, 7)] = 100;
   f.factor();
   EXPECT_EQ(f.done, 7);
@@ -391,7 +391,7 @@ TEST(DependentRows, WhatIsNotANumberIsReturned) {
   const SaddlePoint s{"not finite", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
   for (double bad : {static_cast<double>(NAN), static_cast<double>(INFINITY)})
     for (const auto& [row, col] : {std::pair{2, 2}, {1, 4}, {3, 7}}) {
-      Factor f(s);
+      FactorOfRows f(s);
       f.K.x[f.K.pattern.slot(row, col)] = bad;
       f.factor();
       EXPECT_LE(f.done, std::max(col, 7)) << bad << " at " << row << ", " << col;

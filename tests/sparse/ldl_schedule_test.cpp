@@ -17,10 +17,10 @@ namespace manycontact::test {
 namespace {
 
 // Either phase's factor of one matrix.
-struct Factor {
+struct ScheduledFactor {
   std::vector<double> L, D, scale;
 
-  explicit Factor(const sparse::LdlSymbolic& s) : L(s.nonzeros(), NAN), D(s.n, NAN), scale(s.n, NAN) {}
+  explicit ScheduledFactor(const sparse::LdlSymbolic& s) : L(s.nonzeros(), NAN), D(s.n, NAN), scale(s.n, NAN) {}
   Eigen::MatrixXd dense_L(const sparse::LdlSymbolic& s) const {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(s.n, s.n);
     for (int j = 0; j < s.n; ++j)
@@ -36,13 +36,13 @@ struct Compiled {
 
   explicit Compiled(const sparse::UpperCsc& A)
       : symbolic(sparse::ldl_analyze(A)), schedule(sparse::compile_ldl(A, symbolic)) {}
-  Factor factor(const std::vector<double>& x) const {
-    Factor f(symbolic);
+  ScheduledFactor factor(const std::vector<double>& x) const {
+    ScheduledFactor f(symbolic);
     sparse::ldl_scheduled_factor<double>(schedule, x.data(), f.L.data(), f.D.data(), f.scale.data());
     return f;
   }
-  Factor suitesparse(const sparse::UpperCsc& A, const std::vector<double>& x) const {
-    Factor f(symbolic);
+  ScheduledFactor suitesparse(const sparse::UpperCsc& A, const std::vector<double>& x) const {
+    ScheduledFactor f(symbolic);
     sparse::LdlWorkspace work;
     EXPECT_EQ(sparse::ldl_factor(A, symbolic, x.data(), work, f.L.data(), f.D.data()), A.n);
     (void)sparse::smallest_pivot_ratio(A, symbolic, x.data(), f.L.data(), f.D.data(), f.scale.data());
@@ -55,7 +55,7 @@ struct Compiled {
 void expect_like_suitesparse(const Symmetric& A) {
   const Compiled c(A.pattern);
   ASSERT_TRUE(c.schedule.compiled);
-  const Factor f = c.factor(A.x), g = c.suitesparse(A.pattern, A.x);
+  const ScheduledFactor f = c.factor(A.x), g = c.suitesparse(A.pattern, A.x);
   const int n = A.n();
   if (n == 0) return;
   const Eigen::MatrixXd L = f.dense_L(c.symbolic), size = L.cwiseAbs();
@@ -79,7 +79,7 @@ void expect_like_suitesparse(const Symmetric& A) {
 // |b - A x| <= c n eps |L| |D| |L|^T |x|, row by row.
 void expect_solves(const Symmetric& A, std::mt19937& rng) {
   const Compiled c(A.pattern);
-  const Factor f = c.factor(A.x);
+  const ScheduledFactor f = c.factor(A.x);
   const Eigen::VectorXd b = random_matrix(A.n(), 1, rng);
   Eigen::VectorXd x = b;
   sparse::ldl_scheduled_solve<double>(c.schedule, f.L.data(), f.D.data(), x.data());
@@ -188,7 +188,7 @@ TEST(LdlSchedule, FirstColumnsAlone) {
     const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
     const sparse::LdlSchedule schedule = sparse::compile_ldl(A.pattern, symbolic, columns);
     ASSERT_TRUE(schedule.compiled);
-    Factor f(symbolic);
+    ScheduledFactor f(symbolic);
     sparse::ldl_scheduled_factor<double>(schedule, A.x.data(), f.L.data(), f.D.data(), f.scale.data());
     Eigen::MatrixXd S = f.pivots().tail(left).asDiagonal();
     for (int j = columns; j < n; ++j)
@@ -244,7 +244,7 @@ TEST(LdlSchedule, ZeroPivotsShow) {
   int k = 0;
   for (const Eigen::Matrix3d& dense : {first, middle, last}) {
     const Symmetric A(dense);
-    const Factor f = Compiled(A.pattern).factor(A.x);
+    const ScheduledFactor f = Compiled(A.pattern).factor(A.x);
     EXPECT_EQ(f.D[k], 0) << k;
     for (int i = k + 1; i < 3; ++i) EXPECT_FALSE(std::isfinite(f.D[i])) << i;
     EXPECT_EQ(sparse::smallest_pivot_ratio(3, f.D.data(), f.scale.data()), 0) << k;
@@ -255,11 +255,11 @@ TEST(LdlSchedule, ZeroPivotsShow) {
 TEST(LdlSchedule, PivotRatioIsThatOfTheFactor) {
   for (double gap : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const Symmetric A(Eigen::Matrix2d{{1, 1}, {1, 1 + gap}});
-    const Factor f = Compiled(A.pattern).factor(A.x);
+    const ScheduledFactor f = Compiled(A.pattern).factor(A.x);
     EXPECT_NEAR(sparse::smallest_pivot_ratio(2, f.D.data(), f.scale.data()) / (gap / (2 + gap)), 1, 2 * kEps / gap);
   }
   const Symmetric nan(Eigen::Matrix2d{{1, NAN}, {NAN, 1}});
-  const Factor f = Compiled(nan.pattern).factor(nan.x);
+  const ScheduledFactor f = Compiled(nan.pattern).factor(nan.x);
   EXPECT_EQ(sparse::smallest_pivot_ratio(2, f.D.data(), f.scale.data()), 0);
 }
 
@@ -284,7 +284,7 @@ void expect_lanes_are_alone(const Symmetric& A, bool spoil_one, std::mt19937& rn
   sparse::ldl_scheduled_solve(c.schedule, L.data(), D.data(), y.data());
   for (int lane = 0; lane < 4; ++lane) {
     if (spoil_one && lane == 2) continue;
-    const Factor f = c.factor(x[lane]);
+    const ScheduledFactor f = c.factor(x[lane]);
     sparse::ldl_scheduled_solve(c.schedule, f.L.data(), f.D.data(), b[lane].data());
     int differ = 0;
     for (int k = 0; k < nnz; ++k) differ += !same_bits(L[k][lane], f.L[k]);
@@ -334,7 +334,7 @@ TEST(LdlSchedule, AllocatesNothing) {
   std::mt19937 rng(79);
   const Symmetric A(random_positive(60, 0.1, rng));
   const Compiled c(A.pattern);
-  Factor f(c.symbolic);
+  ScheduledFactor f(c.symbolic);
   Eigen::VectorXd x = random_matrix(60, 1, rng);
   const auto count = allocations([&] {
     sparse::ldl_scheduled_factor<double>(c.schedule, A.x.data(), f.L.data(), f.D.data(), f.scale.data());

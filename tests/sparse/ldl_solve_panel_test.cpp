@@ -18,14 +18,14 @@ namespace {
 using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Sparse enough that parts of the elimination tree are reached from few rows.
-struct Factor {
+struct PanelFactor {
   Symmetric A;
   sparse::LdlSymbolic symbolic;
   sparse::LdlSchedule schedule;
   std::vector<double> L, D;
   std::vector<int> row;  // of the panel, which has one more
 
-  Factor(int n, double density, std::mt19937& rng)
+  PanelFactor(int n, double density, std::mt19937& rng)
       : A(random_positive(n, density, rng)),
         symbolic(sparse::ldl_analyze(A.pattern)),
         schedule(sparse::compile_ldl(A.pattern, symbolic)),
@@ -57,8 +57,8 @@ struct Factor {
       for (int i = symbolic.parent[k]; nonzero[k] && i >= 0; i = symbolic.parent[i]) nonzero[i] = 1;
     return nonzero;
   }
-  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: the scaling by 1 / D, the order of sums of a few terms and,
-  // where there is one, the machine's fused multiply-add make a difference.
+  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: the scaling by 1 / D, the order of sums of a few terms
+  // and, where there is one, the machine's fused multiply-add make a difference.
   double allowed(const Panel& given) const {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n(), n());
     for (int j = 0; j < n(); ++j)
@@ -78,7 +78,7 @@ Panel poisoned(int rows, int ld, int first, int cols, std::mt19937& rng) {
   return X;
 }
 
-void expect_solved(const Factor& f, const Panel& given, int first, int cols, const std::vector<char>& nonzero) {
+void expect_solved(const PanelFactor& f, const Panel& given, int first, int cols, const std::vector<char>& nonzero) {
   const int ld = static_cast<int>(given.cols());
   const Panel expected = f.one_by_one(given, first, cols);
   const auto check = [&](const char* how, auto&& solve) {
@@ -102,7 +102,7 @@ void expect_solved(const Factor& f, const Panel& given, int first, int cols, con
 
 TEST(LdlSolvePanel, EveryWidthEqualsColumnByColumn) {
   std::mt19937 rng(61);
-  const Factor f(40, 0.06, rng);
+  const PanelFactor f(40, 0.06, rng);
   for (int cols = 0; cols <= 70; ++cols)
     for (const auto& [first, behind] : {std::pair{0, 0}, {1, 0}, {3, 5}, {16, 1}}) {
       SCOPED_TRACE(testing::Message() << cols << " columns from " << first << ", " << behind << " behind");
@@ -114,7 +114,7 @@ TEST(LdlSolvePanel, EveryWidthEqualsColumnByColumn) {
 TEST(LdlSolvePanel, ZeroRowsMayBeLeftOut) {
   std::mt19937 rng(62);
   for (double density : {0.02, 0.1, 0.5}) {
-    const Factor f(40, density, rng);
+    const PanelFactor f(40, density, rng);
     for (int cols : {1, 8, 16, 27, 70})
       for (double kept : {0.0, 0.05, 0.3, 1.0}) {
         SCOPED_TRACE(testing::Message() << cols << " columns, " << kept << " of the rows");
@@ -132,7 +132,7 @@ TEST(LdlSolvePanel, ZeroRowsMayBeLeftOut) {
 // With a factor that is not quite A's: X + F^-1 (B - A X), X = F^-1 B, by the same steps one after the other.
 TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
   std::mt19937 rng(65);
-  Factor f(40, 0.1, rng);
+  PanelFactor f(40, 0.1, rng);
   for (double& l : f.L) l *= 1 + 1e-6 * random_matrix(1, 1, rng)(0);
   for (int cols : {1, 8, 27, 70}) {
     Panel given = poisoned(f.n() + 1, cols + 3, 2, cols, rng);
@@ -202,7 +202,9 @@ TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
       const Long residual = B.cast<long double>() - A.cast<long double>() * X.cast<long double>();
       const Eigen::MatrixXd size = residual.cwiseAbs().cast<double>(), bound = rounding * (product * X.cwiseAbs());
       EXPECT_TRUE((size.array() <= bound.array()).all()) << level->name << ", pivot " << pivot;
-      if (pivot == 1e-6) EXPECT_GT(size.maxCoeff(), rounding * (A.cwiseAbs() * X.cwiseAbs()).maxCoeff());
+      if (pivot == 1e-6) {
+        EXPECT_GT(size.maxCoeff(), rounding * (A.cwiseAbs() * X.cwiseAbs()).maxCoeff());
+      }
     }
   }
 }
@@ -210,7 +212,7 @@ TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
 // Dropped rows of dependent_rows.hpp: an infinite pivot gives zero.
 TEST(LdlSolvePanel, InfinitePivotsGiveZero) {
   std::mt19937 rng(63);
-  Factor f(12, 0, rng);
+  PanelFactor f(12, 0, rng);
   f.D[5] = INFINITY;
   for (int cols : {1, 8, 16, 64}) {
     Panel X = random_matrix(f.n() + 1, cols, rng);
@@ -228,7 +230,7 @@ TEST(LdlSolvePanel, OfNothing) {
 // b - K X of a panel, against the dense product.
 TEST(ResidualPanel, EqualsTheDenseOne) {
   std::mt19937 rng(64);
-  const Factor f(30, 0.1, rng);
+  const PanelFactor f(30, 0.1, rng);
   Eigen::MatrixXd A = f.A.dense;
   for (int k = 0; k < f.n(); ++k) A(k, k) = f.A.x[f.A.pattern.p[k + 1] - 1];
   for (const auto& [cols, behind] : {std::pair{1, 0}, {7, 2}, {64, 0}, {33, 3}}) {

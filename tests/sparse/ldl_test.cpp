@@ -14,13 +14,13 @@
 namespace manycontact::test {
 namespace {
 
-struct Factor {
+struct LdlFactor {
   sparse::LdlSymbolic symbolic;
   sparse::LdlWorkspace work;
   std::vector<double> L, D;
   int done = -1;  // what ldl_factor returned
 
-  explicit Factor(const Symmetric& A) : symbolic(sparse::ldl_analyze(A.pattern)) {
+  explicit LdlFactor(const Symmetric& A) : symbolic(sparse::ldl_analyze(A.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
     D.assign(A.n(), NAN);
     done = sparse::ldl_factor(A.pattern, symbolic, A.x.data(), work, L.data(), D.data());
@@ -41,7 +41,7 @@ struct Factor {
 
 // A = L D L^T, and x = A^-1 b with the error that the condition allows.
 void expect_factorizes(const Symmetric& A, std::mt19937& rng) {
-  const Factor f(A);
+  const LdlFactor f(A);
   ASSERT_EQ(f.done, A.n());
   const Eigen::MatrixXd L = f.dense_L();
   const Eigen::MatrixXd LD = L * f.pivots().asDiagonal();
@@ -67,7 +67,7 @@ TEST(Ldl, DenseArrowFillsNothing) {
   A.col(11).head(11) = A.row(11).head(11);
   const Symmetric arrow(A);
   expect_factorizes(arrow, rng);
-  EXPECT_EQ(Factor(arrow).symbolic.nonzeros(), 11);
+  EXPECT_EQ(LdlFactor(arrow).symbolic.nonzeros(), 11);
 }
 
 TEST(Ldl, ArrowTheWrongWayRoundFillsAll) {
@@ -78,7 +78,7 @@ TEST(Ldl, ArrowTheWrongWayRoundFillsAll) {
   A.col(0).tail(11) = A.row(0).tail(11);
   const Symmetric arrow(A);
   expect_factorizes(arrow, rng);
-  const Factor f(arrow);
+  const LdlFactor f(arrow);
   EXPECT_EQ(f.symbolic.nonzeros(), 66);
   double flops = 0;
   for (int count = 0; count < 12; ++count) flops += count * (count + 2);
@@ -93,14 +93,14 @@ TEST(Ldl, Banded) {
       if (std::abs(i - j) > 3) A(i, j) = 0;
   const Symmetric band(A);
   expect_factorizes(band, rng);
-  EXPECT_EQ(Factor(band).symbolic.nonzeros(), 3 * 40 - 6);
+  EXPECT_EQ(LdlFactor(band).symbolic.nonzeros(), 3 * 40 - 6);
 }
 
 TEST(Ldl, Diagonal) {
   std::mt19937 rng(4);
   const Symmetric A(Eigen::VectorXd(random_matrix(10, 1, rng)).asDiagonal());
   expect_factorizes(A, rng);
-  const Factor f(A);
+  const LdlFactor f(A);
   EXPECT_EQ(f.symbolic.nonzeros(), 0);
   EXPECT_EQ(f.pivots(), A.dense.diagonal());
   EXPECT_EQ(f.pivot_ratio(A), 1);
@@ -126,7 +126,7 @@ TEST(Ldl, QuasiDefiniteInAnyOrderHasTheInertiaOfItsBlocks) {
     std::shuffle(P.indices().begin(), P.indices().end(), rng);
     const Symmetric A(P * K * P.transpose());
     expect_factorizes(A, rng);
-    EXPECT_EQ(Factor(A).positive(), n);
+    EXPECT_EQ(LdlFactor(A).positive(), n);
   }
 }
 
@@ -135,24 +135,24 @@ TEST(Ldl, PivotSignsAreTheInertia) {
   for (int trial = 0; trial < 5; ++trial) {
     const Symmetric A(random_symmetric(12, 0.6, rng));
     const Eigen::VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A.dense).eigenvalues();
-    const Factor f(A);
+    const LdlFactor f(A);
     ASSERT_EQ(f.done, 12);
     EXPECT_EQ(f.positive(), (lambda.array() > 0).count());
   }
 }
 
 // Small integers: the pivot is exactly zero.
-TEST(Ldl, ZeroPivotFirst) { EXPECT_EQ(Factor(Symmetric(Eigen::Matrix3d{{0, 1, 2}, {1, 4, 0}, {2, 0, 5}})).done, 0); }
+TEST(Ldl, ZeroPivotFirst) { EXPECT_EQ(LdlFactor(Symmetric(Eigen::Matrix3d{{0, 1, 2}, {1, 4, 0}, {2, 0, 5}})).done, 0); }
 
 TEST(Ldl, ZeroPivotInTheMiddle) {
-  EXPECT_EQ(Factor(Symmetric(Eigen::Matrix3d{{1, 2, 1}, {2, 4, 3}, {1, 3, 7}})).done, 1);
+  EXPECT_EQ(LdlFactor(Symmetric(Eigen::Matrix3d{{1, 2, 1}, {2, 4, 3}, {1, 3, 7}})).done, 1);
 }
 
-TEST(Ldl, ZeroPivotLast) { EXPECT_EQ(Factor(Symmetric(Eigen::Matrix3d{{1, 2, 0}, {2, 5, 1}, {0, 1, 1}})).done, 2); }
+TEST(Ldl, ZeroPivotLast) { EXPECT_EQ(LdlFactor(Symmetric(Eigen::Matrix3d{{1, 2, 0}, {2, 5, 1}, {0, 1, 1}})).done, 2); }
 
 TEST(Ldl, ZeroPivotDoesNotSpoilTheWorkspace) {
   const Symmetric bad(Eigen::Matrix3d{{1, 2, 1}, {2, 4, 3}, {1, 3, 7}});
-  Factor f(bad);
+  LdlFactor f(bad);
   std::vector<double> good = bad.x;
   good[bad.pattern.slot(1, 1)] = 9;
   ASSERT_EQ(sparse::ldl_factor(bad.pattern, f.symbolic, good.data(), f.work, f.L.data(), f.D.data()), 3);
@@ -166,7 +166,7 @@ TEST(Ldl, RankDeficientShowsInThePivotRatio) {
   for (int trial = 0; trial < 10; ++trial) {
     const Eigen::MatrixXd B = random_matrix(10, 7, rng);
     const Symmetric A(Eigen::MatrixXd(B * B.transpose()));
-    const Factor f(A);
+    const LdlFactor f(A);
     if (f.done == 10) {
       EXPECT_LE(f.pivot_ratio(A), 100 * kEps);
     }
@@ -176,21 +176,21 @@ TEST(Ldl, RankDeficientShowsInThePivotRatio) {
 TEST(Ldl, PivotRatioOfANearlyDependentSystem) {
   for (double gap : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const Symmetric A(Eigen::Matrix2d{{1, 1}, {1, 1 + gap}});
-    EXPECT_NEAR(Factor(A).pivot_ratio(A) / (gap / (2 + gap)), 1, 2 * kEps / gap);
+    EXPECT_NEAR(LdlFactor(A).pivot_ratio(A) / (gap / (2 + gap)), 1, 2 * kEps / gap);
   }
   const Symmetric A(Eigen::Matrix2d{{4, 2}, {2, -3}});  // no cancellation: D = 4, -4 of terms 3 + 1
-  EXPECT_EQ(Factor(A).pivot_ratio(A), 1);
+  EXPECT_EQ(LdlFactor(A).pivot_ratio(A), 1);
 }
 
 TEST(Ldl, PivotRatioIsZeroForWhatIsNotANumber) {
-  EXPECT_EQ(Factor(Symmetric(Eigen::Matrix2d{{1, NAN}, {NAN, 1}}))
+  EXPECT_EQ(LdlFactor(Symmetric(Eigen::Matrix2d{{1, NAN}, {NAN, 1}}))
                 .pivot_ratio(Symmetric(Eigen::Matrix2d{{1, NAN}, {NAN, 1}})),
             0);
 }
 
 TEST(Ldl, OneByOne) {
   const Symmetric A(Eigen::MatrixXd::Constant(1, 1, -4));
-  const Factor f(A);
+  const LdlFactor f(A);
   ASSERT_EQ(f.done, 1);
   double x = 6;
   sparse::ldl_solve(f.symbolic, f.L.data(), f.D.data(), &x);
@@ -199,7 +199,7 @@ TEST(Ldl, OneByOne) {
 
 TEST(Ldl, Empty) {
   const Symmetric A(Eigen::MatrixXd(0, 0));
-  const Factor f(A);
+  const LdlFactor f(A);
   EXPECT_EQ(f.done, 0);
   EXPECT_EQ(f.symbolic.nonzeros(), 0);
   sparse::ldl_solve(f.symbolic, nullptr, nullptr, nullptr);
@@ -210,7 +210,7 @@ TEST(Ldl, AllocatesNothingAfterTheFirstCall) {
   ASSERT_GT(allocations([] { Eigen::VectorXd::Ones(100).eval(); }), 0u) << "the counter does not count";
   std::mt19937 rng(9);
   const Symmetric A(random_positive(60, 0.1, rng));
-  Factor f(A);
+  LdlFactor f(A);
   Eigen::VectorXd x = random_matrix(60, 1, rng), scale(60), r(60), b = x;
   const auto count = allocations([&] {
     f.done = sparse::ldl_factor(A.pattern, f.symbolic, A.x.data(), f.work, f.L.data(), f.D.data());

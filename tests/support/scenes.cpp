@@ -34,6 +34,7 @@ std::string readable(std::string name) {
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
 }
+std::string scene_title(const testing::TestParamInfo<std::string>& info) { return readable(scene_name(info.param)); }
 
 namespace {
 

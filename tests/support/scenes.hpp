@@ -2,6 +2,8 @@
 // The scenes tests run on: those of models/ and of ../shared/golden, smaller editions of large ones, and their states
 // moved off symmetry and rest, where accelerations vanish and relative errors mean nothing.
 
+#include <gtest/gtest.h>
+
 #include <random>
 #include <string>
 #include <vector>
@@ -9,6 +11,8 @@
 #include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::test {
+
+inline const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
 
 /// Paths of the *.xml in a folder, sorted; none when the folder does not exist.
 std::vector<std::string> scene_files(const std::string& folder);
@@ -20,6 +24,8 @@ std::string scene_name(const std::string& path);
 
 /// As a test's name: letters, digits and underscores.
 std::string readable(std::string name);
+/// Of a test whose parameter is a scene's path.
+std::string scene_title(const testing::TestParamInfo<std::string>& info);
 
 struct Edit {
   std::string from, to;

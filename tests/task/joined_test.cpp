@@ -19,11 +19,10 @@
 #include "support/allocations.hpp"
 #include "support/folder.hpp"
 #include "support/random.hpp"
+#include "support/scenes.hpp"
 
 namespace manycontact::test {
 namespace {
-
-const std::string kModels = MANYCONTACT_SOURCE_DIR "/models/";
 
 TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task,
                  const std::string& integrator = "euler") {
