@@ -143,16 +143,16 @@ void BlockCholesky::solve(VectorXd& x) const {
     auto xv = x.segment(start_[v], vertices_[v].size);
     solve_L(column.diagonal, xv);
     for (const Below& b : column.below)
-      x.segment(start_[b.vertex], vertices_[b.vertex].size).noalias() -=
-          column.panel.middleRows(b.row, vertices_[b.vertex].size) * xv;
+      add_Ax(x.segment(start_[b.vertex], vertices_[b.vertex].size), -1,
+             column.panel.middleRows(b.row, vertices_[b.vertex].size), xv);
   }
   for (int v = n - 1; v >= 0; --v) {  // x <- L^-T D^-1 x
     const Column& column = columns_[v];
     auto xv = x.segment(start_[v], vertices_[v].size);
     xv *= vertices_[v].sign;
     for (const Below& b : column.below)
-      xv.noalias() -= column.panel.middleRows(b.row, vertices_[b.vertex].size).transpose() *
-                      x.segment(start_[b.vertex], vertices_[b.vertex].size);
+      add_Atx(xv, -1, column.panel.middleRows(b.row, vertices_[b.vertex].size),
+              x.segment(start_[b.vertex], vertices_[b.vertex].size));
     solve_Lt(column.diagonal, xv);
   }
 }

@@ -75,13 +75,17 @@ void make_vertices(const Problem& problem, BondGraph& graph) {
       vertices[v].size += bond.rows;
       vertices[v + 1].size += bond.size;
     }
-  for (auto& cluster : graph.nodes)
+  for (auto& cluster : graph.nodes) {
+    std::set<int> mine;
     for (int k = 0; k <= T; ++k)
       for (BondPart& part : cluster[k].parts) {
         const BondPlace& place = graph.places[k][part.bond];
         part.vertex = part.is_w ? place.w : place.mu;
         part.offset = part.is_w ? place.w_offset : place.mu_offset;
+        mine.insert(part.vertex);
       }
+    graph.of_cluster.emplace_back(mine.begin(), mine.end());
+  }
   std::vector<std::pair<int, int>>& blocks = graph.edges;
   for (const auto& [a, b] : edges)
     for (int i : {0, 1})

@@ -133,52 +133,51 @@ void BondSchur::respond_at(const Problem& problem, int cluster, int k) {
   W = FW;
 }
 
-// S_jl for all j < l: V holds F_(j+1)^T ... F_(l-1)^T pi_l of all l > j, in the order of knot j + 1.
-void BondSchur::sweep(const Problem& problem, int cluster) {
-  columns_.clear();
-  Index cols = 0;
+// S_jl for all j < l, y_l of one vertex: V holds F_(j+1)^T ... F_(l-1)^T pi_l of all l > j, in the order of knot j + 1;
+// they are the vertex' last columns.
+void BondSchur::sweep(const Problem& problem, int cluster, int vertex) {
+  const int size = graph_.vertices[vertex].size;
+  int first = size;
   std::vector<double>*V = &V_, *scratch = &V_next_;
   for (int k = problem.horizon(); k >= 0; --k) {
     const BondNode& node = graph_.nodes[cluster][k];
     const Cluster& c = riccati_.plan()[k][node.cluster];
     const Index n = c.nx;
-    if (cols > 0) {
+    if (first < size) {
       if (!c.next_in_order) {
         const Cluster& next = riccati_.plan()[k + 1][graph_.nodes[cluster][k + 1].cluster];
-        reorder_rows(problem, next, c, as_matrix(*V, n, cols), as_matrix(*scratch, n, cols));
+        reorder_rows(problem, next, c, as_matrix(*V, n, size), as_matrix(*scratch, n, size));
         std::swap(V, scratch);
       }
-      MatrixMap later = as_matrix(*V, n, cols);
+      const auto later = as_matrix(*V, n, size).rightCols(size - first);
       if (node.size > 0) {
-        MatrixMap S = as_matrix(S_, node.size, cols);
+        MatrixMap S = as_matrix(S_, node.size, size - first);
         S.setZero();
         add_AtB(S, 1, as_matrix(theta_[k], n, node.size), later);
-        for (const BondPart& i : node.parts)
-          for (const Columns& j : columns_)
-            schur_.add(i.vertex, i.offset, j.vertex, j.offset, S.block(i.at, j.at, i.size, j.size));
+        for (const BondPart& i : node.parts) schur_.add(i.vertex, i.offset, vertex, first, S.middleRows(i.at, i.size));
       }
       if (k > 0) {
-        MatrixMap V_k = as_matrix(*scratch, n, cols);
+        auto V_k = as_matrix(*scratch, n, size).rightCols(size - first);
         V_k.setZero();
         add_AtB(V_k, 1, as_matrix(F_[k], n, n), later);
         std::swap(V, scratch);
       }
     }
-    for (const BondPart& i : node.parts)
-      columns_.push_back({i.vertex, i.offset, static_cast<int>(cols) + i.at, i.size});
-    as_matrix(*V, n, cols + node.size).rightCols(node.size) = as_matrix(pi_[k], n, node.size);
-    cols += node.size;
+    for (const BondPart& part : node.parts)
+      if (part.vertex == vertex) {
+        as_matrix(*V, n, size).middleCols(part.offset, part.size) =
+            as_matrix(pi_[k], n, node.size).middleCols(part.at, part.size);
+        first = std::min(first, part.offset);
+      }
   }
 }
 
 void BondSchur::respond(const Problem& problem, int cluster) {
-  Index all = 0;
-  for (const BondNode& node : graph_.nodes[cluster]) all += node.size;
-  if (all == 0) return;
+  if (graph_.of_cluster[cluster].empty()) return;
   const Cluster& c = riccati_.plan()[0][graph_.nodes[cluster][0].cluster];
   as_matrix(W_, c.nx, c.nx).setZero();
   for (int k = 0; k <= problem.horizon(); ++k) respond_at(problem, cluster, k);
-  sweep(problem, cluster);
+  for (const int vertex : graph_.of_cluster[cluster]) sweep(problem, cluster, vertex);
 }
 
 }  // namespace manycontact::lq

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dense.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pieces.hpp"
 
@@ -32,9 +33,8 @@ void BondSchur::do_analyse(const Problem& problem) {
   F_.assign(knots, {});
   pi_.assign(knots, {});
   theta_.assign(knots, {});
-  std::size_t n = 0, nu = 0, y = 0, all_y = 0, parts = 0;  // the largest
+  std::size_t n = 0, nu = 0, y = 0, of_vertex = 0;  // the largest
   for (const auto& cluster : graph_.nodes) {
-    std::size_t y_of_cluster = 0, parts_of_cluster = 0;
     for (std::size_t k = 0; k < knots; ++k) {
       const Cluster& c = plan[k][cluster[k].cluster];
       const std::size_t size = cluster[k].size, nx = c.nx;
@@ -44,20 +44,16 @@ void BondSchur::do_analyse(const Problem& problem) {
       n = std::max(n, nx);
       nu = std::max<std::size_t>(nu, c.nu);
       y = std::max(y, size);
-      y_of_cluster += size;
-      parts_of_cluster += cluster[k].parts.size();
     }
-    all_y = std::max(all_y, y_of_cluster);
-    parts = std::max(parts, parts_of_cluster);
   }
   for (std::vector<double>* nn : {&W_, &FW_}) nn->resize(n * n);
   for (std::vector<double>* ny : {&Gx_, &E_, &PE_}) ny->resize(n * y);
   for (std::vector<double>* uy : {&Gu_, &Y_}) uy->resize(nu * y);
   U_.resize(n * nu);
-  S_.resize(y * all_y);
-  V_.resize(n * all_y);
-  V_next_.resize(n * all_y);
-  columns_.reserve(parts);
+  for (const BlockCholesky::Vertex& v : graph_.vertices) of_vertex = std::max<std::size_t>(of_vertex, v.size);
+  S_.resize(y * std::max(y, of_vertex));
+  V_.resize(n * of_vertex);
+  V_next_.resize(n * of_vertex);
   terms_ = Point(problem, layout_);
   y_.resize(schur_.size());
 }
@@ -100,12 +96,11 @@ void equations_of_y(const Problem& problem, const Layout& layout, const Point& h
       const auto add_from = [&](Index to_w, Index w, Index nw) {  // S_w^T x + R_wu u + B_w^T lambda+
         auto sum = out.w[k].segment(w, nw);
         for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
-          sum.noalias() += g.S.block(i, to_w, n, nw).transpose() * z.x[k].segment(x, n);
-          if (k < problem.horizon())
-            sum.noalias() += g.B.block(i, to_w, n, nw).transpose() * z.lambda[k + 1].segment(x, n);
+          add_Atx(sum, 1, g.S.block(i, to_w, n, nw), z.x[k].segment(x, n));
+          if (k < problem.horizon()) add_Atx(sum, 1, g.B.block(i, to_w, n, nw), z.lambda[k + 1].segment(x, n));
         });
         for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) sum.noalias() += g.R.block(to_w, i, nw, n) * z.u[k].segment(u, n);
+          if (is_u) add_Ax(sum, 1, g.R.block(to_w, i, nw, n), z.u[k].segment(u, n));
         });
       };
       for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index w, Index n) {
@@ -113,11 +108,10 @@ void equations_of_y(const Problem& problem, const Layout& layout, const Point& h
       });
       for_each_row(problem, layout, k, g, [&](Index i, Index row, Index rows) {  // C x + D_u u
         auto sum = out.mu[k].segment(row, rows);
-        for_each_x(problem, layout, g, [&](Index j, Index x, Index n) {
-          sum.noalias() += g.C.block(i, j, rows, n) * z.x[k].segment(x, n);
-        });
+        for_each_x(problem, layout, g,
+                   [&](Index j, Index x, Index n) { add_Ax(sum, 1, g.C.block(i, j, rows, n), z.x[k].segment(x, n)); });
         for_each_v(problem, layout, k, g, [&](Index j, bool is_u, Index u, Index n) {
-          if (is_u) sum.noalias() += g.D.block(i, j, rows, n) * z.u[k].segment(u, n);
+          if (is_u) add_Ax(sum, 1, g.D.block(i, j, rows, n), z.u[k].segment(u, n));
         });
       });
     }
@@ -136,20 +130,19 @@ void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, 
         if (j_is_u) return;
         const auto y = z.w[k].segment(w, nw);
         for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
-          out.x[k].segment(x, n).noalias() += g.S.block(i, j, n, nw) * y;
-          if (k < problem.horizon()) out.lambda[k + 1].segment(x, n).noalias() += g.B.block(i, j, n, nw) * y;
+          add_Ax(out.x[k].segment(x, n), 1, g.S.block(i, j, n, nw), y);
+          if (k < problem.horizon()) add_Ax(out.lambda[k + 1].segment(x, n), 1, g.B.block(i, j, n, nw), y);
         });
         for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) out.u[k].segment(u, n).noalias() += g.R.block(i, j, n, nw) * y;
+          if (is_u) add_Ax(out.u[k].segment(u, n), 1, g.R.block(i, j, n, nw), y);
         });
       });
       for_each_row(problem, layout, k, g, [&](Index j, Index row, Index rows) {
         const auto y = z.mu[k].segment(row, rows);
-        for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
-          out.x[k].segment(x, n).noalias() += g.C.block(j, i, rows, n).transpose() * y;
-        });
+        for_each_x(problem, layout, g,
+                   [&](Index i, Index x, Index n) { add_Atx(out.x[k].segment(x, n), 1, g.C.block(j, i, rows, n), y); });
         for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) out.u[k].segment(u, n).noalias() += g.D.block(j, i, rows, n).transpose() * y;
+          if (is_u) add_Atx(out.u[k].segment(u, n), 1, g.D.block(j, i, rows, n), y);
         });
       });
     }

@@ -39,6 +39,9 @@ void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B) {
   level().add_lower_ABt(panel(C), a, panel(A), panel(B));
 }
 
+void add_Ax(Segment y, double a, ConstBlock A, ConstSegment x) { level().add_Ax(y.data(), a, panel(A), x.data()); }
+void add_Atx(Segment y, double a, ConstBlock A, ConstSegment x) { level().add_Atx(y.data(), a, panel(A), x.data()); }
+
 void copy_lower_to_upper(Block C) { C.triangularView<Eigen::StrictlyUpper>() = C.transpose(); }
 
 // Pivot k is L_kk^2 = A_kk - sum_j L_kj^2; the part of A_kk that it keeps is judged afterwards.

@@ -7,6 +7,8 @@ namespace manycontact::lq {
 
 using Block = Eigen::Ref<Eigen::MatrixXd>;
 using ConstBlock = const Eigen::Ref<const Eigen::MatrixXd>&;
+using Segment = Eigen::Ref<Eigen::VectorXd>;
+using ConstSegment = const Eigen::Ref<const Eigen::VectorXd>&;
 
 void add_AB(Block C, double a, ConstBlock A, ConstBlock B);         // C += a A B
 void add_AtB(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A^T B
@@ -14,6 +16,9 @@ void add_ABt(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A 
 void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // likewise, of a symmetric result the lower
 void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B);  // triangle only
 void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B);
+
+void add_Ax(Segment y, double a, ConstBlock A, ConstSegment x);   // y += a A x
+void add_Atx(Segment y, double a, ConstBlock A, ConstSegment x);  // y += a A^T x
 
 void copy_lower_to_upper(Block C);
 

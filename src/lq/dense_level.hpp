@@ -26,6 +26,8 @@ struct DenseLevel {
   void (*solve_L)(ConstPanel L, Panel X);
   void (*solve_Lt)(ConstPanel L, Panel X);
   void (*solve_Lt_right)(ConstPanel L, Panel X);
+  void (*add_Ax)(double* y, double a, ConstPanel A, const double* x);
+  void (*add_Atx)(double* y, double a, ConstPanel A, const double* x);
   void (*add_Az)(ConstPanel A, const double* z, double* sum, double* scale);
   void (*add_Az_Atw)(ConstPanel A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
                      double* scale_t);

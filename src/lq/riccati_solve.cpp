@@ -31,7 +31,7 @@ void Riccati::backward(const Problem& problem, const Point& h, int k) {
       const Cluster& next = plan_[k + 1][d];
       gather(h.lambda[k + 1], layout_.x, next.blocks, next.x_start, problem.nx, f_);
       x_.head(next.nx) = p_[k + 1][d];
-      x_.head(next.nx).noalias() += policies_[k + 1][d].P * f_.head(next.nx);
+      add_Ax(x_.head(next.nx), 1, policies_[k + 1][d].P, f_.head(next.nx));
       scatter(x_, layout_.x, next.blocks, next.x_start, problem.nx, t_);
     }
   for (std::size_t index = 0; index < plan_[k].size(); ++index) {
@@ -51,13 +51,13 @@ void Riccati::backward(const Problem& problem, const Point& h, int k) {
       for (const Member& m : c.members) {
         const Group& g = problem.knots[k].groups[m.group];
         const auto t = x_.segment(m.x, m.nx);
-        p.segment(m.x, m.nx).noalias() += g.A.transpose() * t;  // qx
-        for (const Piece& a : m.v)                              // qv
-          v_.segment(a.to, a.size).noalias() += g.B.middleCols(a.from, a.size).transpose() * t;
+        add_Atx(p.segment(m.x, m.nx), 1, g.A, t);  // qx
+        for (const Piece& a : m.v)                 // qv
+          add_Atx(v_.segment(a.to, a.size), 1, g.B.middleCols(a.from, a.size), t);
       }
     }
     const auto qv = v_.head(c.nv + c.rows);
-    p.noalias() += policy.K.transpose() * qv;  // p = qx + K^T qv + K'^T d
+    add_Atx(p, 1, policy.K, qv);  // p = qx + K^T qv + K'^T d
     VectorXd& k_now = k_[k][index];
     if (c.rows == 0) {
       k_now = -qv;
@@ -81,9 +81,9 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
     const auto x = x_.head(c.nx);
     auto v = v_.head(c.nv + c.rows);
     v = k_[k][index];
-    v.noalias() += policy.K * x;
+    add_Ax(v, 1, policy.K, x);
     f_.head(c.nx) = p_[k][index];
-    f_.head(c.nx).noalias() += policy.P * x;
+    add_Ax(f_.head(c.nx), 1, policy.P, x);
     scatter(f_, layout_.x, c.blocks, c.x_start, problem.nx, z.lambda[k]);
     if (!last) scatter(v_, layout_.u, c.blocks, c.u_start, problem.nu, z.u[k]);
     for (std::size_t b = 0; b < c.bonds.size(); ++b) {
@@ -95,8 +95,9 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
     for (const Member& m : c.members) {  // x+ = A x + B v + f
       const Group& g = problem.knots[k].groups[m.group];
       auto next = f_.head(m.nx);
-      next.noalias() = g.A * x.segment(m.x, m.nx);
-      for (const Piece& a : m.v) next.noalias() += g.B.middleCols(a.from, a.size) * v_.segment(a.to, a.size);
+      next.setZero();
+      add_Ax(next, 1, g.A, x.segment(m.x, m.nx));
+      for (const Piece& a : m.v) add_Ax(next, 1, g.B.middleCols(a.from, a.size), v_.segment(a.to, a.size));
       Index at = 0;
       for (int i : g.blocks) {
         z.x[k + 1].segment(layout_.x[i], problem.nx[i]) += next.segment(at, problem.nx[i]);

@@ -31,9 +31,10 @@ struct BondGraph {
   std::vector<std::vector<BondNode>> nodes;    // by cluster (as in knot 0), by knot
   std::vector<std::vector<BondPlace>> places;  // by knot, by bond
   /// In the order of elimination. Bonds of all knots that touch the same clusters share two vertices: all their mu (the
-  /// even one, sign -1), then all their w (sign +1). Minimum degree (CAMD) on the graph of these pairs.
+  /// even one, sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of these pairs.
   std::vector<BlockCholesky::Vertex> vertices;
   std::vector<std::pair<int, int>> edges;
+  std::vector<std::vector<int>> of_cluster;  // by cluster: the vertices its bonds are in, all of whose bonds touch it
 };
 
 /// The plan is one of Join::kNoBonds.

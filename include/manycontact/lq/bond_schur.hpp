@@ -14,11 +14,12 @@
 //   S_ll    = [R_ww  D_w^T; D_w  0] + E^T P+ E - g^T Qvv^-1 g - pi_l^T W_l pi_l
 //   S_jl    = theta_j^T F_(j+1)^T ... F_(l-1)^T pi_l       j < l
 //
-// the last by one sweep backward over all columns at once: n^2 (m T) T per cluster, n its states and m its y in a knot,
-// beside the T n^3 of its Riccati recursion. Chains and trees of robots then cost their bonds' (m T)^3 each.
-// mu is eliminated before w, bond by bond: S is quasi-definite when the costs are convex and strictly so in u. Where a
-// part of it is only semidefinite, a proximal term is added, which refinement removes: bonds that depend on each other
-// and agree have an answer then, one of many mu and w; that others have none shows in the KKT error (kInaccurate).
+// the last by one sweep backward over all columns of a vertex at once: n^2 (m T) T per cluster, n its states and m its
+// y in a knot, beside the T n^3 of its Riccati recursion. Chains and trees of robots then cost their bonds' (m T)^3
+// each. mu is eliminated before w, bond by bond: S is quasi-definite when the costs are convex and strictly so in u.
+// Where a part of it is only semidefinite, a proximal term is added, which refinement removes: bonds that depend on
+// each other and agree have an answer then, one of many mu and w; that others have none shows in the KKT error
+// (kInaccurate).
 
 #include "manycontact/lq/bond_graph.hpp"
 #include "manycontact/lq/riccati.hpp"
@@ -43,7 +44,7 @@ class BondSchur : public DirectionSolver {
   void respond(const Problem& problem, int cluster);
   void respond_at(const Problem& problem, int cluster, int knot);
   void add_terms_of_y(const Problem& problem, int knot, const BondNode& node);
-  void sweep(const Problem& problem, int cluster);
+  void sweep(const Problem& problem, int cluster, int vertex);
 
   Riccati riccati_{Join::kNoBonds};
   BondGraph graph_;
@@ -53,10 +54,6 @@ class BondSchur : public DirectionSolver {
   // Of the cluster at hand, by knot.
   std::vector<std::vector<double>> F_, pi_, theta_;
   std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, V_next_;
-  struct Columns {
-    int vertex, offset, at, size;
-  };
-  std::vector<Columns> columns_;  // of V
 
   Point terms_;
   Eigen::VectorXd y_;
