@@ -45,13 +45,14 @@ void SolverDDP::allocateData() {
   for (auto* states : {&xs_try_, &Vx_, &Vxx_fs_}) states->resize(T + 1);
   for (auto* vectors : {&us_try_, &dx_, &Qx_, &Qu_, &k_, &Quuk_}) vectors->resize(T);
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_}) matrices->resize(T);
-  Vxx_.resize(keeps_values_ ? T + 1 : 2);
-  for (Eigen::MatrixXd& V : Vxx_) fit(V, ndx, ndx);
+  Vxx_.resize(T + 1);
+  for (Eigen::MatrixXd& V : two_values_) fit(V, keeps_values_ ? 0 : ndx, keeps_values_ ? 0 : ndx);
   K_.resize(T);
   Quu_llt_.resize(T);
   for (std::size_t t = 0; t <= T; ++t) {
     fit(xs_try_[t], nx, 1);
     fit(Vx_[t], ndx, 1);
+    if (keeps_values_) fit(Vxx_[t], ndx, ndx);
     fit(Vxx_fs_[t], ndx, 1);
     if (t == T) break;
     const Eigen::Index nu = problem_->get_runningModels()[t]->get_nu();

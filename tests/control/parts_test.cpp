@@ -104,7 +104,25 @@ TEST(SolverSparse, DirectionsAreTheDenseOnes) {
       EXPECT_LT(error_of(own->get_K()[t], Eigen::MatrixXd(dense.get_K()[t](u, part.dx))), 1e-12);
       EXPECT_LT(error_of(own->get_Vx()[t], Eigen::VectorXd(dense.get_Vx()[t](part.dx))), 1e-12);
     }
+    for (const auto* none : {&own->get_Vxx(), &own->get_Qxx(), &own->get_Qxu(), &own->get_Quu()})
+      for (const Eigen::MatrixXd& hessian : *none) EXPECT_EQ(hessian.size(), 0);
   }
+}
+
+TEST(SolverSparse, PartsWithLimitsKeepTheirHessians) {
+  SolverBoxFDDP dense(unicycles(MatrixStorage::kDense, 20, 1.2));
+  SolverSparse sparse(unicycles(MatrixStorage::kSparse, 20, 1.2), true);
+  const Vectors xs = random_vectors(21, 9, 4), us = random_vectors(20, 6, 5);
+  for (SolverAbstract* solver : {static_cast<SolverAbstract*>(&dense), static_cast<SolverAbstract*>(&sparse)}) {
+    solver->setCandidate(xs, us, false);
+    solver->set_preg(1e-3);
+    solver->computeDirection(true);
+  }
+  for (const auto& own : sparse.parts())
+    for (std::size_t t = 0; t <= 20; ++t) {
+      const std::vector<int>& dx = own->part().dx;
+      EXPECT_LT(error_of(own->get_Vxx()[t], Eigen::MatrixXd(dense.get_Vxx()[t](dx, dx))), 1e-12);
+    }
 }
 
 void expect_the_same_iterates(SolverFDDP& dense, SolverSparse& sparse) {

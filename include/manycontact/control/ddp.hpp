@@ -11,6 +11,7 @@
 // algorithm and defaults of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
 
 #include <Eigen/Cholesky>
+#include <array>
 
 #include "manycontact/control/limited_bfgs.hpp"
 #include "manycontact/control/solver.hpp"
@@ -146,8 +147,9 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_;
-  std::vector<Eigen::VectorXd> dx_;   // T
-  std::vector<Eigen::MatrixXd> Vxx_;  // T + 1, or the two last ones of the backward pass: see value()
+  std::vector<Eigen::VectorXd> dx_;            // T
+  std::vector<Eigen::MatrixXd> Vxx_;           // T + 1
+  std::array<Eigen::MatrixXd, 2> two_values_;  // in their place: the two last ones of the backward pass, see value()
   std::vector<Eigen::VectorXd> Vx_;
   std::vector<Eigen::MatrixXd> Qxx_, Qxu_, Quu_;
   std::vector<Eigen::VectorXd> Qx_, Qu_;
@@ -178,7 +180,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void computeFeedForwardDirection();
   bool searchFeedForward();
   void layOutPanels(Eigen::Index nu);
-  Eigen::MatrixXd& value(std::size_t t) { return Vxx_[keeps_values_ ? t : t % 2]; }
+  Eigen::MatrixXd& value(std::size_t t) { return keeps_values_ ? Vxx_[t] : two_values_[t % 2]; }
   void addGap(std::size_t t);
   void addHessian(const ActionDataAbstract& data);
   using QuuView = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;

@@ -18,8 +18,8 @@
 
 namespace manycontact {
 
-/// A part's share: passes, gains, gradients. Of the Hessians (Vxx, Qxx, Qxu, Quu) only those of
-/// the node at hand are kept, but with limits: a node takes half the memory.
+/// A part's share: passes, gains, gradients. Without limits the Hessians (Vxx, Qxx, Qxu, Quu) are empty: of them only
+/// the node at hand's are kept, which halves a node's memory.
 class SolverSparsePart : public SolverFDDP {
  public:
   using Source = ShootingPart;
