@@ -64,7 +64,7 @@ void SolverDDP::allocateData() {
       fit(Quu_[t], nu, nu);
     }
     fit(K_[t], nu, ndx);
-    if (Quu_llt_[t].rows() != nu) Quu_llt_[t] = Eigen::LLT<Eigen::MatrixXd>(nu);
+    if (Quu_llt_[t].rows() != nu) Quu_llt_[t] = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(nu, nu));
   }
   fit(step_, ndx, 1);
   fit(xnext_, nx, 1);

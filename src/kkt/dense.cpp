@@ -99,7 +99,7 @@ void factor(DenseKkt<S>& kkt) {
   // A change of rank makes these anew: where memory runs out, Eigen's own resize leaves an array freed.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
-    kkt.reduced = Eigen::LLT<MatX<S>>(nv - kkt.rank);
+    kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));
   }
   kkt.N = Q.rightCols(nv - kkt.rank);
   kkt.regular = true;

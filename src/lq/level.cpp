@@ -19,8 +19,10 @@ using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
 Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 
-// Eigen's product into a triangle divides by zero where there is nothing to multiply.
+// Eigen's product into a triangle divides by zero where there is nothing to multiply, its triangular solves refer to
+// the first entry.
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
+bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 
 void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A) * map(B); }
 void add_AtB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A).transpose() * map(B); }
@@ -40,14 +42,17 @@ bool cholesky(Panel A) {
   return Eigen::LLT<Eigen::Ref<MatrixXd>>(in_place).info() == Eigen::Success;
 }
 void solve_L(ConstPanel L, Panel X) {
+  if (nothing(X)) return;
   Map x = map(X);
   map(L).triangularView<Eigen::Lower>().solveInPlace(x);
 }
 void solve_Lt(ConstPanel L, Panel X) {
+  if (nothing(X)) return;
   Map x = map(X);
   map(L).transpose().triangularView<Eigen::Upper>().solveInPlace(x);
 }
 void solve_Lt_right(ConstPanel L, Panel X) {
+  if (nothing(X)) return;
   Map x = map(X);
   map(L).transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
 }

@@ -113,7 +113,7 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
     }
   }
   Qxx.diagonal().array() += reg.x;
-  Qvv.diagonal().head(c.nu).array() += reg.u;
+  if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
   if (k == problem.horizon()) return;
 
   const Eigen::Ref<const MatrixXd> P = next_value(problem, k, index);

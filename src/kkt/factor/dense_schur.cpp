@@ -28,7 +28,8 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(K.nv());  // resizing it in place is not safe
+    // Made anew, as resizing in place is not safe, and of a matrix, as Eigen leaves info() undefined without one.
+    if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
     if (smallest_pivot(llt_M_, M_.diagonal()) < tolerance::kPivotLeft) return Reason::kSingularInertia;
@@ -38,7 +39,7 @@ class DenseSchurFactor final : public Factor {
     S_.setZero(K.nc(), K.nc());
     S_.selfadjointView<Eigen::Lower>().rankUpdate(Z_.transpose());  // S = Z^T Z + delta I
     S_.diagonal().array() += K.damping;
-    if (llt_S_.rows() != K.nc()) llt_S_ = Eigen::LLT<Eigen::MatrixXd>(K.nc());
+    if (llt_S_.rows() != K.nc()) llt_S_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nc(), K.nc()));
     llt_S_.compute(S_);
     if (llt_S_.info() != Eigen::Success) return Reason::kSmallPivot;
     return smallest_pivot(llt_S_, S_.diagonal()) < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;

@@ -184,11 +184,11 @@ void factor_block(int width, int below, V* L, V* D, V* scale) {
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a - 1;  // L_ac
+    const V* l = L + a;  // behind L_ac: L may be null where it has no entries
     for (int c = 0; c < a; ++c) {
-      u[c] = -(*l * D[c]);
-      d = multiply_add(*l, u[c], d);
-      s = multiply_add(absolute(*l), absolute(u[c]), s);
+      u[c] = -(l[-1] * D[c]);
+      d = multiply_add(l[-1], u[c], d);
+      s = multiply_add(absolute(l[-1]), absolute(u[c]), s);
       l += step - c;
     }
     D[a] = d;
@@ -247,9 +247,9 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
   const int step = width + below - 2;
   for (int a = 0; a < width; ++a) {
     V x_a = own[a];
-    const V* l = L + a - 1;
+    const V* l = L + a;  // behind L_ac
     for (int c = 0; c < a; ++c) {
-      x_a = multiply_add(*l, u[c], x_a);
+      x_a = multiply_add(l[-1], u[c], x_a);
       l += step - c;
     }
     own[a] = x_a;
@@ -292,7 +292,7 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
     V x_c = own[c] / D[c] - ((sums[0] + sums[1]) + (sums[2] + sums[3]) + rest);
     for (int a = width - 1; a > c; --a) x_c = multiply_add(-column[a - c - 1], own[a], x_c);
     own[c] = x_c;
-    column -= step - c + 2;
+    if (c > 0) column -= step - c + 2;
   }
 }
 
