@@ -193,7 +193,7 @@ void complete_bodies(const Scene& scene, const SceneData& data, IslandWork& d, T
   if (joint_space_size(*d.shape) > kMostJointSpace) return;
   make_joint_space(scene, *data.workspace, d);
   evaluate(scene, data.workspace->q, data.v, *data.workspace, d.island);
-  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
+  factorize_again(scene, data, d, thread);
 }
 
 void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bodies.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {
@@ -95,8 +96,11 @@ bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandRe
     put_part(scene, data, d, part, work);
     for (int c = part.first_cut; c < part.end_cut; ++c)
       if (!hold_body(work, form.parts->cuts[c], form.held[c])) return false;
-    if (part.above >= 0)
-      refinement.backward_error = std::max(refinement.backward_error, pull_at(data, form.held[part.above], work));
+    if (part.above >= 0) {
+      const double pull = pull_at(data, form.held[part.above], work);
+      if (!(pull <= tolerance::kConverged)) return false;
+      refinement.backward_error = std::max(refinement.backward_error, pull);
+    }
     answer.add(work.factor, work.solution, refinement);
   }
   form.in_parts = true;

@@ -283,8 +283,8 @@ bool solve_cut_island(const lanes::Job& job, SceneData& data, IslandWork& d, Isl
 void solve_cut(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,         w.solves + 1, w.q.data(),    data.v.data(), data.tau.data(),
-                       data.f_offset, w.wanted,     data.a.data(), data.f.data()};
+  const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
+                       data.f_offset, w.wanted, data.a.data(), data.f.data()};
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (w.islands[i]->cut && !w.islands[i]->was_dependent)  // mostly still is: another way answers
       (void)solve_cut_island(job, data, *w.islands[i], data.report.islands[i]);
@@ -321,7 +321,7 @@ void complete_cut(const Scene& scene, const SceneData& data) {
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     if (!left(w.islands[i])) return;
-    if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
+    factorize_again(scene, data, d, thread);
     d.in_lanes = false;
   });
   w.kinematics_known = std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->in_lanes; });

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
@@ -126,6 +127,20 @@ double turned_forces(const Scene& scene, const Workspace& work, IslandWork& d) {
       w, kept);
 }
 
+// By how much the answer given (a, f) differs from x = [a; -f], which another factor may have found since (`complete`):
+// the bounds are x's.
+std::pair<double, double> moved(const SceneData& data, const Scene& scene, const IslandWork& d) {
+  const int* iperm = d.K.pattern->iperm.data();
+  double a = 0, f = 0;
+  each_velocity_block(scene, d.island, [&](int given, int own, int n) {
+    for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[given + i] - d.v.x[iperm[own + i]]));
+  });
+  each_force_block(scene, data.f_offset, d.island, [&](int given, int own, int n) {
+    for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[given + i] + d.v.x[iperm[d.island.nv + own + i]]));
+  });
+  return {a, f};
+}
+
 }  // namespace
 
 void estimate_errors(const Scene& scene, SceneData& data) {
@@ -142,6 +157,7 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     }
     const std::vector<double> w = uncertainty(scene, *data.workspace, d);
     const int* iperm = d.K.pattern->iperm.data();
+    const auto [moved_a, moved_f] = moved(data, scene, d);
     std::vector<char> kept(w.size());
     const auto relative = [&](int first, int count, double more) {
       double size = 0;
@@ -153,9 +169,10 @@ void estimate_errors(const Scene& scene, SceneData& data) {
       const double error = count > 0 ? bound(inverse(d), w, kept) + more : 0;
       return error == 0 ? 0 : error / size;
     };
-    report.error_acceleration = relative(0, d.island.nv, 0);
+    report.error_acceleration = relative(0, d.island.nv, moved_a);
     report.error_forces =
-        relative(d.island.nv, d.island.nc, internal::rank_deficient(d) ? turned_forces(scene, *data.workspace, d) : 0);
+        relative(d.island.nv, d.island.nc,
+                 moved_f + (internal::rank_deficient(d) ? turned_forces(scene, *data.workspace, d) : 0));
   }
   summarise(data.report);
 }

@@ -70,8 +70,8 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,         w.solves + 1, w.q.data(),    data.v.data(), data.tau.data(),
-                       data.f_offset, w.wanted,     data.a.data(), data.f.data()};
+  const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
+                       data.f_offset, w.wanted, data.a.data(), data.f.data()};
   each_in_lanes(
       scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
       [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
@@ -131,7 +131,7 @@ void complete(const Scene& scene, const SceneData& data) {
 void complete_island(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
   Workspace& w = *data.workspace;
   evaluate(scene, w.q, data.v, w, d.island);
-  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
+  factorize_again(scene, data, d, thread);
   d.in_lanes = false;
 }
 

@@ -189,11 +189,10 @@ void each_alone(SceneData& data, Work&& work) {
   });
 }
 
-// Whether there is an answer; where lanes or parts gave it, with all that products need.
+// Whether there is an answer; where lanes gave it, with all that products need.
 bool solution_at_hand(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread) {
   if (internal::solved_cut(data, d)) return true;
   if (d.in_lanes) internal::complete_island(scene, data, d, thread);
-  internal::complete_bodies(scene, data, d, thread);
   return d.factor;
 }
 
@@ -215,8 +214,10 @@ ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
   internal::evaluate_cut(scene, data);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
-  for (const auto& d : w.islands)
+  for (const auto& d : w.islands) {
+    internal::complete_bodies(scene, data, *d, w.threads.front());  // by_bodies may not hold any more
     if (!internal::by_bodies(*d)) linearisation.assign(scene, w, *d);
+  }
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
   return *w.products;
 }
@@ -239,7 +240,8 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
     IslandWork& d = *data.workspace->islands[i];
     if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
-    if (internal::rank_deficient(d)) return formed_jvp(scene, data, i, dq, dv, du, da, df, thread);
+    if (!internal::solved_cut(data, d) && internal::rank_deficient(d))
+      return formed_jvp(scene, data, i, dq, dv, du, da, df, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());
     tangent_rhs(scene, data, d, dq, dv, du, thread.v, pd);
@@ -265,7 +267,8 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
     IslandWork& d = *data.workspace->islands[i];
     if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
-    if (internal::rank_deficient(d)) return formed_vjp(scene, data, i, wa, wf, wq, wv, wu, thread);
+    if (!internal::solved_cut(data, d) && internal::rank_deficient(d))
+      return formed_vjp(scene, data, i, wa, wf, wq, wv, wu, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());
     internal::gather(scene, data.f_offset, *d.K.pattern, d.island, wa, wf, thread.v.b.data());

@@ -184,4 +184,10 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
   return true;
 }
 
+void factorize_again(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
+  const bool was_dependent = d.was_dependent;
+  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
+  d.was_dependent = was_dependent;
+}
+
 }  // namespace manycontact::internal

@@ -132,6 +132,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.q = q;
   w.kinematics_known = false;
   const OneBlasOfThreads one_blas_thread(w);
+  ++w.solves;  // what fails on the way may have left its number behind
   solve_in_lanes(scene, data);
   solve_cut(scene, data);
   evaluate_in_lanes(scene, data, [](const IslandWork& d) { return !d.in_lanes; });
@@ -141,7 +142,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.kinematics_known = std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->in_lanes; });
   summarise(data.report);
   w.wanted = nullptr;
-  data.serial = w.current = ++w.solves;
+  data.serial = w.current = w.solves;
   return data.report;
 }
 

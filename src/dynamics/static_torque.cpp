@@ -19,6 +19,7 @@ StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene
 
 void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
+  if (!w.kinematics_known) throw std::logic_error("static_torque: robots were solved in lanes, call complete first");
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,

@@ -49,6 +49,10 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& island,
                   IslandReport& report);
 
+/// The same for an answer that lanes or parts gave: what the next solve tries first stays. island.factor is null where
+/// there is none.
+void factorize_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
+
 /// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
 /// new data does.
 void forget_states(SceneData& data);

@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/static_torque.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
@@ -253,9 +254,14 @@ TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   (void)solve(h.scene, h.q, h.v, h.u, off);
   EXPECT_THROW((void)kinematics_of(data, 0), std::logic_error);
   EXPECT_THROW((void)matrix_of(data, 0), std::logic_error);
+  StaticTorque at_rest(h.scene), at_rest_off(h.scene);
+  EXPECT_THROW(static_torque(h.scene, data, true, at_rest), std::logic_error);
   const VectorXd a = data.a;
   complete(h.scene, data);
   EXPECT_TRUE(same(data.a, a));
+  static_torque(h.scene, data, true, at_rest);
+  static_torque(h.scene, off, true, at_rest_off);
+  EXPECT_TRUE(same(at_rest.tau, at_rest_off.tau));
   for (int r = 0; r < 3; ++r) {
     EXPECT_TRUE(same(kinematics_of(data, r).J, kinematics_of(off, r).J));
     EXPECT_EQ(matrix_of(data, r).values, matrix_of(off, r).values);
@@ -283,7 +289,7 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   }
 }
 
-// ---- robots of one island: terms in lanes, one factor, which an order that is asked for takes --------------------------------------------------------------
+// ---- robots of one island: terms in lanes, one factor, which an order that is asked for takes ----------------------
 
 Contact holding(std::mt19937& rng) {
   Contact c;

@@ -15,7 +15,7 @@ namespace manycontact {
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
 /// the least-squares accelerations. Blocks of failed islands are NaN.
 /// Allocates nothing after the first call with the same request and contact set, by the sparse methods, unless a state
-/// needs another way. Throws std::logic_error before the first solve and when contacts were switched after it,
+/// needs another way (a thread's first derivatives take scratch that the thread keeps). Throws std::logic_error before the first solve and when contacts were switched after it,
 /// std::invalid_argument when data are not of this scene.
 // clang-format on
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
@@ -32,7 +32,7 @@ struct SceneDerivatives {
 
 /// What differentiate computed last.
 const DerivativeData& derivatives(const SceneData& data);
-/// Gives back the memory of derivatives, which the next differentiate takes again.
+/// Gives back the memory of derivatives, which the next differentiate takes again (but not the threads' scratch).
 void release_derivatives(SceneData& data);
 
 }  // namespace manycontact

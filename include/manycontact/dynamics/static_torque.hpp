@@ -17,7 +17,7 @@ struct StaticTorque {
 };
 
 /// s.tau = g(q) - J^T f (nv), or g(q) alone without `contacts`. After forward_kinematics of data's robots and, with
-/// `contacts`, a solve.
+/// `contacts`, a solve; throws std::logic_error where that went in lanes and `complete` was not called since.
 void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s);
 
 /// Its derivative with respect to q, on the tangent space, f held constant in each contact's own frame: an island's
