@@ -261,7 +261,7 @@ TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   EXPECT_TRUE(same(data.a, a));
   static_torque(h.scene, data, true, at_rest);
   static_torque(h.scene, off, true, at_rest_off);
-  EXPECT_TRUE(same(at_rest.tau, at_rest_off.tau));
+  EXPECT_LT((at_rest.tau - at_rest_off.tau).norm(), 1e-11 * at_rest_off.tau.norm());
   for (int r = 0; r < 3; ++r) {
     EXPECT_TRUE(same(kinematics_of(data, r).J, kinematics_of(off, r).J));
     EXPECT_EQ(matrix_of(data, r).values, matrix_of(off, r).values);
