@@ -113,10 +113,10 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   DataCollector& m = *data.multibody;
   const Actuation how = kind(actuation, m.scene);
   const int nv = m.scene.nv, nu = static_cast<int>(actuation.get_nu());
+  new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));  // the old one may be gone, whatever follows
   require(data.storage != MatrixStorage::kPanel || island_count(m.solution) == 1,
           "DifferentialActionDataContactFwdDynamics",
           "storage kPanel of a scene of " + std::to_string(island_count(m.solution)) + " islands, one is expected");
-  new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));
   m.islands.assign(island_count(m.solution), {});
   m.custom.assign(how == Actuation::kCustom ? m.islands.size() : 0, {});
   data.Fx.setZero();

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <ostream>
+#include <stdexcept>
 
 namespace manycontact {
 
@@ -29,9 +30,23 @@ void ActionDataAbstract::allocate_matrices(const ActionModelAbstract* model) {
   Hx.setZero(h.size(), ndx), Hu.setZero(h.size(), nu);
 }
 
+namespace {
+
+void expect_matrices(const ActionDataAbstract& d) {
+  if (!d.has_matrices()) throw std::logic_error("ActionDataAbstract: the parts' data have the derivatives");
+}
+
+}  // namespace
+
 void ActionDataAbstract::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
+  expect_matrices(*this);
   gx.noalias() = Fx.transpose() * p;
   gu.noalias() = Fu.transpose() * p;
+}
+
+void ActionDataAbstract::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
+  expect_matrices(*this);
+  fx = Fx, fu = Fu;
 }
 
 ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,

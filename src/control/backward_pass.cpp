@@ -225,6 +225,7 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
                                            const std::shared_ptr<ActionDataAbstract>& data) {
   require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
   const Index nu = model->get_nu(), ndx = problem_->get_ndx();
+  panel_node_ = kNoNode;
   layOutPanels(nu);
   const ActionModelAbstract& m = *model;
   const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives, in matrices
@@ -241,6 +242,7 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
   using Row = Eigen::Map<const Eigen::VectorXd>;
   Qx_[t] = data->Lx + Row(panels_.Fv.data() + u, ndx);
   Qu_[t] = data->Lu + Row(panels_.Fv.data(), nu);
+  panel_node_ = t;
   if (!keeps_values_) return;
   for (Index i = 0; i < ndx; ++i) Qxx_[t].col(i).tail(ndx - i) = Row(H + (u + i) * ld + u + i, ndx - i);
   for (Index a = 0; a < nu; ++a) {
@@ -258,7 +260,7 @@ SolverDDP::QuuView SolverDDP::currentQuu(std::size_t t) const {
 }
 
 void SolverDDP::computeGains(std::size_t t) {
-  require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
+  require(t == panel_node_, "SolverDDP::computeGains", "computeActionValueFunction of this node is expected first");
   const int nu = static_cast<int>(problem_->get_runningModels()[t]->get_nu()), ndx = panels_.x, ld = panels_.ld;
   if (nu == 0) return;
   Quu_llt_[t].compute(currentQuu(t));
@@ -277,7 +279,8 @@ void SolverDDP::computeGains(std::size_t t) {
 }
 
 void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) {
-  require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
+  require(t == panel_node_, "SolverDDP::computeValueFunction",
+          "computeActionValueFunction of this node is expected first");
   const int nu = static_cast<int>(model->get_nu()), ndx = panels_.x, ld = panels_.ld;
   const double *Qux = panels_.H.data() + panels_.u, *Qxx = Qux + static_cast<Index>(panels_.u) * ld;
   using Row = Eigen::Map<const Eigen::VectorXd>;

@@ -37,6 +37,7 @@ void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
 
 // Only what does not fit yet is allocated.
 void SolverDDP::allocateData() {
+  panel_node_ = kNoNode;
   const std::size_t T = problem_->get_T();
   const Eigen::Index nx = problem_->get_nx(), ndx = problem_->get_ndx();
   for (std::size_t t = 0; t <= T; ++t)

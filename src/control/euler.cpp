@@ -2,6 +2,7 @@
 
 #include <typeinfo>
 
+#include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/state_vector.hpp"
 #include "steps.hpp"
 #include "wide_joints.hpp"
@@ -24,6 +25,8 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
     Lwu.setZero(model->get_control()->get_nw(), model->get_nu());
   } else {
     const ControlParametrizationModelAbstract& parametrization = *model->get_control();
+    require(model->get_nu() > 0 && dynamic_cast<const DifferentialActionDataContactFwdDynamics*>(differential.get()),
+            "IntegratedActionModelEuler", "storage kPanel of dynamics without controls or without contact dynamics");
     require(g.size() + h.size() == 0 && joints_are_known &&
                 typeid(parametrization) == typeid(ControlParametrizationModelPolyZero),
             "IntegratedActionModelEuler",

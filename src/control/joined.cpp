@@ -187,7 +187,8 @@ void ActionModelJoined::check_parts() const {
 }
 
 void ActionModelJoined::set_storage(MatrixStorage storage) {
-  require(storage != MatrixStorage::kBoth, "ActionModelJoined::set_storage", "kDense or kSparse is expected");
+  require(storage == MatrixStorage::kDense || storage == MatrixStorage::kSparse, "ActionModelJoined::set_storage",
+          "kDense or kSparse is expected");
   storage_ = storage;
 }
 
@@ -200,7 +201,8 @@ DataPtr ActionModelJoined::createData() {
 DataPtr ActionModelJoined::createData(std::vector<DataPtr> parts) {
   check_size("ActionModelJoined::createData", "the parts' data", parts.size(), parts_.size());
   for (std::size_t i = 0; i < parts_.size(); ++i)
-    require(parts_[i].model->checkData(parts[i]), kActionModelJoined, "data of the parts' createData() are expected");
+    require(parts_[i].model->checkData(parts[i]) && parts[i]->has_matrices(), kActionModelJoined,
+            "data of the parts' createData() are expected, with matrices");
   if (storage_ == MatrixStorage::kDense) return std::make_shared<ActionDataJoined>(this, std::move(parts));
   return std::make_shared<ActionDataJoined>(this, std::move(parts), WithoutMatrices{});
 }

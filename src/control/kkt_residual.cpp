@@ -165,6 +165,8 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
   const std::size_t nodes = problem.get_T() + 1;
   require(l.size() == nodes && (ys.empty() || ys.size() == nodes), "kkt_residual",
           "the number of multipliers is not T + 1");
+  for (const Eigen::VectorXd& l_t : l)
+    check_size("kkt_residual", "multipliers of a node", l_t.size(), problem.get_ndx());
   problem.calc(xs, us);
   problem.calcDiff(xs, us);
   Eigen::VectorXd work;

@@ -68,7 +68,8 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
 }
 
 void ActionModelParts::set_storage(MatrixStorage storage) {
-  require(storage != MatrixStorage::kBoth, "ActionModelParts::set_storage", "kDense or kSparse is expected");
+  require(storage == MatrixStorage::kDense || storage == MatrixStorage::kSparse, "ActionModelParts::set_storage",
+          "kDense or kSparse is expected");
   storage_ = storage;
 }
 

@@ -182,11 +182,12 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
-// What the nodes of a part keep. Panels are of one island: of one robot, whatever its contacts; an augmented Lagrangian
-// needs matrices.
+// What the nodes of a part keep. Panels are of one island: of one robot, whatever its contacts, with torques; an
+// augmented Lagrangian needs matrices.
 MatrixStorage storage_of(const TaskFile& part) {
+  const Scene& scene = part.scene.scene;
   const bool panel =
-      part.scene.scene.nrobots() == 1 && part.integrator == TaskIntegrator::kEuler && !has_constraints(part);
+      scene.nrobots() == 1 && scene.nu > 0 && part.integrator == TaskIntegrator::kEuler && !has_constraints(part);
   return panel ? MatrixStorage::kPanel : MatrixStorage::kDense;
 }
 

@@ -109,6 +109,29 @@ TEST(SolverSparse, DirectionsAreTheDenseOnes) {
   }
 }
 
+TEST(SolverDDP, GainsAreOfTheNodeAtHand) {
+  SolverFDDP solver(unicycles(MatrixStorage::kDense));
+  EXPECT_THROW(solver.computeGains(3), std::invalid_argument);
+  solver.computeDirection(true);  // ends with node 0
+  EXPECT_THROW(solver.computeGains(3), std::invalid_argument);
+  EXPECT_THROW(solver.computeValueFunction(3, solver.get_problem()->get_runningModels()[3]), std::invalid_argument);
+  const Eigen::VectorXd k = solver.get_k()[3];
+  solver.computeActionValueFunction(3, solver.get_problem()->get_runningModels()[3],
+                                    solver.get_problem()->get_runningDatas()[3]);
+  solver.computeGains(3);
+  EXPECT_LT(error_of(solver.get_k()[3], k), 1e-12);
+}
+
+TEST(SolverSparse, DataOfPartsHaveNoMatrices) {
+  const auto problem = unicycles(MatrixStorage::kSparse);
+  const ActionDataAbstract& data = *problem->get_runningDatas()[0];
+  EXPECT_FALSE(data.has_matrices());
+  Eigen::VectorXd gx(9), gu(6);
+  Eigen::MatrixXd fx, fu;
+  EXPECT_THROW(data.pull_back(Eigen::VectorXd::Zero(9), gx, gu), std::logic_error);
+  EXPECT_THROW(data.dynamics(fx, fu), std::logic_error);
+}
+
 TEST(SolverSparse, PartsWithLimitsKeepTheirHessians) {
   SolverBoxFDDP dense(unicycles(MatrixStorage::kDense, 20, 1.2));
   SolverSparse sparse(unicycles(MatrixStorage::kSparse, 20, 1.2), true);

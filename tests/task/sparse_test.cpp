@@ -142,6 +142,22 @@ TEST(SparseTask, WhatHasNoTorquesMovesToo) {
   EXPECT_LT(both.sparse.xs.back()[task.scene.scene.robots[2].idx_q + 2], 2.98);
 }
 
+// Nodes without any controls are terminal ones, in parts too.
+TEST(SparseTask, RobotsWithoutTorquesAreAsInOneScene) {
+  const TaskFile task = task_of("boxes",
+                                "<scene name='boxes'><robot name='box' urdf='" + kModels +
+                                    "box.urdf' base='floating' copies='2' xyz='0 0 1'/></scene>",
+                                "<phase nodes='4'><cost name='state' type='state' weight='1' robot='box'/></phase>");
+  TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  EXPECT_EQ(by_parts.parts.size(), 2u);
+  const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}}),
+                     sparse = optimize(task, by_parts, {TaskSolver::kSparse, 1, {}});
+  EXPECT_EQ(sparse.converged, dense.converged) << sparse.reason;
+  ASSERT_EQ(sparse.xs.size(), dense.xs.size());
+  EXPECT_NEAR(sparse.cost, dense.cost, 1e-12 * dense.cost);
+  for (std::size_t t = 0; t < dense.xs.size(); ++t) EXPECT_LT(difference_of(sparse.xs[t], dense.xs[t]), 1e-12);
+}
+
 TEST(SparseTask, ImpactsOfSeparateRobots) {
   const TaskFile task = task_of("impacts", herd(2),
                                 "<phase nodes='5' contacts='RF LH RH'>" + costs(kSwing) +

@@ -32,11 +32,12 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: by calcDiff
 
   /// False where the derivatives are kept in a shape of their own, and matrices above are empty: of
-  /// IntegratedActionModelEuler with storage kPanel.
+  /// IntegratedActionModelEuler with storage kPanel, of ActionModelParts and ActionModelJoined with kSparse.
   virtual bool has_matrices() const { return true; }
-  /// gx = Fx^T p, gu = Fu^T p for p of ndx numbers, and [Fx Fu] as matrices: of the last calcDiff.
+  /// gx = Fx^T p, gu = Fu^T p for p of ndx numbers, and [Fx Fu] as matrices: of the last calcDiff. Throw
+  /// std::logic_error where only the parts' data have derivatives.
   virtual void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const;
-  virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const { fx = Fx, fu = Fu; }
+  virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 
  protected:
   void allocate_matrices(const ActionModelAbstract* model);

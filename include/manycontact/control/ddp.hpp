@@ -46,6 +46,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void forwardPass(double steplength);
   virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                           const std::shared_ptr<ActionDataAbstract>& data);
+  /// Of the node that computeActionValueFunction was last of, else std::invalid_argument.
   virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model);
   virtual void computeGains(std::size_t t);
   void increaseRegularization();
@@ -189,6 +190,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
                      const Eigen::VectorXd& v);
   Panels panels_;
+  static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
+  std::size_t panel_node_ = kNoNode;  // whose Hessians panels_ hold
   LimitedBfgs bfgs_;
   std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // of descend: direction, gradients
   double slope_ = 0;                             // g^T nu

@@ -73,6 +73,7 @@ struct ActionDataJoined : ActionDataAbstract {  // of such a node, part by part 
   };
   std::vector<OfBond> bonds;
 
+  bool has_matrices() const override { return Fx.size() > 0; }
   const std::string& name_of_bond(std::size_t b) const { return names_[b]; }
   /// On A, in the contact's reference frame, as of the last calc(data, x, u).
   Eigen::VectorXd force_of_bond(std::size_t b) const {

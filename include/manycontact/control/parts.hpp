@@ -19,6 +19,8 @@ struct ActionDataParts : ActionDataAbstract {  // of such a node, part by part
   using ActionDataAbstract::ActionDataAbstract;
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
   std::vector<Eigen::VectorXd> x, u;  // of each part, as last given
+
+  bool has_matrices() const override { return Fx.size() > 0; }
 };
 
 class ActionModelParts : public ActionModelAbstract {  // parts of a scene as one node
