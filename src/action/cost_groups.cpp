@@ -74,11 +74,10 @@ void CostGroups::take_squares(const CostGroup& g) {
   for (const CostGroup::Member& member : g.members) {
     const ResidualBlock& b = block_of(member);
     const RowMajorMatrix& J = by_x ? b.Rx : b.Ru;
-    for (std::size_t i = 0; i < b.rows.size(); ++i) {
-      const double* at = J.data() + i;
-      squares.push_back({member.cost, b.constant ? nullptr : at, *at, static_cast<int>(member.index), b.rows[i],
-                         by_x ? g.xcols[0] : g.ucols[0], by_x, by_x ? g.xx : g.uu});
-    }
+    for (std::size_t i = 0; i < b.rows.size(); ++i)
+      squares.push_back({member.cost, b.constant ? nullptr : &J, J.data()[i], static_cast<int>(i),
+                         static_cast<int>(member.index), b.rows[i], by_x ? g.xcols[0] : g.ucols[0], by_x,
+                         by_x ? g.xx : g.uu});
   }
 }
 
@@ -89,7 +88,7 @@ void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, 
     const double w = weights[static_cast<std::size_t>(s.index)];
     if (w == 0 || (terminal && !s.by_x)) continue;
     const ActivationDataAbstract& a = *s.cost->activation;
-    const double J = s.J ? *s.J : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
+    const double J = s.J ? s.J->data()[s.at] : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
     (s.by_x ? out.Lx : out.Lu)[s.column] += w * a.Ar[s.row] * J;
     if (dense) (s.by_x ? out.Lxx : out.Luu)(s.column, s.column) += square;
     if (blocks) (s.by_x ? xx : uu)[s.entry] += square;

@@ -26,8 +26,9 @@ struct CostGroup {
 /// A row that depends on one coordinate alone.
 struct CostSquare {
   const CostDataResidual* cost;
-  const double* J;  // the row's Jacobian; null where it is `constant`
+  const RowMajorMatrix* J;  // of the block, one column; null where the row's is `constant`
   double constant;
+  int at;           // the row in the block
   int index;        // of the cost in the stack
   int row, column;  // in the residual; in x or in u
   bool by_x;
