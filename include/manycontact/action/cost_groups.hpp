@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "manycontact/action/cost_derivatives.hpp"
+#include "manycontact/action/fwd.hpp"
 
 namespace manycontact {
 

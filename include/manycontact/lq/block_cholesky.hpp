@@ -38,7 +38,7 @@ class BlockCholesky {
   void solve(Eigen::VectorXd& x) const;
 
   int size() const { return start_.empty() ? 0 : start_.back(); }
-  int start(int v) const { return start_[v]; }
+  int start(int v) const { return start_[static_cast<std::size_t>(v)]; }
   int vertices() const { return static_cast<int>(vertices_.size()); }
   bool finite() const;
 
