@@ -150,8 +150,9 @@ void SolverDDP::multiplyDense(const ActionDataAbstract& data, const Eigen::Matri
 //     F^T V F = B^T (W B + Y E) + E^T Y^T B + E^T J1^T Vqq J1 E,    F^T v = B^T G^T v + E^T J1^T vq
 //
 // which takes half the operations.
-void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
+void SolverDDP::multiplyEuler(const IntegratedActionDataEuler& data, const Eigen::MatrixXd& V,
                               const Eigen::VectorXd& v) {
+  const double h = data.step;
   const Index n = panels_.x / 2, ld = panels_.ld;
   const int nv = static_cast<int>(n), cols = panels_.u + panels_.x;
   Eigen::MatrixXd &U = panels_.U, &W = panels_.W, &Y = panels_.Y, &A = panels_.A;
@@ -228,11 +229,11 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
   panel_node_ = kNoNode;
   layOutPanels(nu);
   const ActionModelAbstract& m = *model;
-  const IntegratedActionDataEuler* euler = nullptr;  // derived models may give other derivatives, in matrices
-  if (typeid(m) == typeid(IntegratedActionModelEuler) || !data->has_matrices())
-    euler = dynamic_cast<IntegratedActionDataEuler*>(data.get());
+  const auto* euler = typeid(m) == typeid(IntegratedActionModelEuler)  // derived ones may give other derivatives
+                          ? dynamic_cast<const IntegratedActionDataEuler*>(data.get())
+                          : without_matrices(*data);
   if (euler && euler->joints_are_known)
-    multiplyEuler(*euler, euler->step, value(t + 1), Vx_[t + 1]);
+    multiplyEuler(*euler, value(t + 1), Vx_[t + 1]);
   else
     multiplyDense(*data, value(t + 1), Vx_[t + 1]);
   addHessian(*data);

@@ -64,6 +64,8 @@ void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen
 
 namespace internal {
 
+namespace {
+
 double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
@@ -127,10 +129,13 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
 
 double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
-  work.resize(static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max()));
+  const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
+  if (work.size() < size) work.resize(size);
   return SolverJoinedPart::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, work)
                                            : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
 }
+
+}  // namespace
 
 double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                              bool limits, const Vectors& ys, Eigen::VectorXd& work) {

@@ -4,12 +4,8 @@
 
 namespace manycontact::internal {
 
-/// kkt_residual of nodes that are evaluated. work: memory, of a size that it takes once.
-double kkt_residual_of_data(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
-                            const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
-                            const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);
-
-/// The same of nodes that may be of several parts, which takes memory then.
+/// kkt_residual of nodes that are evaluated. work: memory, of the size that was largest so far. Several parts take more
+/// of it each time.
 double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                              const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
                              const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);

@@ -98,7 +98,7 @@ std::unique_ptr<CutIsland> cut_island(const Scene& scene, Workspace& w, IslandWo
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     CutGroup& group = group_of(w, d, *cut->joining, k);
     fits = fits && group.robot->schedule.compiled && group.robot->pattern.size() <= kLargestCut;
-    cut->robots.push_back({&group, {}, 0, {}, nullptr});
+    cut->robots.push_back({&group, {}, 0});
     cut->order.push_back(static_cast<int>(k));
   }
   std::stable_sort(cut->order.begin(), cut->order.end(),
@@ -114,6 +114,7 @@ void take_memory(CutIsland& cut) {
   cut.L.resize(cut.joining->symbolic.nonzeros());
   for (std::vector<double>* x : {&cut.D, &cut.terms, &cut.b, &cut.y, &cut.r, &cut.scale, &cut.step}) x->resize(rows);
   cut.members.resize(robots);
+  for (std::size_t k = 0; k < robots; ++k) cut.robots[cut.order[k]].member = static_cast<int>(k);
   cut.batches.reserve(robots);
   cut.contact_batches.reserve(cut.joining->row.size());
 }

@@ -37,10 +37,7 @@ struct CutIsland {
   struct OfRobot {
     CutGroup* group;
     std::vector<int> contacts;  // on it alone, of the scene
-    // by solve
-    std::size_t at;  // in `memory`
-    lanes::Border border;
-    double* joins;  // lanes::CutRobots::Robot
+    int member;                 // of `members`: its place in `order`
   };
 
   std::shared_ptr<const Joining> joining;
@@ -48,8 +45,10 @@ struct CutIsland {
   std::vector<OfRobot> robots;
   // by prepare, for the island at hand
   std::vector<Joint> contacts;  // group by group, like ones together
+  std::vector<Robot> members;   // as `order`; filled by solve
+  Robot& member(std::size_t robot) { return members[robots[robot].member]; }
+  const Robot& member(std::size_t robot) const { return members[robots[robot].member]; }
   // by solve
-  std::vector<Robot> members;  // as `order`
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
   std::uint64_t serial = 0;                  // of the solution that all of this is of

@@ -22,34 +22,35 @@ void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, C
   cut.batches.clear();
   std::size_t size = 0;
   for (std::size_t k = 0; k < cut.order.size(); ++k) {
-    CutIsland::OfRobot& r = cut.robots[cut.order[k]];
+    const CutIsland::OfRobot& r = cut.robots[cut.order[k]];
     const auto* last = cut.batches.empty() ? nullptr : &cut.batches.back();
     if (!last || last->group != r.group || last->count == w.lanes.level->width ||
         !lanes::alike(scene, cut.robots[cut.order[last->first]].contacts, r.contacts))
       cut.batches.push_back({r.group, static_cast<int>(k), 0, 0});
     ++cut.batches.back().count;
   }
+  const auto shared = [](const CutIsland::Batch& batch) {
+    return sparse::padded(batch.group->kernels.front()->memory(batch.count == 1));
+  };
+  const auto of_each = [](const lanes::CutRobot& robot) {
+    return sparse::padded(lanes::Border::size(robot.border) + robot.joins_size());
+  };
   for (CutIsland::Batch& batch : cut.batches) {
     batch.at = size;
-    size += sparse::padded(batch.group->kernels.front()->memory(batch.count == 1));
-    for (int k = batch.first; k < batch.first + batch.count; ++k) {
-      CutIsland::OfRobot& r = cut.robots[cut.order[k]];
-      const lanes::CutRobot& robot = *r.group->robot;
-      cut.members[k].number = d.island.robots[cut.order[k]];
-      w.robots[cut.members[k].number].known = false;
-      cut.members[k].contacts = r.contacts.data();
-      r.border = {nullptr, robot.border};
-      r.at = size;
-      size += sparse::padded(lanes::Border::size(robot.border) + robot.joins_size());
-    }
+    size += shared(batch) + batch.count * of_each(*batch.group->robot);
   }
   cut.memory.reserve(size);
-  for (std::size_t k = 0; k < cut.order.size(); ++k) {
-    CutIsland::OfRobot& r = cut.robots[cut.order[k]];
-    r.border.S = cut.memory.data() + r.at;
-    r.joins = r.border.S + lanes::Border::size(r.border.m);
-    cut.members[k].border = r.border;
-    cut.members[k].joins = r.joins;
+  for (const CutIsland::Batch& batch : cut.batches) {
+    const lanes::CutRobot& robot = *batch.group->robot;
+    double* at = cut.memory.data() + batch.at + shared(batch);
+    for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(robot)) {
+      CutMember& member = cut.members[k];
+      member.number = d.island.robots[cut.order[k]];
+      w.robots[member.number].known = false;
+      member.contacts = cut.robots[cut.order[k]].contacts.data();
+      member.border = {at, robot.border};
+      member.joins = at + lanes::Border::size(robot.border);
+    }
   }
 }
 
@@ -88,8 +89,8 @@ void evaluate_joining(const Scene& scene, Workspace& w, CutIsland& cut) {
     const auto joints = std::span(cut.contacts).subspan(batch.first, batch.count);
     thread.joining.clear();
     for (const CutIsland::Joint& joint : joints)
-      thread.joining.push_back({&scene.contacts[joint.contact], cut.robots[joint.A].joins + joint.at_A,
-                                cut.robots[joint.B].joins + joint.at_B, cut.b.data() + joint.row, 0, 0});
+      thread.joining.push_back({&scene.contacts[joint.contact], cut.member(joint.A).joins + joint.at_A,
+                                cut.member(joint.B).joins + joint.at_B, cut.b.data() + joint.row, 0, 0});
     batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.joining);
     for (std::size_t i = 0; i < joints.size(); ++i) {
       joints[i].motion = thread.joining[i].motion;
@@ -123,14 +124,14 @@ bool factor_joining(double damping, CutIsland& cut) {
   std::fill(cut.Sx.begin(), cut.Sx.end(), 0.0);
   for (int k = 0; k < joining.rows(); ++k) cut.Sx[joining.S.p[k + 1] - 1] = -damping;
   for (std::size_t k = 0; k < cut.robots.size(); ++k) {
-    const double* S = cut.robots[k].border.S;
+    const double* S = cut.member(k).border.S;
     for (int slot : joining.robots[k].slot) cut.Sx[slot] += *S++;
   }
   sparse::panel_kernels().factor(joining.schedule, cut.Sx.data(), cut.L.data(), cut.D.data(), cut.terms.data());
   for (int k = 0; k < joining.rows(); ++k) cut.terms[k] -= std::abs(cut.Sx[joining.S.p[k + 1] - 1]);
   for (std::size_t k = 0; k < cut.robots.size(); ++k) {  // the robots' terms in its place
     const Joining::OfRobot& r = joining.robots[k];
-    const lanes::Border& border = cut.robots[k].border;
+    const lanes::Border& border = cut.member(k).border;
     for (std::size_t i = 0; i < r.joining.size(); ++i) cut.terms[joining.place[r.joining[i]]] += border.terms()[i];
   }
   for (double& terms : cut.terms) terms += damping;
@@ -156,14 +157,14 @@ void solve_joining(CutIsland& cut) {
   for (int k = 0; k < joining.rows(); ++k) cut.step[joining.place[k]] = cut.r[k];
   for (std::size_t k = 0; k < cut.robots.size(); ++k) {
     const Joining::OfRobot& r = joining.robots[k];
-    const lanes::Border& border = cut.robots[k].border;
+    const lanes::Border& border = cut.member(k).border;
     for (std::size_t i = 0; i < r.joining.size(); ++i) cut.step[joining.place[r.joining[i]]] += border.b()[i];
   }
   sparse::panel_kernels().solve_vector(joining.schedule, cut.L.data(), cut.D.data(), cut.step.data());
   for (int k = 0; k < joining.rows(); ++k) cut.y[k] += cut.step[joining.place[k]];
   for (std::size_t k = 0; k < cut.robots.size(); ++k) {
     const Joining::OfRobot& r = joining.robots[k];
-    const lanes::Border& border = cut.robots[k].border;
+    const lanes::Border& border = cut.member(k).border;
     for (std::size_t i = 0; i < r.joining.size(); ++i) border.y()[i] = cut.step[joining.place[r.joining[i]]];
   }
 }
@@ -177,7 +178,7 @@ void joining_residual(double damping, CutIsland& cut) {
   }
   for (std::size_t k = 0; k < cut.robots.size(); ++k) {
     const Joining::OfRobot& r = joining.robots[k];
-    const lanes::Border& border = cut.robots[k].border;
+    const lanes::Border& border = cut.member(k).border;
     for (std::size_t i = 0; i < r.joining.size(); ++i) {
       cut.r[r.joining[i]] += border.r()[i];
       cut.scale[r.joining[i]] += border.scale()[i];

@@ -17,20 +17,12 @@
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
-#include "support/folder.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "task/task_of.hpp"
 
 namespace manycontact::test {
 namespace {
-
-TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task,
-                 const std::string& integrator = "euler") {
-  const TemporaryFolder folder;
-  (void)folder.write("scene.xml", scene);
-  return read_task(folder.write("task.xml", "<task name='" + name + "' scene='scene.xml' step='0.01' integrator='" +
-                                                integrator + "'>" + task + "</task>"));
-}
 
 std::string repeated(const std::string& number, int count) {
   std::string out;

@@ -17,16 +17,10 @@
 #include "support/folder.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "task/task_of.hpp"
 
 namespace manycontact::test {
 namespace {
-
-TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task) {
-  const TemporaryFolder folder;
-  (void)folder.write("scene.xml", scene);
-  return read_task(
-      folder.write("task.xml", "<task name='" + name + "' scene='scene.xml' step='0.01'>" + task + "</task>"));
-}
 
 // Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
 std::string herd(int robots, const std::string& more = "", const std::string& urdf = kModels + "quadruped.urdf") {

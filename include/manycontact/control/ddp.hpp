@@ -187,8 +187,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   using QuuView = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
   QuuView currentQuu(std::size_t t) const;
   void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
-  void multiplyEuler(const IntegratedActionDataEuler& data, double h, const Eigen::MatrixXd& V,
-                     const Eigen::VectorXd& v);
+  void multiplyEuler(const IntegratedActionDataEuler& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
   Panels panels_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
   std::size_t panel_node_ = kNoNode;  // whose Hessians panels_ hold

@@ -15,8 +15,8 @@ namespace manycontact {
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
 /// the least-squares accelerations. Blocks of failed islands are NaN.
 /// Allocates nothing after the first call with the same request and contact set, by the sparse methods, unless a state
-/// needs another way (a thread's first derivatives take scratch that the thread keeps). Throws std::logic_error before the first solve and when contacts were switched after it,
-/// std::invalid_argument when data are not of this scene.
+/// needs another way (a thread's first derivatives take scratch that it keeps). Throws std::logic_error before the first
+/// solve and when contacts were switched after it, std::invalid_argument when data are not of this scene.
 // clang-format on
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
 

@@ -14,6 +14,7 @@
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "terms.hpp"
 
 namespace manycontact::lanes {
 
@@ -381,11 +382,7 @@ typename S::Mask SideBySide<S>::believable_rows(const Scene& scene, const Island
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const ContactData<S>& rows = contacts_[k];
     motion = larger(motion_size(scene.contacts[island.contacts[k]], rows), motion);
-    for (Eigen::Index i = 0; i < rows.J.rows(); ++i) {
-      S size(0);
-      for (Eigen::Index j = 0; j < rows.J.cols(); ++j) size = larger(abs(rows.J(i, j)), size);
-      smallest = -larger(-size, -smallest);
-    }
+    smallest = -larger(-smallest_row(rows), -smallest);
   }
   return smallest > S(tolerance::kRank) * motion;
 }
