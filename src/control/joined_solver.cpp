@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <typeinfo>
 
 #include "coordinates.hpp"
+#include "joined_parts.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
@@ -56,11 +58,32 @@ lq::Problem structure_of(const ShootingProblem& problem) {
   return out;
 }
 
+// J1 and h J2 of symplectic Euler; what is derived from it may step otherwise.
+void fill_steps(const ActionModelAbstract& model, ActionDataAbstract& data, std::optional<lq::Steps>& out) {
+  const auto* augmented = dynamic_cast<const ActionModelAugmentedLagrangian*>(&model);
+  const ActionModelAbstract& node = augmented ? *augmented->get_model() : model;
+  const IntegratedActionDataEuler& euler = internal::euler_of(data);
+  if (typeid(node) != typeid(IntegratedActionModelEuler) || !euler.joints_are_known) return out.reset();
+  if (!out) out.emplace();
+  const auto fill = [&](lq::BlockDiagonal& D, double scale, double of_joint, Mat6<double> IntegratedActionDataEuler::WideJoint::*which) {
+    D.scale = scale;
+    D.parts.resize(euler.wide_joints.size());
+    for (std::size_t k = 0; k < D.parts.size(); ++k) {
+      const IntegratedActionDataEuler::WideJoint& joint = euler.wide_joints[k];
+      D.parts[k].first = joint.first;
+      D.parts[k].block = of_joint * (joint.*which).topLeftCorner(joint.size, joint.size);
+    }
+  };
+  fill(out->J, 1, 1, &IntegratedActionDataEuler::WideJoint::of_x);
+  fill(out->G, euler.step, euler.step, &IntegratedActionDataEuler::WideJoint::of_dx);
+}
+
 // From the nodes' derivatives: all but f and x0.
 void fill_nodes(const ShootingProblem& problem, lq::Problem& out) {
   const std::size_t T = problem.get_T();
   for (std::size_t t = 0; t <= T; ++t) {
     const auto& data = static_cast<const ActionDataJoined&>(*problem.data(t));
+    const std::vector<JoinedPart>& parts = as_joined(problem, t)->get_parts();
     for (std::size_t i = 0; i < data.parts.size(); ++i) {
       lq::Group& group = out.knots[t].groups[i];
       const ActionDataAbstract& from = *data.parts[i];
@@ -72,6 +95,7 @@ void fill_nodes(const ShootingProblem& problem, lq::Problem& out) {
       group.r = from.Lu;
       group.A = from.Fx;
       group.B = from.Fu;
+      fill_steps(*parts[i].model, *data.parts[i], group.steps);
       group.C = data.C[i];
       group.D = data.D[i];
     }

@@ -52,8 +52,7 @@ void BondSchur::do_analyse(const Problem& problem) {
   U_.resize(n * nu);
   for (const BlockCholesky::Vertex& v : graph_.vertices) of_vertex = std::max<std::size_t>(of_vertex, v.size);
   S_.resize(y * std::max(y, of_vertex));
-  V_.resize(n * of_vertex);
-  V_next_.resize(n * of_vertex);
+  for (std::vector<double>* nv : {&V_, &Z_, &Z_next_}) nv->resize(n * std::max({n, y, of_vertex}));
   terms_ = Point(problem, layout_);
   y_.resize(schur_.size());
 }

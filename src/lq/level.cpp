@@ -24,8 +24,19 @@ ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 
-void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A) * map(B); }
-void add_AtB(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A).transpose() * map(B); }
+// Eigen's product takes memory for a single row, whose entries do not stand beside each other.
+void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
+  if (C.rows == 1)
+    map(C) += a * map(A).lazyProduct(map(B));
+  else
+    map(C).noalias() += a * map(A) * map(B);
+}
+void add_AtB(Panel C, double a, ConstPanel A, ConstPanel B) {
+  if (C.rows == 1)
+    map(C) += a * map(A).transpose().lazyProduct(map(B));
+  else
+    map(C).noalias() += a * map(A).transpose() * map(B);
+}
 void add_ABt(Panel C, double a, ConstPanel A, ConstPanel B) { map(C).noalias() += a * map(A) * map(B).transpose(); }
 void add_lower_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
   if (!nothing(C, A)) map(C).triangularView<Eigen::Lower>() += a * map(A) * map(B);

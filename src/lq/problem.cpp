@@ -76,6 +76,18 @@ void check_sizes(const Problem& problem, int k, int g) {
   matrix(group.A, s.nx, s.nx, "A");
   matrix(group.B, s.nx, nv, "B");
   vector(group.f, s.nx, "f");
+  if (!group.steps) return;
+  if (group.blocks.size() != 1 || s.nx % 2 != 0) refuse(k, g, "steps of other than one block of two halves");
+  for (const BlockDiagonal* D : {&group.steps->J, &group.steps->G}) {
+    Eigen::Index end = 0;
+    for (const BlockDiagonal::Part& part : D->parts) {
+      if (part.first < end || part.block.rows() != part.block.cols() ||
+          part.block.rows() > BlockDiagonal::kLargestPart)
+        refuse(k, g, "a part of J or G is out of order, not square or too large");
+      end = part.first + part.block.rows();
+    }
+    if (end > s.nx / 2) refuse(k, g, "J or G is larger than half the state");
+  }
 }
 
 std::vector<int> starts(const std::vector<int>& sizes) {

@@ -41,6 +41,12 @@ const char* Riccati::name() const {
   return "";
 }
 
+const Steps* Riccati::steps(const Problem& problem, int k, int index) const {
+  const Cluster& c = plan_[k][index];
+  const std::optional<Steps>& steps = problem.knots[k].groups[c.members.front().group].steps;
+  return join_ != Join::kAll && k < problem.horizon() && c.members.size() == 1 && steps ? &*steps : nullptr;
+}
+
 const Riccati::Policy& Riccati::policy(int knot, int cluster) const { return policies_[knot][cluster]; }
 
 void Riccati::do_analyse(const Problem& problem) {
@@ -69,6 +75,8 @@ void Riccati::do_analyse(const Problem& problem) {
   next_.resize(n * n);
   PA_.resize(n * n);
   PB_.resize(n * m);
+  PG_.resize(n * n);
+  halves_.resize(n * n);
   Qxv_.resize(n * e);
   Qvv_.resize(e * e);
   t_.resize(layout_.x.back());
@@ -116,6 +124,17 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
   if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
   if (k == problem.horizon()) return;
 
+  if (const Steps* known = steps(problem, k, index))
+    add_next_value_by_steps(problem, k, index, *known);
+  else
+    add_next_value(problem, k, index);
+}
+
+// A^T P+ A, A^T P+ B, B^T P+ B
+void Riccati::add_next_value(const Problem& problem, int k, int index) {
+  const Cluster& c = plan_[k][index];
+  MatrixXd& Qxx = policies_[k][index].P;
+  MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
   const Eigen::Ref<const MatrixXd> P = next_value(problem, k, index);
   MatrixMap PA = as_matrix(PA_, c.nx, c.nx), PB = as_matrix(PB_, c.nx, c.nv);
   PA.setZero();
@@ -136,6 +155,48 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
       add_AtB(Qvv.block(a.to, 0, a.size, a.to), 1, B, PB.block(m.x, 0, m.nx, a.to));
       add_lower_AtB(Qvv.block(a.to, a.to, a.size, a.size), 1, B, PB.block(m.x, a.to, m.nx, a.size));
     }
+  }
+}
+
+// The same with A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z:  with W = [G; 1]^T P+ [G; 1], Y = [G; 1]^T P+ [J; 0] and
+// E = [1 0],
+//
+//     A^T P+ A = A_z^T (W A_z + Y E) + E^T Y^T A_z + E^T J^T P+_yy J E
+//     A^T P+ B = A_z^T W B_z + E^T Y^T B_z        B^T P+ B = B_z^T W B_z
+void Riccati::add_next_value_by_steps(const Problem& problem, int k, int index, const Steps& steps) {
+  const Cluster& c = plan_[k][index];
+  const Member& m = c.members.front();
+  const Group& g = problem.knots[k].groups[m.group];
+  const Index n = c.nx, half = n / 2;
+  MatrixXd& Qxx = policies_[k][index].P;
+  MatrixMap Qxv = as_matrix(Qxv_, n, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
+  const Eigen::Ref<const MatrixXd> P = next_value(problem, k, index);
+  const auto square = [&](Index i) { return MatrixMap(halves_.data() + i * half * half, half, half); };
+  MatrixMap PG = as_matrix(PG_, n, half), W = square(0), Yt = square(1), PJ = square(2), JPJ = square(3);
+  PG = P.rightCols(half);  // P+ [G; 1]
+  add_XD(PG, 1, P.leftCols(half), steps.G);
+  W = PG.bottomRows(half);
+  add_DtX(W, 1, steps.G, PG.topRows(half));
+  add_DtX(Yt, 0, steps.J, PG.topRows(half));
+  add_XD(PJ, 0, P.topLeftCorner(half, half), steps.J);
+  add_DtX(JPJ, 0, steps.J, PJ);
+
+  const auto A = g.A.bottomRows(half);
+  MatrixMap WA = as_matrix(PA_, half, n), WB = as_matrix(PB_, half, c.nv);
+  WA.setZero();
+  WB.setZero();
+  add_AB(WA, 1, W, A);
+  WA.leftCols(half) += Yt.transpose();
+  add_lower_AtB(Qxx, 1, A, WA);
+  add_AB(Qxx.topLeftCorner(half, half), 1, Yt, A.leftCols(half));
+  Qxx.topLeftCorner(half, half) += JPJ;
+  for (const Piece& a : m.v) add_AB(WB.middleCols(a.to, a.size), 1, W, g.B.block(half, a.from, half, a.size));
+  add_AtB(Qxv, 1, A, WB);
+  for (const Piece& a : m.v) {
+    const auto B = g.B.block(half, a.from, half, a.size);
+    add_AB(Qxv.block(0, a.to, half, a.size), 1, Yt, B);
+    add_AtB(Qvv.block(a.to, 0, a.size, a.to), 1, B, WB.leftCols(a.to));
+    add_lower_AtB(Qvv.block(a.to, a.to, a.size, a.size), 1, B, WB.middleCols(a.to, a.size));
   }
 }
 

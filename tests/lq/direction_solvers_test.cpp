@@ -110,6 +110,25 @@ std::vector<Case> cases() {
   o->growth = 1.3;
   o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
 
+  for (const int part : {1, 2, 3, 6}) {
+    static const std::string names[] = {"StepsOfOne", "StepsOfTwo", "StepsOfThree", "StepsOfSix"};
+    o = &add(names[part == 6 ? 3 : part - 1].c_str());
+    o->steps = part;
+    o->nx = {4, 6, 14, 8};
+    o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  }
+  o = &add("StepsOfSomeBlocks");
+  o->steps = 2;
+  o->nx = {4, 3, 6, 2};
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("StepsOfSomeKnots");
+  o->steps = 2;
+  o->nx = {4, 6, 6, 4};
+  o->groups = [](int k) { return k > 8 ? Lists{{3, 1}} : Lists{}; };
+  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  add("StepsOfSeparateBlocks").steps = 1;
+  all.back().options.nx = {4, 6, 2, 8};
+
   add("RegularisedControls").control_weight = 0;
   all.back().options.state_weight = 0;
   all.back().reg = {0, 1e-3, 0};
@@ -225,6 +244,28 @@ TEST_P(DirectionSolvers, ChangeOfCostIsThatOfTheProblem) {
   const double size = step.cwiseAbs().dot(h.cwiseAbs() + H.cwiseAbs() * step.cwiseAbs());
   EXPECT_NEAR(change.linear, linear, 1e-12 * size);
   EXPECT_NEAR(change.quadratic, quadratic, 1e-9 * size);
+}
+
+// As they come from the factor: refinement would hide one that is nearly right.
+TEST_P(DirectionSolvers, StepsChangeNothing) {
+  if (!c.options.steps) GTEST_SKIP();
+  lq::Problem unknown = problem;
+  for (lq::Knot& knot : unknown.knots)
+    for (lq::Group& group : knot.groups) group.steps.reset();
+  for (lq::DirectionSolver* solver : solvers.of(c)) {
+    solver->max_refinements = 0;
+    lq::Point z[2];
+    for (const lq::Problem* p : {&problem, &unknown}) {
+      solver->analyse(*p);
+      ASSERT_EQ(solver->factorize(*p, c.reg).status, Status::kOk);
+      ASSERT_EQ(solver->solve(*p, z[p == &unknown]).status, Status::kOk);
+    }
+    EXPECT_LE(relative(flat(z[0]), flat(z[1])), 1e-11) << solver->name();
+    // Robots joined to one cluster have none, and of the dense recursion, the oracle, none are used.
+    if (solver != &solvers.islands) {
+      EXPECT_EQ(flat(z[0]) == flat(z[1]), solver == &solvers.dense) << solver->name();
+    }
+  }
 }
 
 TEST_P(DirectionSolvers, AllocateNothingAgain) {

@@ -187,6 +187,20 @@ TEST(LqProblem, WhatDoesNotFitIsRefused) {
   refused([](lq::Problem& p) { p.knots[1].groups[0].A.resize(1, 1); });
   refused([](lq::Problem& p) { p.knots[1].groups[0].D.resize(1, 1); });
   refused([](lq::Problem& p) { p.knots[1].groups[0].d.resize(0); });
+  const auto stepped = [&](int nx, lq::BlockDiagonal J) {
+    lq::Problem problem = good;
+    problem.nx[0] = nx;
+    lq::set_zero(problem);
+    problem.knots[1].groups[0].steps = lq::Steps{J, {0.1, {}}};
+    lq::check(problem);
+  };
+  EXPECT_NO_THROW(stepped(4, {1, {{1, Eigen::MatrixXd::Identity(1, 1)}}}));
+  EXPECT_THROW(stepped(3, {1, {}}), std::invalid_argument);
+  EXPECT_THROW(stepped(4, {1, {{1, Eigen::MatrixXd::Identity(2, 2)}}}), std::invalid_argument);
+  EXPECT_THROW(stepped(4, {1, {{-1, Eigen::MatrixXd::Identity(1, 1)}}}), std::invalid_argument);
+  EXPECT_THROW(stepped(4, {1, {{0, Eigen::MatrixXd::Zero(2, 1)}}}), std::invalid_argument);
+  EXPECT_THROW(stepped(14, {1, {{0, Eigen::MatrixXd::Identity(7, 7)}}}), std::invalid_argument);
+  EXPECT_THROW(stepped(6, {1, {{0, Eigen::MatrixXd::Identity(2, 2)}, {1, Eigen::MatrixXd::Identity(1, 1)}}}), std::invalid_argument);
 }
 
 // ---- the choice by predicted operations

@@ -23,6 +23,28 @@ std::vector<std::vector<int>> complete(std::vector<std::vector<int>> groups, int
   return groups;
 }
 
+MatrixXd dense(const lq::BlockDiagonal& D, Eigen::Index n) {
+  MatrixXd out = D.scale * MatrixXd::Identity(n, n);
+  for (const auto& part : D.parts) out.block(part.first, part.first, part.block.rows(), part.block.cols()) = part.block;
+  return out;
+}
+
+// The upper halves of A and B follow from the lower ones.
+void step(lq::Group& g, int part, std::mt19937& rng) {
+  const auto n = g.A.rows() / 2;
+  g.steps.emplace();
+  for (lq::BlockDiagonal* D : {&g.steps->J, &g.steps->G}) {
+    D->scale = D == &g.steps->J ? 0.9 : 0.1;
+    if (part > n) continue;
+    D->parts.push_back({static_cast<int>(n) - part, D->scale * (MatrixXd::Identity(part, part) +
+                                                                 0.3 * random_matrix(part, part, rng))});
+  }
+  const MatrixXd G = dense(g.steps->G, n);
+  g.A.topRows(n) = G * g.A.bottomRows(n);
+  g.A.topLeftCorner(n, n) += dense(g.steps->J, n);
+  g.B.topRows(n) = G * g.B.bottomRows(n);
+}
+
 void fill(lq::Group& g, const lq::Knot& knot, int nu, std::mt19937& rng, const LqOptions& options) {
   const auto nx = g.Q.rows(), nv = g.R.rows(), nw = nv - nu;
   // [Q S; S^T R] = weighted G^T G, of full rank where both weights are positive.
@@ -40,6 +62,7 @@ void fill(lq::Group& g, const lq::Knot& knot, int nu, std::mt19937& rng, const L
     g.A = options.growth * (MatrixXd::Identity(nx, nx) + 0.3 / std::sqrt(nx) * random_matrix(nx, nx, rng));
     g.B = 0.3 * random_matrix(nx, nv, rng);
     g.f = 0.1 * random_matrix(nx, 1, rng);
+    if (options.steps && g.blocks.size() == 1 && nx % 2 == 0) step(g, *options.steps, rng);
   }
   g.C = random_matrix(g.C.rows(), nx, rng) / std::sqrt(nx);
   g.D = random_matrix(g.D.rows(), nv, rng) / std::sqrt(std::max<double>(nv, 1));

@@ -2,6 +2,7 @@
 // Seeded random linear-quadratic problems, convex unless asked otherwise.
 
 #include <functional>
+#include <optional>
 #include <random>
 
 #include "manycontact/lq/problem.hpp"
@@ -21,6 +22,8 @@ struct LqOptions {
   double state_weight = 1;    // Q's size; 0: no cost on states
   double control_weight = 1;  // R's; 0: none
   double bond_weight = 0;     // of w in the cost
+  /// The size of J's and G's part in blocks of as many coordinates or more; of groups of one block, those of even size.
+  std::optional<int> steps;
 };
 
 lq::Problem random_lq(std::mt19937& rng, const LqOptions& options = {});

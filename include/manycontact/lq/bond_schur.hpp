@@ -43,6 +43,7 @@ class BondSchur : public DirectionSolver {
   void make_schur(const Problem& problem, const Regularisation& reg);
   void respond(const Problem& problem, int cluster);
   void respond_at(const Problem& problem, int cluster, int knot);
+  const Steps* steps(const Problem& problem, int cluster, int knot) const;
   void add_terms_of_y(const Problem& problem, int knot, const BondNode& node);
   void sweep(const Problem& problem, int cluster, int vertex);
 
@@ -52,8 +53,9 @@ class BondSchur : public DirectionSolver {
   double flops_ = 0;
 
   // Of the cluster at hand, by knot.
+  bool by_steps_ = false;
   std::vector<std::vector<double>> F_, pi_, theta_;
-  std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, V_next_;
+  std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, Z_, Z_next_;
 
   Point terms_;
   Eigen::VectorXd y_;

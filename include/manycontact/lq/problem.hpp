@@ -21,11 +21,20 @@
 // where + means knot k + 1. The structure is that of aligator's gar (a knot with Q S R q r A B f C D d) by groups.
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "manycontact/abi.hpp"
+#include "manycontact/lq/block_diagonal.hpp"
 
 namespace manycontact::lq {
+
+/// Of a group of one block whose state is [y; z], halves of one size, of which y moves by the z that is reached
+/// (symplectic Euler): A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, A_z and B_z being their lower halves. Riccati and
+/// BondSchur then take half the operations for products with A.
+struct Steps {
+  BlockDiagonal J, G;
+};
 
 /// One group of a knot. Sizes: nx, nu those of its blocks, nw and nc of its bonds, nv = nu + nw. Only entries of both
 /// halves of Q and R are read, which must be symmetric.
@@ -37,6 +46,7 @@ struct Group {
   Eigen::VectorXd q, r;     // nx, nv
   Eigen::MatrixXd A, B;     // nx x nx, nx x nv; unused in the terminal knot
   Eigen::VectorXd f;        // nx: the gap where the problem is the step of another
+  std::optional<Steps> steps;  // where it is known; A and B are whole all the same
   Eigen::MatrixXd C, D;     // nc x nx, nc x nv
   Eigen::VectorXd d;        // nc
 };

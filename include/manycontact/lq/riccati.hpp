@@ -42,6 +42,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
 
   /// P+ of the next knot in the order of this knot's cluster; in scratch where it is not stored so.
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
+  /// Of a cluster that is one group; nullptr where they are not known.
+  const Steps* steps(const Problem& problem, int knot, int cluster) const;
 
  protected:
   void do_analyse(const Problem& problem) override;
@@ -51,6 +53,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
  private:
   friend class BondSchur;
   void expand(const Problem& problem, int k, int c, const Regularisation& reg);
+  void add_next_value(const Problem& problem, int k, int c);
+  void add_next_value_by_steps(const Problem& problem, int k, int c, const Steps& steps);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
   /// x, u, lambda (w and mu of bonds within clusters) of the z with H z + h = 0, the policies' k and p left alone.
@@ -64,7 +68,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   std::vector<std::vector<Policy>> policies_;
   std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the pass at hand: corrections add to the policies'
   std::vector<int> x_of_block_;
-  std::vector<double> next_, PA_, PB_, Qxv_, Qvv_;  // scratch, for matrices of the cluster at hand
+  std::vector<double> next_, PA_, PB_, PG_, halves_, Qxv_, Qvv_;  // scratch, for matrices of the cluster at hand
   Eigen::VectorXd t_, x_, v_, f_;
 };
 
