@@ -99,8 +99,10 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
-    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin,
-                                lin.of(A).rnea, B < 0 ? nullptr : &lin.of(B).rnea,
+    // A body that cannot move may be of a robot of another island: its terms are not read.
+    const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
+    const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
+    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
                                 f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
   });
 }

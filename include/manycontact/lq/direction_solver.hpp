@@ -45,7 +45,7 @@ class DirectionSolver {
   [[nodiscard]] Outcome solve(const Problem& problem, Point& z);
 
   virtual const char* name() const = 0;
-  /// Operations (additions and multiplications) of factorize, predicted from the structure.
+  /// Operations (additions and multiplications) of factorize, predicted from the structure as if no group had steps.
   virtual double flops() const = 0;
 
   /// Corrections of iterative refinement, at most.
