@@ -65,7 +65,8 @@ void fill_steps(const ActionModelAbstract& model, ActionDataAbstract& data, std:
   const IntegratedActionDataEuler& euler = internal::euler_of(data);
   if (typeid(node) != typeid(IntegratedActionModelEuler) || !euler.joints_are_known) return out.reset();
   if (!out) out.emplace();
-  const auto fill = [&](lq::BlockDiagonal& D, double scale, double of_joint, Mat6<double> IntegratedActionDataEuler::WideJoint::*which) {
+  const auto fill = [&](lq::BlockDiagonal& D, double scale, double of_joint,
+                        Mat6<double> IntegratedActionDataEuler::WideJoint::*which) {
     D.scale = scale;
     D.parts.resize(euler.wide_joints.size());
     for (std::size_t k = 0; k < D.parts.size(); ++k) {
@@ -134,7 +135,8 @@ std::vector<VectorXd> least_squares_multipliers_of_joined(const ShootingProblem&
       group.Q.setIdentity();
       group.S.setZero();
       group.R.setZero();
-      if (&knot != &lq.knots.back()) group.R.diagonal().head(lq.nu[i]).setOnes();
+      if (&knot == &lq.knots.back()) continue;
+      for (int j = 0; j < lq.nu[i]; ++j) group.R(j, j) = 1;
     }
   for (std::size_t t = 0; t < us.size(); ++t)
     for (std::size_t i = 0; i < lq.nu.size(); ++i)

@@ -16,8 +16,8 @@ void each_part(const BlockDiagonal& D, Use&& use) {
   for (const BlockDiagonal::Part& part : D.parts) {
     const auto as = [&](auto size) {
       constexpr int k = size.value;
-      use(part.first, size, Eigen::Map<const Eigen::Matrix<double, k, k>>(part.block.data(), part.block.rows(),
-                                                                           part.block.cols()));
+      use(part.first, size,
+          Eigen::Map<const Eigen::Matrix<double, k, k>>(part.block.data(), part.block.rows(), part.block.cols()));
     };
     if (part.block.rows() == 6)
       as(std::integral_constant<int, 6>());

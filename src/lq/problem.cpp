@@ -81,8 +81,7 @@ void check_sizes(const Problem& problem, int k, int g) {
   for (const BlockDiagonal* D : {&group.steps->J, &group.steps->G}) {
     Eigen::Index end = 0;
     for (const BlockDiagonal::Part& part : D->parts) {
-      if (part.first < end || part.block.rows() != part.block.cols() ||
-          part.block.rows() > BlockDiagonal::kLargestPart)
+      if (part.first < end || part.block.rows() != part.block.cols() || part.block.rows() > BlockDiagonal::kLargestPart)
         refuse(k, g, "a part of J or G is out of order, not square or too large");
       end = part.first + part.block.rows();
     }

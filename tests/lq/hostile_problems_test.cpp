@@ -200,7 +200,8 @@ TEST(LqProblem, WhatDoesNotFitIsRefused) {
   EXPECT_THROW(stepped(4, {1, {{-1, Eigen::MatrixXd::Identity(1, 1)}}}), std::invalid_argument);
   EXPECT_THROW(stepped(4, {1, {{0, Eigen::MatrixXd::Zero(2, 1)}}}), std::invalid_argument);
   EXPECT_THROW(stepped(14, {1, {{0, Eigen::MatrixXd::Identity(7, 7)}}}), std::invalid_argument);
-  EXPECT_THROW(stepped(6, {1, {{0, Eigen::MatrixXd::Identity(2, 2)}, {1, Eigen::MatrixXd::Identity(1, 1)}}}), std::invalid_argument);
+  EXPECT_THROW(stepped(6, {1, {{0, Eigen::MatrixXd::Identity(2, 2)}, {1, Eigen::MatrixXd::Identity(1, 1)}}}),
+               std::invalid_argument);
 }
 
 // ---- the choice by predicted operations

@@ -36,8 +36,8 @@ void step(lq::Group& g, int part, std::mt19937& rng) {
   for (lq::BlockDiagonal* D : {&g.steps->J, &g.steps->G}) {
     D->scale = D == &g.steps->J ? 0.9 : 0.1;
     if (part > n) continue;
-    D->parts.push_back({static_cast<int>(n) - part, D->scale * (MatrixXd::Identity(part, part) +
-                                                                 0.3 * random_matrix(part, part, rng))});
+    D->parts.push_back({static_cast<int>(n) - part,
+                        D->scale * (MatrixXd::Identity(part, part) + 0.3 * random_matrix(part, part, rng))});
   }
   const MatrixXd G = dense(g.steps->G, n);
   g.A.topRows(n) = G * g.A.bottomRows(n);

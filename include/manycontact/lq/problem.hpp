@@ -42,13 +42,13 @@ struct Group {
   std::vector<int> blocks;
   std::vector<int> bonds;  // of the knot, in the order in which v_g and the rows of C hold them
 
-  Eigen::MatrixXd Q, S, R;  // nx x nx, nx x nv, nv x nv
-  Eigen::VectorXd q, r;     // nx, nv
-  Eigen::MatrixXd A, B;     // nx x nx, nx x nv; unused in the terminal knot
-  Eigen::VectorXd f;        // nx: the gap where the problem is the step of another
+  Eigen::MatrixXd Q, S, R;     // nx x nx, nx x nv, nv x nv
+  Eigen::VectorXd q, r;        // nx, nv
+  Eigen::MatrixXd A, B;        // nx x nx, nx x nv; unused in the terminal knot
+  Eigen::VectorXd f;           // nx: the gap where the problem is the step of another
   std::optional<Steps> steps;  // where it is known; A and B are whole all the same
-  Eigen::MatrixXd C, D;     // nc x nx, nc x nv
-  Eigen::VectorXd d;        // nc
+  Eigen::MatrixXd C, D;        // nc x nx, nc x nv
+  Eigen::VectorXd d;           // nc
 };
 
 struct Bond {
