@@ -21,7 +21,8 @@ void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X
 /// -W dx of a contact's coordinates (columns of the island) into its rows X. dx: dx_dq or dx_dv.
 template <class S, class Block>
 void contact_columns(const ContactData<S>& rows, const Mat6X<S>& dx, const std::vector<int>& columns, Block&& X) {
-  for (std::size_t k = 0; k < columns.size(); ++k) X.col(columns[k]).noalias() -= rows.W * dx.col(k);
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (int i = 0; i < rows.W.rows(); ++i) X(i, columns[k]) -= rows.W.row(i).dot(dx.col(k));
 }
 
 /// -dW/dq x into a contact's rows X: how a world-aligned frame turns. oA: first coordinate of A's robot.
@@ -30,7 +31,7 @@ void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& 
   if (!d.turns) return;
   for (std::size_t i = 0; i < d.chain_a.size(); ++i) {
     const Vec6<S> dx = turned<S>(d.turn.col(i), d.x);
-    X.col(oA + d.chain_a[i]).noalias() -= rows.W * dx;
+    for (int r = 0; r < rows.W.rows(); ++r) X(r, oA + d.chain_a[i]) -= rows.W.row(r).dot(dx);
   }
 }
 

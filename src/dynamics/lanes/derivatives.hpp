@@ -17,8 +17,7 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
   linearise(job, islands);
   derivative_terms(job.scene, first);
   find_reach(job, panels.front().ld);
-  Panels B(B_.data(), pattern_->size(), panels.front().ld);
-  right_sides(job, B);
+  right_sides(job, panels.front().ld);
   Mask plain = S(0) <= S(0);
   if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
     S wanted(0);
@@ -51,28 +50,22 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
 template <class S>
 void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   const int size = pattern_->size(), parts = ld / kPart;
-  if (request_ == job.request && !chunks_.empty() && B_.size() == static_cast<std::size_t>(size) * ld) return;
+  if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
   chunks_.clear();  // so that they are not taken for found, should memory run out
-  B_.assign(static_cast<std::size_t>(size) * ld, S(0));
-  if (W > 1) {
-    Bx_.assign(W * B_.size(), 0);
-    answer_.resize(B_.size());
-  }
   std::vector<std::vector<char>> reach(parts, std::vector<char>(size, 0)), reached;
   const auto set = [&](int row, int column) { reach[column / kPart][pattern_->iperm[row]] = 1; };
   for (const auto& [i, j] : places_) {
     if (job.request.q) set(i, job.q_first + j);
     if (job.request.v) set(i, job.v_first + j);
   }
-  for (int i = 0; job.request.u && i < torques(job); ++i) {
-    set(torque(job, i), job.u_first + i);
-    B_[torque(job, i) * static_cast<std::size_t>(ld) + job.u_first + i] = S(1);
-  }
+  for (int i = 0; job.request.u && i < torques(job); ++i) set(torque(job, i), job.u_first + i);
   reached = reach;
   for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
 
   std::vector<Chunk> chunks;
   reach_.clear(), reached_.clear();
+  place_.assign(static_cast<std::size_t>(size) * ld, -1);
+  std::size_t count = 0;
   std::vector<char> taken(parts, 0);
   const auto differ = [&](int a, int b) {  // rows that one of two parts reaches alone
     return std::inner_product(reached[a].begin(), reached[a].end(), reached[b].begin(), 0, std::plus<>(),
@@ -80,7 +73,7 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   };
   for (int a = 0; a < parts; ++a) {
     if (taken[a]) continue;
-    Chunk chunk{{a * kPart}, 1};
+    Chunk chunk{{a * kPart}, 1, count};
     for (; chunk.parts < kParts; ++chunk.parts) {
       int best = -1;
       for (int b = a + 1; b < parts; ++b)
@@ -90,28 +83,46 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
       chunk.first[chunk.parts] = best * kPart;
       std::transform(reach[a].begin(), reach[a].end(), reach[best].begin(), reach[a].begin(), std::bit_or<>());
     }
+    for (int k = 0; k < size; ++k)
+      for (int c = 0; reach[a][k] && c < chunk.parts * kPart; ++c)
+        place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count++);
     chunks.push_back(chunk);
     reach_.insert(reach_.end(), reach[a].begin(), reach[a].end());
     sparse::ldl_scheduled_reach(pattern_->schedule(), reach[a].data());
     reached_.insert(reached_.end(), reach[a].begin(), reach[a].end());
   }
+  B_.assign(count, S(0));
+  if (W > 1) Bx_.assign(W * count, 0);
+  for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
+  find_unset(job, ld);
   chunks_ = std::move(chunks);
   request_ = job.request;
 }
 
-/// X = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
+/// What robot_columns does not write: contacts' rows, and coordinates of which none is above the other.
 template <class S>
-void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
-  const int nv = model_->nv;
-  for (const auto& [i, j] : places_) {
-    if (job.request.q) X(i, job.q_first + j) = S(0);
-    if (job.request.v) X(i, job.v_first + j) = S(0);
-  }
-  const auto rows = [&](std::size_t k, int first) {
-    return X.block(nv + row_offset_[k], first, contacts_[k].a0.size(), nv);
+void SideBySide<S>::find_unset(const DerivativeJob& job, int ld) {
+  const auto written = [&](int i, int j) {
+    int above = std::max(i, j);
+    while (above < model_->nv && above > std::min(i, j)) above = model_->dof_parent[above];
+    return above == std::min(i, j);
   };
+  unset_.clear();
+  for (const auto& [i, j] : places_) {
+    if (written(i, j)) continue;
+    if (job.request.q) unset_.push_back(place_[i * ld + job.q_first + j]);
+    if (job.request.v) unset_.push_back(place_[i * ld + job.v_first + j]);
+  }
+}
+
+/// B = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
+template <class S>
+void SideBySide<S>::right_sides(const DerivativeJob& job, int ld) {
+  const Placed B{B_.data(), place_.data(), ld};
+  for (int k : unset_) B_[k] = S(0);
+  const auto rows = [&](std::size_t k, int first) { return B.block(model_->nv + row_offset_[k], first); };
   if (job.request.q) {
-    auto top = X.block(0, job.q_first, nv, nv);
+    const Placed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k, job.q_first));
@@ -120,7 +131,7 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, Panels& X) {
     }
   }
   if (job.request.v) {
-    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), X.block(0, job.v_first, nv, nv));
+    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), B.block(0, job.v_first));
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
   }
@@ -143,60 +154,57 @@ typename S::Mask SideBySide<S>::accurate_unrefined() {
 /// [da; df] = K^-1 B of the lanes that are plain, one after the other: what one needs stays in the first cache.
 template <class S>
 void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
-  const sparse::LdlSchedule& schedule = pattern_->schedule();
   for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
-  sparse::ldl_pack(schedule, L_.data(), packed_.data());
+  sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
   spread_lanes(L_.data(), L_.size(), Lx_.data(), L_.size());
   spread_lanes(packed_.data(), packed_.size(), packed_x_.data(), packed_.size());
   spread_lanes(correction_.data(), D_.size(), inverse_.data(), D_.size());
-  const std::ptrdiff_t ld = panels.front().ld;
-  for (std::size_t c = 0; W > 1 && c < chunks_.size(); ++c)
-    for (int k = 0; k < schedule.n; ++k)
-      for (int part = 0; reach_[c * D_.size() + k] && part < chunks_[c].parts; ++part) {
-        const std::ptrdiff_t at = pattern_->perm[k] * ld + chunks_[c].first[part];
-        spread_lanes(B_.data() + at, kPart, Bx_.data() + at, B_.size());
-      }
+  if (W > 1) spread_lanes(B_.data(), B_.size(), Bx_.data(), B_.size());
   for (std::size_t l = 0; l < panels.size(); ++l) {
     if (!plain[static_cast<int>(l)]) continue;
-    // Many panels are not in the caches: they are written from one end to the other.
-    double* X = W == 1 ? panels[l].X : answer_.data();
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
+      const bool last = c + 1 == chunks_.size();
+      double* next_X = panels[last ? std::min(l + 1, panels.size() - 1) : l].X;
+      const Chunk& next = chunks_[last ? 0 : c + 1];
       if (chunks_[c].parts == kParts)
-        solve_columns<kColumns>(c, l, X, ld);
+        solve_columns<kColumns>(c, l, panels[l].X, next, next_X, panels[l].ld);
       else
-        solve_columns<kPart>(c, l, X, ld);
+        solve_columns<kPart>(c, l, panels[l].X, next, next_X, panels[l].ld);
     }
-    if (W > 1) std::copy(answer_.begin(), answer_.end(), panels[l].X);
   }
 }
 
+/// A chunk of the lane's columns into its panel X. next: the chunk and the panel that follow; many panels are not in
+/// the caches, and lines of these are asked for.
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* answer, std::ptrdiff_t ld) {
+void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* X, const Chunk& next, double* next_X,
+                                  int ld) {
   using Row = sparse::kernel::Tile<double, N>;
-  using Part = sparse::kernel::Tile<double, kPart>;
   const std::size_t size = D_.size();
   const int* perm = pattern_->perm.data();
-  const Chunk columns = chunks_[chunk];
+  const Chunk& columns = chunks_[chunk];
   const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
-  const double* B = W == 1 ? reinterpret_cast<const double*>(B_.data()) : Bx_.data() + lane * B_.size();
-  double* X = work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
-  for (std::size_t k = 0; k < size; ++k)
-    for (int part = 0; part < N / kPart; ++part) {
-      const double zeros[kPart] = {};
-      const double* from = B + perm[k] * ld + columns.first[part];
-      Part::load(reach[k] ? from : zeros).store(X + k * N + part * kPart);
-    }
-  sparse::kernel::solve_columns<N>(
-      pattern_->schedule(), Lx_.data() + lane * L_.size(), packed_x_.data() + lane * packed_.size(),
-      inverse_.data() + lane * size, reached, X, [&](int k, const Row& row) {
-        double* to = answer + perm[k] * ld;
-        const Row signed_row = row.times(perm[k] < model_->nv ? 1.0 : -1.0);
-        for (int v = 0; v < Row::kVectors; ++v) {
-          const int column = v * Row::kWidth;
-          std::memcpy(to + columns.first[column / kPart] + column % kPart, &signed_row.v[v], sizeof signed_row.v[v]);
-        }
-      });
+  const double zeros[N] = {};
+  const double* b = (W == 1 ? reinterpret_cast<const double*>(B_.data()) : Bx_.data() + lane * B_.size()) + columns.at;
+  double* x = work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
+  for (std::size_t k = 0; k < size; ++k) {
+    Row::load(reach[k] ? b : zeros).store(x + k * N);
+    if (reach[k]) b += N;
+  }
+  sparse::kernel::solve_columns<N>(pattern_->schedule(), Lx_.data() + lane * L_.size(),
+                                   packed_x_.data() + lane * packed_.size(), inverse_.data() + lane * size, reached, x,
+                                   [&](int k, const Row& row) {
+                                     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(perm[k]) * ld;
+                                     const Row signed_row = row.times(perm[k] < model_->nv ? 1.0 : -1.0);
+                                     for (int v = 0; v < Row::kVectors; ++v) {
+                                       const int column = v * Row::kWidth;
+                                       std::memcpy(X + at + columns.first[column / kPart] + column % kPart,
+                                                   &signed_row.v[v], sizeof signed_row.v[v]);
+                                     }
+                                     for (int part = 0; part < next.parts; ++part)
+                                       __builtin_prefetch(next_X + at + next.first[part], 1);
+                                   });
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.
@@ -207,12 +215,13 @@ void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
   };
   take(D_.data(), D_.size(), Dx_.data());
   take(K_.data(), K_.size(), Kx_.data());
-  take(B_.data(), B_.size(), panel.X);
+  for (std::size_t k = 0; k < place_.size(); ++k) panel.X[k] = place_[k] < 0 ? 0 : B_[place_[k]][lane];
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
   sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data() + lane * L_.size(),
                                         Dx_.data(), pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld,
                                         nonzero_.data(), work_.data());
-  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < B_.size(); ++k) panel.X[k] = -panel.X[k];
+  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < place_.size(); ++k)
+    panel.X[k] = -panel.X[k];
 }
 
 }  // namespace manycontact::lanes

@@ -78,12 +78,20 @@ class SideBySide {
   void vjp(const ProductJob& job, std::span<const Island* const> islands);
 
  private:
-  using Columns = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W.
   static constexpr int kColumns = sparse::kernel::kPanel, kPart = std::min(kColumns, 8), kParts = kColumns / kPart;
   static_assert(kPart % W == 0 && 8 % kPart == 0);
   struct Chunk {
     int first[kParts], parts;
+    std::size_t at;  // in B_: rows that it reaches, its columns side by side
+  };
+  /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
+  struct Placed {
+    S* B;
+    const int* place;
+    int ld;
+    S& operator()(int i, int j) const { return B[place[i * ld + j]]; }
+    Placed block(int i, int j) const { return {B, place + i * ld + j, ld}; }
   };
 
   void find_places();
@@ -111,15 +119,15 @@ class SideBySide {
   void derivative_terms(const Scene& scene, const Island& island);
   void solve_once_refined();
   BodyVariationOf<S> body(const Attachment& at) const;
-  using Panels = Eigen::Map<Columns>;
   void find_reach(const DerivativeJob& job, int ld);
-  void right_sides(const DerivativeJob& job, Panels& X);
+  void find_unset(const DerivativeJob& job, int ld);
+  void right_sides(const DerivativeJob& job, int ld);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain);
   template <int N>
-  void solve_columns(std::size_t chunk, std::size_t lane, double* answer, std::ptrdiff_t ld);
+  void solve_columns(std::size_t chunk, std::size_t lane, double* X, const Chunk& next, double* next_X, int ld);
   void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
@@ -162,11 +170,12 @@ class SideBySide {
   // than zero.
   std::vector<char> reach_, reached_;
   std::vector<char> nonzero_;  // per row of K
-  std::vector<S> B_;           // right-hand sides, zero but for places_ and torques
+  std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
+  std::vector<int> place_;     // of each entry of the panel in B_; -1: that is zero
+  std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
   std::vector<S> packed_;
   std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
   std::vector<double> Dx_, Kx_;                       // one lane's
-  std::vector<double> answer_;                        // one lane's panel, side by side
   std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
   double rounding_;                                   // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
