@@ -92,7 +92,10 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
     reached_.insert(reached_.end(), reach[a].begin(), reach[a].end());
   }
   B_.assign(count, S(0));
-  if (W > 1) Bx_.assign(W * count, 0);
+  if (W > 1) {
+    Bx_.assign(W * count, 0);
+    answer_.resize(place_.size());
+  }
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   find_unset(job, ld);
   chunks_ = std::move(chunks);
@@ -162,24 +165,25 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
   if (W > 1) spread_lanes(B_.data(), B_.size(), Bx_.data(), B_.size());
   for (std::size_t l = 0; l < panels.size(); ++l) {
     if (!plain[static_cast<int>(l)]) continue;
-    for (std::size_t c = 0; c < chunks_.size(); ++c) {
-      const bool last = c + 1 == chunks_.size();
-      double* next_X = panels[last ? std::min(l + 1, panels.size() - 1) : l].X;
-      const Chunk& next = chunks_[last ? 0 : c + 1];
-      if (chunks_[c].parts == kParts)
-        solve_columns<kColumns>(c, l, panels[l].X, next, next_X, panels[l].ld);
-      else
-        solve_columns<kPart>(c, l, panels[l].X, next, next_X, panels[l].ld);
-    }
+    // Many panels are not in the caches: they are written from one end to the other.
+    double* X = W == 1 ? panels[l].X : answer_.data();
+    for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c, l, X, panels[l].ld);
+    if (W > 1) std::copy(answer_.begin(), answer_.end(), panels[l].X);
   }
 }
 
-/// A chunk of the lane's columns into its panel X. next: the chunk and the panel that follow; many panels are not in
-/// the caches, and lines of these are asked for.
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* X, const Chunk& next, double* next_X,
-                                  int ld) {
+void SideBySide<S>::solve_chunk(std::size_t chunk, std::size_t lane, double* X, int ld) {
+  if (chunks_[chunk].parts * kPart == N)
+    solve_columns<N>(chunk, lane, X, ld);
+  else if constexpr (N > kPart)
+    solve_chunk<N - kPart>(chunk, lane, X, ld);
+}
+
+template <class S>
+template <int N>
+void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* X, int ld) {
   using Row = sparse::kernel::Tile<double, N>;
   const std::size_t size = D_.size();
   const int* perm = pattern_->perm.data();
@@ -202,8 +206,6 @@ void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* X
                                        std::memcpy(X + at + columns.first[column / kPart] + column % kPart,
                                                    &signed_row.v[v], sizeof signed_row.v[v]);
                                      }
-                                     for (int part = 0; part < next.parts; ++part)
-                                       __builtin_prefetch(next_X + at + next.first[part], 1);
                                    });
 }
 

@@ -126,8 +126,10 @@ class SideBySide {
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain);
+  template <int N = kColumns>
+  void solve_chunk(std::size_t chunk, std::size_t lane, double* X, int ld);
   template <int N>
-  void solve_columns(std::size_t chunk, std::size_t lane, double* X, const Chunk& next, double* next_X, int ld);
+  void solve_columns(std::size_t chunk, std::size_t lane, double* X, int ld);
   void solve_refined(int lane, const Panel& panel);
 
   /// Where the rows of a contact stand in K.
@@ -176,6 +178,7 @@ class SideBySide {
   std::vector<S> packed_;
   std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
   std::vector<double> Dx_, Kx_;                       // one lane's
+  std::vector<double> answer_;                        // one lane's panel, side by side
   std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
   double rounding_;                                   // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints

@@ -1,6 +1,6 @@
 #pragma once
-// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four or eight
-// rows at a time, so that a row read from the cache serves as many. And what such solves are worth.
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four rows
+// at a time, so that a row read from the cache serves as many. And what such solves are worth.
 //
 // Compiled for several instruction levels: templates only, plain memory, no other library.
 
@@ -11,8 +11,7 @@ namespace manycontact::sparse {
 namespace kernel {
 
 /// Columns at a time, and rows: as many as the machine's registers hold, with room for those they meet.
-inline constexpr int kPanel = 2 * kRegister;
-inline constexpr int kPanelRows = kRegister == 8 ? 8 : 4;
+inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
 /// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
 /// l: row r of column `begin`; column c + 1 of a row stands `step - c` behind column c's.
@@ -62,34 +61,29 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
     });
 }
 
-/// R columns of a group, from its column c on, once those behind them are known: rows of X = L^T \ (D \ X).
+/// The R columns of a group, once those behind them are known: rows of X = L^T \ (D \ X).
 /// l: the group's packed entries. store(row, its values).
 template <int R, int N, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
-                                                 int c, const double* l, const double* inverse, double* X,
-                                                 Store&& store) {
-  const int high = group.high, row = group.row + c;
+                                                 const double* l, const double* inverse, double* X, Store&& store) {
+  const int row = group.row;
   double* own = X + static_cast<std::ptrdiff_t>(row) * N;
   Tile<double, N> t[R];
 #pragma GCC unroll 8
   for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + i * N).times(inverse[row + i]);
-  const auto subtract = [&](const double* x, int count) {
-    for (const double* end = x + static_cast<std::ptrdiff_t>(count) * N; x != end; x += N, l += high) {
+  for (int k = group.segment; k < group.segment_end; ++k) {
+    const double* x = X + static_cast<std::ptrdiff_t>(segments[k].row) * N;
+    for (const double* end = x + static_cast<std::ptrdiff_t>(segments[k].count) * N; x != end; x += N, l += R) {
       const auto of_row = Tile<double, N>::load(x);
 #pragma GCC unroll 8
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
     }
-  };
-  l += c;
-  for (int k = group.segment; k < group.segment_end; ++k)
-    subtract(X + static_cast<std::ptrdiff_t>(segments[k].row) * N, segments[k].count);
-  const double* among = l + c * high - high;  // row i of these: among + i high
-  l = among + R * high;
-  if (c + R < high) subtract(own + R * N, high - c - R);
+  }
+  l -= R;  // row i of those among themselves: l + i R
 #pragma GCC unroll 8
   for (int i = R - 1; i >= 0; --i) {
 #pragma GCC unroll 8
-    for (int j = R - 1; j > i; --j) t[i].subtract(among[j * high + i], t[j]);
+    for (int j = R - 1; j > i; --j) t[i].subtract(l[j * R + i], t[j]);
     t[i].store(own + i * N);
     store(row + i, t[i]);
   }
@@ -110,21 +104,15 @@ inline void solve_columns(const LdlSchedule& schedule, const double* Lx, const d
   const LdlSchedule::Segment* segments = schedule.segments.data();
   const LdlSchedule::Group* end = schedule.groups.data() + schedule.groups.size();
   for (const LdlSchedule::Group* group = schedule.groups.data(); group != end; ++group) {
-    const auto rows = [&](int c, auto size) {
-      backward_rows<size.value, N>(*group, segments, c, packed + group->at, inverse, X, store);
+    const auto rows = [&](auto size) {
+      backward_rows<size.value, N>(*group, segments, packed + group->at, inverse, X, store);
     };
-    if (group->high == 8) {
-      if constexpr (kPanelRows == 8)
-        rows(0, Size<8>{});
-      else
-        rows(4, Size<4>{}), rows(0, Size<4>{});
-    } else if (group->high == 4) {
-      rows(0, Size<4>{});
-    } else if (group->high == 2) {
-      rows(0, Size<2>{});
-    } else {
-      rows(0, Size<1>{});
-    }
+    if (group->high == 4)
+      rows(Size<4>{});
+    else if (group->high == 2)
+      rows(Size<2>{});
+    else
+      rows(Size<1>{});
   }
 }
 

@@ -42,7 +42,7 @@ struct LdlSchedule {
   struct Segment {
     int row, count;
   };
-  static constexpr int kHigh = 8;
+  static constexpr int kHigh = 4;
 
   int n = 0;
   int eliminated = 0;         // blocks that are; those behind them keep what is left of A
