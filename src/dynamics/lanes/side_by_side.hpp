@@ -78,8 +78,10 @@ class SideBySide {
   void vjp(const ProductJob& job, std::span<const Island* const> islands);
 
  private:
-  /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W.
-  static constexpr int kColumns = sparse::kernel::kPanel, kPart = std::min(kColumns, 8), kParts = kColumns / kPart;
+  /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W; as many as there are
+  /// registers for four rows of them.
+  static constexpr int kRegister = sparse::kernel::kRegister, kPart = kRegister == 8 ? 8 : 4,
+                       kParts = kRegister == 8 ? 4 : (kRegister == 4 ? 3 : 1), kColumns = kParts * kPart;
   static_assert(kPart % W == 0 && 8 % kPart == 0);
   struct Chunk {
     int first[kParts], parts;
