@@ -54,7 +54,7 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   chunks_.clear();  // so that they are not taken for found, should memory run out
   std::vector<std::vector<char>> reach(parts, std::vector<char>(size, 0)), reached;
   const auto set = [&](int row, int column) { reach[column / kPart][pattern_->iperm[row]] = 1; };
-  for (const auto& [i, j] : places_) {
+  for (const auto& [i, j, of_tree] : places_) {
     if (job.request.q) set(i, job.q_first + j);
     if (job.request.v) set(i, job.v_first + j);
   }
@@ -97,25 +97,13 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
     answer_.resize(place_.size());
   }
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
-  find_unset(job, ld);
+  unset_.clear();
+  for (const auto& [i, j, of_tree] : places_) {
+    if (!of_tree && job.request.q) unset_.push_back(place_[i * ld + job.q_first + j]);
+    if (!of_tree && job.request.v) unset_.push_back(place_[i * ld + job.v_first + j]);
+  }
   chunks_ = std::move(chunks);
   request_ = job.request;
-}
-
-/// What robot_columns does not write: contacts' rows, and coordinates of which none is above the other.
-template <class S>
-void SideBySide<S>::find_unset(const DerivativeJob& job, int ld) {
-  const auto written = [&](int i, int j) {
-    int above = std::max(i, j);
-    while (above < model_->nv && above > std::min(i, j)) above = model_->dof_parent[above];
-    return above == std::min(i, j);
-  };
-  unset_.clear();
-  for (const auto& [i, j] : places_) {
-    if (written(i, j)) continue;
-    if (job.request.q) unset_.push_back(place_[i * ld + job.q_first + j]);
-    if (job.request.v) unset_.push_back(place_[i * ld + job.v_first + j]);
-  }
 }
 
 /// B = [-dr/dq -dr/dv S], S selecting the torques, which is there already.

@@ -87,6 +87,10 @@ class SideBySide {
     int first[kParts], parts;
     std::size_t at;  // in B_: rows that it reaches, its columns side by side
   };
+  struct Place {
+    int i, j;
+    bool of_tree;  // what robot_columns writes
+  };
   /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
   struct Placed {
     S* B;
@@ -122,7 +126,6 @@ class SideBySide {
   void solve_once_refined();
   BodyVariationOf<S> body(const Attachment& at) const;
   void find_reach(const DerivativeJob& job, int ld);
-  void find_unset(const DerivativeJob& job, int ld);
   void right_sides(const DerivativeJob& job, int ld);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
@@ -166,10 +169,10 @@ class SideBySide {
   std::vector<Vec6<S>> fext_;
   RneaDerivativesOf<S> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;    // per contact: its coordinates
-  std::vector<std::pair<int, int>> places_;  // of -dr/dq, -dr/dv: where they are not zero
-  DerivativeRequest request_;                // that reach_ is of
-  std::vector<Chunk> chunks_;                // of all columns
+  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
+  std::vector<Place> places_;              // of -dr/dq, -dr/dv: where they are not zero
+  DerivativeRequest request_;              // that reach_ is of
+  std::vector<Chunk> chunks_;              // of all columns
   // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
   // than zero.
   std::vector<char> reach_, reached_;
@@ -252,6 +255,7 @@ void SideBySide<S>::find_places() {
   places.setZero(pattern_->size(), nv);
   for (int i = 0; i < nv; ++i)
     for (int j = i; j >= 0; j = model_->dof_parent[j]) places(i, j) = places(j, i) = true;
+  const auto of_tree = places;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const ContactDerivativesOf<S>& terms = contact_terms_[k];
     for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
@@ -264,7 +268,7 @@ void SideBySide<S>::find_places() {
   }
   for (int i = 0; i < places.rows(); ++i)
     for (int j = 0; j < nv; ++j)
-      if (places(i, j)) places_.emplace_back(i, j);
+      if (places(i, j)) places_.push_back({i, j, of_tree(i, j)});
 }
 
 template <class S>
