@@ -126,6 +126,12 @@ std::vector<Case> cases() {
   o->nx = {4, 6, 6, 4};
   o->groups = [](int k) { return k > 8 ? Lists{{3, 1}} : Lists{}; };
   o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("StepsWithBondsOfOne");
+  o->steps = 2;
+  o->nx = {4, 6, 2, 8};
+  o->bond_size = 0;
+  o->bond_rows = 1;
+  o->bonds = running(*o, {{0}, {1}, {1, 2}});
   add("StepsOfSeparateBlocks").steps = 1;
   all.back().options.nx = {4, 6, 2, 8};
 

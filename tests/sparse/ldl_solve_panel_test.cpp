@@ -129,6 +129,19 @@ TEST(LdlSolvePanel, ZeroRowsMayBeLeftOut) {
   }
 }
 
+// L has no entries at all, and its array may be null.
+TEST(LdlSolvePanel, OfADiagonal) {
+  std::mt19937 rng(67);
+  for (int n : {1, 2, 7}) {
+    const PanelFactor f(n, 0, rng);
+    ASSERT_TRUE(f.L.empty());
+    for (int cols : {1, 5, 8, 32, 70}) {
+      SCOPED_TRACE(testing::Message() << n << " rows, " << cols << " columns");
+      expect_solved(f, poisoned(n + 1, cols + 1, 1, cols, rng), 1, cols, std::vector<char>(n, 1));
+    }
+  }
+}
+
 // With a factor that is not quite A's: X + F^-1 (B - A X), X = F^-1 B, by the same steps one after the other.
 TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
   std::mt19937 rng(65);

@@ -14,15 +14,16 @@ namespace kernel {
 inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
 /// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
-/// l: row r of column `begin`; column c + 1 of a row stands `step - c` behind column c's.
+/// at: in Lx, row r of column `begin`, if there is any; column c + 1 of a row stands `step - c` behind column c's.
 template <int R, int N>
-[[gnu::always_inline]] inline void subtract_columns(Tile<double, N>* t, const double* l, int step, int begin, int end,
-                                                    const double* own) {
+[[gnu::always_inline]] inline void subtract_columns(Tile<double, N>* t, const double* Lx, int at, int step, int begin,
+                                                    int end, const double* own) {
   for (int c = begin; c < end; ++c) {
     const auto x = Tile<double, N>::load(own + c * N);
+    const double* l = Lx + at;
 #pragma GCC unroll 8
     for (int i = 0; i < R; ++i) t[i].subtract(l[i], x);
-    l += step - c;
+    at += step - c;
   }
 }
 
@@ -32,14 +33,14 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
   const int* Lp = schedule.Lp.data() + first;
   const int step = width + (Lp[width] - Lp[width - 1]) - 2;
-  const double* L = Lx + Lp[from] - from - 1;  // row r of column `from`: L[r]
+  const int at = Lp[from] - from - 1;  // row r of column `from`: Lx[at + r]
   double* own = X + static_cast<std::ptrdiff_t>(first) * N;
   in_chunks<kPanelRows>(from, width, [&](int r, auto size) {
     constexpr int R = size.value;
     Tile<double, N> t[R];
 #pragma GCC unroll 8
     for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + (r + i) * N);
-    subtract_columns<R, N>(t, L + r, step, from, r, own);
+    subtract_columns<R, N>(t, Lx, at + r, step, from, r, own);
 #pragma GCC unroll 8
     for (int i = 0; i < R; ++i) {
 #pragma GCC unroll 8
@@ -55,7 +56,7 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
       Tile<double, N> t[R];
 #pragma GCC unroll 8
       for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(to + i * N);
-      subtract_columns<R, N>(t, L + width + b, step, from, width, own);
+      subtract_columns<R, N>(t, Lx, at + width + b, step, from, width, own);
 #pragma GCC unroll 8
       for (int i = 0; i < R; ++i) t[i].store(to + i * N);
     });
@@ -79,11 +80,11 @@ template <int R, int N, class Store>
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
     }
   }
-  l -= R;  // row i of those among themselves: l + i R
+  // row j of those among themselves: l + (j - 1) R
 #pragma GCC unroll 8
   for (int i = R - 1; i >= 0; --i) {
 #pragma GCC unroll 8
-    for (int j = R - 1; j > i; --j) t[i].subtract(l[j * R + i], t[j]);
+    for (int j = R - 1; j > i; --j) t[i].subtract(l[(j - 1) * R + i], t[j]);
     t[i].store(own + i * N);
     store(row + i, t[i]);
   }
