@@ -28,6 +28,10 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     }
     out.diagonal.push_back(A.p[j + 1] - 1);
   }
+  std::vector<char> set(s.nonzeros(), 0);
+  for (int slot : out.to) set[slot] = 1;
+  for (int slot = 0; slot < s.nonzeros(); ++slot)
+    if (!set[slot]) out.fill.push_back(slot);
 }
 
 // Columns first+c ... first+c+high-1 of a block of `width` columns.
@@ -83,8 +87,8 @@ void find_targets(const int* rows, int begin, int count, const int* T_rows, int 
 }  // namespace
 
 std::size_t LdlSchedule::bytes() const {
-  return sizeof(int) *
-             (diagonal.size() + from.size() + to.size() + Lp.size() + block.size() + run.size() + packed.size()) +
+  return sizeof(int) * (diagonal.size() + from.size() + to.size() + fill.size() + Lp.size() + block.size() +
+                        run.size() + packed.size()) +
          sizeof(Run) * runs.size() + sizeof(Target) * targets.size() + sizeof(Group) * groups.size() +
          sizeof(Segment) * segments.size();
 }
@@ -95,8 +99,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   LdlSchedule out;
   out.n = s.n;
   find_blocks(s, columns, out.block);
-  out.eliminated =
-      static_cast<int>(std::lower_bound(out.block.begin(), out.block.end(), columns) - out.block.begin());
+  out.eliminated = static_cast<int>(std::lower_bound(out.block.begin(), out.block.end(), columns) - out.block.begin());
   std::vector<int> block_of(s.n);
   for (int k = 0; k < out.blocks(); ++k)
     std::fill(block_of.begin() + out.block[k], block_of.begin() + out.block[k + 1], k);

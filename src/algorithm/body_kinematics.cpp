@@ -14,7 +14,9 @@ namespace {
 // beginning.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
-  move_frame<S>(joint, q, R, r);
+  S s, c;
+  sin_cos(angle_of<S>(joint, q), s, c);
+  move_frame<S>(joint, q, s, c, R, r);
   switch (joint.type) {
     case JointType::kRevolute:
       J.col(0).template tail<3>() = axis_of<S>(joint, R);

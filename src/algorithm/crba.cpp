@@ -2,19 +2,41 @@
 
 namespace manycontact {
 
-template <class S>
-void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M) {
+namespace {
+
+// M: entry k of the packed matrix by M(k).
+template <class S, class Entries>
+void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const Entries& M) {
   Yc = kin.Y;
   for (int i = model.njoints() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
+    const int first = model.floating_base && i > 0 ? 6 : 0;
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
       const Vec6<S> F = Yc[i] * kin.J.col(k);
-      S* row = M + model.M_begin[k];
-      for (int j = k; j >= 0; j = model.dof_parent[j]) *row++ = dot(kin.J.col(j), F);  // M_kj = S_j^T Yc S_k
-      M[model.M_begin[k]] += S(model.armature[k]);
+      int at = model.M_begin[k];
+      for (int j = k; j >= first; j = model.dof_parent[j]) M(at++) = dot(kin.J.col(j), F);  // M_kj = S_j^T Yc S_k
+      if (first > 0) {  // the base's: S = diag(R, R), the tree frame's origin is there
+        const Vec3<S> moment = transpose_times<S>(kin.oMi[0].R, F.template tail<3>());
+        const Vec3<S> force = transpose_times<S>(kin.oMi[0].R, F.template head<3>());
+        for (int j : {2, 1, 0}) M(at++) = moment[j];
+        for (int j : {2, 1, 0}) M(at++) = force[j];
+      }
+      M(model.M_begin[k]) += S(model.armature[k]);
     }
     if (joint.parent >= 0) Yc[joint.parent] += Yc[i];
   }
+}
+
+}  // namespace
+
+template <class S>
+void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M) {
+  composite_inertias<S>(model, kin, Yc, [M](int k) -> S& { return M[k]; });
+}
+
+template <class S>
+void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const int* slot, S* M) {
+  composite_inertias<S>(model, kin, Yc, [M, slot](int k) -> S& { return M[slot[k]]; });
 }
 
 template <class S>
@@ -28,6 +50,8 @@ void unpack_inertia(const Model& model, const S* M, Eigen::Ref<MatX<S>> out) {
 
 template void crba<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
                                        std::vector<Inertia<InstantiatedScalar>>&, InstantiatedScalar*);
+template void crba<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
+                                       std::vector<Inertia<InstantiatedScalar>>&, const int*, InstantiatedScalar*);
 template void unpack_inertia<InstantiatedScalar>(const Model&, const InstantiatedScalar*,
                                                  Eigen::Ref<MatX<InstantiatedScalar>>);
 

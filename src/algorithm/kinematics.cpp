@@ -1,5 +1,7 @@
 #include "manycontact/algorithm/kinematics.hpp"
 
+#include <algorithm>
+
 #include "move_frame.hpp"
 
 namespace manycontact {
@@ -16,11 +18,24 @@ Kinematics<S>::Kinematics(const Model& model)
 
 namespace {
 
+// Sines and cosines of the angles of joints first ... end-1, as many as are best taken at a time.
+template <class S>
+struct Turns {
+  S s[kAngles<S>], c[kAngles<S>];
+
+  Turns(const Model& model, const ConstVecRef<S>& q, int first, int end) {
+    S angle[kAngles<S>];
+    for (int i = first; i < end; ++i) angle[i - first] = angle_of<S>(model.joints[i], q);
+    for (int k = end - first; k < kAngles<S>; ++k) angle[k] = S(0);
+    sin_cos<kAngles<S>>(angle, s, c);
+  }
+};
+
 // Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
 template <class S>
-inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, Mat6X<S>& J) {
+inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c, SE3<S>& M, Mat6X<S>& J) {
   const int iv = joint.idx_v;
-  move_frame<S>(joint, q, M.R, M.p);
+  move_frame<S>(joint, q, s, c, M.R, M.p);
   switch (joint.type) {
     case JointType::kRevolute: {
       const Vec3<S> axis = axis_of<S>(joint, M.R);
@@ -47,6 +62,28 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, SE3<S>& M, M
   }
 }
 
+// Placement, motion subspace and inertia of body i, its joint turned by the angle of s and c.
+template <class S>
+inline void place_body(const Model& model, const SE3<S>& oMbase, const ConstVecRef<S>& q, int i, const S& s, const S& c,
+                       Kinematics<S>& kin) {
+  const Joint& joint = model.joints[i];
+  SE3<S>& M = kin.oMi[i];
+  if (i == 0 && model.floating_base) {
+    M.R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);  // the tree frame's origin is here: p = 0
+    M.p.setZero();
+    kin.J.template leftCols<6>() = M.action();
+  } else {
+    const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
+    M.p = P.p + times<S>(P.R, joint.placement.p.cast<S>());
+    if (joint.placement_rotates)
+      M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
+    else
+      M.R = P.R;
+    move_joint<S>(joint, q, s, c, M, kin.J);
+  }
+  kin.Y[i] = joint.inertia.template cast<S>().transformed(M);
+}
+
 }  // namespace
 
 template <class S, class B>
@@ -59,23 +96,11 @@ void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRe
     oMbase.R = base.R.template cast<S>();
   }
   const int n = model.njoints();
-  for (int i = 0; i < n; ++i) {
-    const Joint& joint = model.joints[i];
-    SE3<S>& M = kin.oMi[i];
-    if (i == 0 && model.floating_base) {
-      M.R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);  // the tree frame's origin is here: p = 0
-      M.p.setZero();
-      kin.J.template leftCols<6>() = M.action();
-    } else {
-      const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
-      M.p = P.p + times<S>(P.R, joint.placement.p.cast<S>());
-      if (joint.placement_rotates)
-        M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
-      else
-        M.R = P.R;
-      move_joint<S>(joint, q, M, kin.J);
-    }
-    kin.Y[i] = joint.inertia.template cast<S>().transformed(M);
+  for (int first = 0; first < n;) {
+    const int end = std::min(first + kAngles<S>, n);
+    const Turns<S> turns(model, q, first, end);
+    for (int i = first; i < end; ++i) place_body<S>(model, oMbase, q, i, turns.s[i - first], turns.c[i - first], kin);
+    first = end;
   }
 }
 

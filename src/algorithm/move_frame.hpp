@@ -23,19 +23,23 @@ inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   return times<S>(R, joint.axis.cast<S>());
 }
 
-/// From the joint frame's R, p to the child frame's.
+/// The angle that move_frame wants sine and cosine of; zero where the joint has none.
 template <class S>
-inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& p) {
+inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
+  if (joint.type == JointType::kRevolute) return q[joint.idx_q];
+  return joint.type == JointType::kPlanar ? q[joint.idx_q + 2] : S(0);
+}
+
+/// From the joint frame's R, p to the child frame's. s, c: sine and cosine of its angle.
+template <class S>
+inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c, Mat3<S>& R, Vec3<S>& p) {
   const int iq = joint.idx_q;
-  S c, s;
   switch (joint.type) {
     case JointType::kRevolute:
-      if (joint.axis_kind < 3) {
-        sin_cos(q[iq], s, c);
+      if (joint.axis_kind < 3)
         rotate_columns<S>(R, joint.axis_kind, c, s);
-      } else {
-        R = times<S>(R, rotation_about<S>(joint.axis.cast<S>(), q[iq]));
-      }
+      else
+        R = times<S>(R, rotation_about<S>(joint.axis.cast<S>(), s, c));
       break;
     case JointType::kPrismatic:
       p += q[iq] * axis_of<S>(joint, R);
@@ -46,7 +50,6 @@ inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, 
       break;
     case JointType::kPlanar:
       p += R.col(0) * q[iq] + R.col(1) * q[iq + 1];
-      sin_cos(q[iq + 2], s, c);
       rotate_columns<S>(R, 2, c, s);
       break;
   }

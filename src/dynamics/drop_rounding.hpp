@@ -9,14 +9,16 @@
 namespace manycontact::internal {
 
 /// A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis, has
-/// none. No pivot shows that: it may have nothing to cancel with. After crba.
+/// none. No pivot shows that: it may have nothing to cancel with. After crba. slot: as there; nullptr where it had
+/// none.
 template <class S>
-void drop_rounding(const Model& model, const Kinematics<S>& kin, const std::vector<Inertia<S>>& Yc, S* M) {
+void drop_rounding(const Model& model, const Kinematics<S>& kin, const std::vector<Inertia<S>>& Yc, const int* slot,
+                   S* M) {
   const S rounding(tolerance::kRounding * std::numeric_limits<double>::epsilon());
   for (int i = 0; i < model.nv; ++i) {
     const Inertia<S>& Y = Yc[model.dof_joint[i]];
     const auto J = kin.J.col(i);
-    S& m = M[model.M_begin[i]];
+    S& m = M[slot ? slot[model.M_begin[i]] : model.M_begin[i]];
     const S terms = J.template head<3>().squaredNorm() * Y.m + J.template tail<3>().squaredNorm() * Y.I.trace();
     m = select(absolute(m) <= rounding * terms, S(0), m);
   }

@@ -12,7 +12,7 @@ void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector&
   forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
   inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
   crba<double>(model, r.kin, r.Yc, r.M.data());
-  drop_rounding<double>(model, r.kin, r.Yc, r.M.data());
+  drop_rounding<double>(model, r.kin, r.Yc, nullptr, r.M.data());
   r.known = true;
 }
 

@@ -12,6 +12,10 @@ namespace manycontact {
 template <class S>
 void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M);
 
+/// The same with entry k of M in M[slot[k]], for a matrix that M is a part of.
+template <class S>
+void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const int* slot, S* M);
+
 /// The dense symmetric matrix of a packed one. out: nv x nv.
 template <class S>
 void unpack_inertia(const Model& model, const S* M, Eigen::Ref<MatX<S>> out);

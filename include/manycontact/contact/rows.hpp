@@ -82,12 +82,11 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, c
 template <class S>
 S motion_size(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
-  S largest(0), turning(0);
+  S of_row[6] = {S(0), S(0), S(0), S(0), S(0), S(0)};
   for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
-    for (int i = 0; i < 6; ++i) {
-      S& of = i < 3 ? largest : turning;
-      of = larger(S(abs(data.Jl(i, j))), of);
-    }
+    for (int i = 0; i < 6; ++i) of_row[i] = larger(S(abs(data.Jl(i, j))), of_row[i]);
+  const auto largest_of = [&](int i) { return larger(larger(of_row[i], of_row[i + 1]), of_row[i + 2]); };
+  const S largest = largest_of(0), turning = largest_of(3);
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());

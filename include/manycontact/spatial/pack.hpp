@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#ifdef __AVX__
+#ifdef __SSE2__
 #include <immintrin.h>
 #endif
 
@@ -48,6 +48,11 @@ struct Pack {
       for (int l = 0; l < W; ++l) all |= reinterpret_cast<const std::int64_t*>(&bits)[l];
       return all != 0;
     }
+    bool all() const {
+      std::int64_t every = -1;
+      for (int l = 0; l < W; ++l) every &= reinterpret_cast<const std::int64_t*>(&bits)[l];
+      return every != 0;
+    }
   };
 
   Real v;
@@ -86,7 +91,20 @@ struct Pack {
   friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + INT64_MAX))); }
   friend Pack abs(Pack a) { return absolute(a); }
   /// The larger; b where they do not compare.
-  friend Pack larger(Pack a, Pack b) { return select(a > b, a, b); }
+  [[gnu::always_inline]] friend Pack larger(Pack a, Pack b) {
+    if constexpr (W == 1) return of(a.v > b.v ? a.v : b.v);
+#ifdef __SSE2__
+    if constexpr (W == 2) return of((Real)_mm_max_pd((__m128d)a.v, (__m128d)b.v));
+#endif
+#ifdef __AVX__
+    if constexpr (W == 4) return of((Real)_mm256_max_pd((__m256d)a.v, (__m256d)b.v));
+#endif
+#ifdef __AVX512F__
+    if constexpr (W == 8)  // of all lanes; _mm512_max_pd has GCC 12 warn of what it leaves undefined on purpose
+      return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
+#endif
+    return select(a > b, a, b);
+  }
 
   /// a b + c
   [[gnu::always_inline]] friend Pack multiply_add(Pack a, Pack b, Pack c) {
@@ -174,17 +192,13 @@ template <int W>
   const P y = r - w, tail = (r - y) - w;
 
   const P z = y * y, h = P(0.5) * z;
-  const P ps = P(8.33333333332248946124e-03) +
-               z * (P(-1.98412698298579493134e-04) +
-                    z * (P(2.75573137070700676789e-06) +
-                         z * (P(-2.50507602534068634195e-08) + z * P(1.58969099521155010221e-10))));
+  const auto horner = [&z](P sum, auto... rest) { return ((sum = multiply_add(z, sum, P(rest))), ...); };
+  const P ps = horner(1.58969099521155010221e-10, -2.50507602534068634195e-08, 2.75573137070700676789e-06,
+                      -1.98412698298579493134e-04, 8.33333333332248946124e-03);
   const P v = z * y;
   const P sine = y - ((z * (P(0.5) * tail - v * ps) - tail) - v * P(-1.66666666666666324348e-01));
-  const P pc = z * (P(4.16666666666666019037e-02) +
-                    z * (P(-1.38888888888741095749e-03) +
-                         z * (P(2.48015872894767294178e-05) +
-                              z * (P(-2.75573143513906633035e-07) +
-                                   z * (P(2.08757232129817482790e-09) + z * P(-1.13596475577881948265e-11))))));
+  const P pc = z * horner(-1.13596475577881948265e-11, 2.08757232129817482790e-09, -2.75573143513906633035e-07,
+                          2.48015872894767294178e-05, -1.38888888888741095749e-03, 4.16666666666666019037e-02);
   const P one_less_h = P(1) - h;
   const P cosine = one_less_h + (((P(1) - one_less_h) - h) + (z * pc - y * tail));
 
@@ -202,6 +216,26 @@ template <int W>
   const auto known = absolute(angle) <= P(kLargestAngle);
   s = select(known, s, P(std::nan("")));
   c = select(known, c, P(std::nan("")));
+}
+
+/// Of `count` angles of one robot, as many at a time as the level of instructions has lanes, each as sin_cos has it.
+template <int count>
+inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
+#if defined __AVX512F__
+  constexpr int W = 8;
+#elif defined __AVX__
+  constexpr int W = 4;
+#else
+  constexpr int W = 2;
+#endif
+  static_assert(count % W == 0);
+  for (int k = 0; k < count; k += W) {
+    Pack<W> a, sine, cosine;
+    std::memcpy(&a, angle + k, sizeof a);
+    sin_cos(a, sine, cosine);
+    std::memcpy(s + k, &sine, sizeof sine);
+    std::memcpy(c + k, &cosine, sizeof cosine);
+  }
 }
 
 }  // namespace manycontact

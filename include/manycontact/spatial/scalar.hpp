@@ -49,8 +49,21 @@ template <class S>
 void sin_cos(const S& angle, S& s, S& c) {
   using std::cos;
   using std::sin;
-  s = sin(angle);
-  c = cos(angle);
+  const S x = angle, sine = sin(x);  // of one x, for the compiler to join them: s may be where the angle is
+  c = cos(x);
+  s = sine;
+}
+/// Angles that are best taken at a time: of a robot alone side by side (pack.hpp).
+template <class S>
+inline constexpr int kAngles = 1;
+#ifdef MANYCONTACT_LANES
+template <>
+inline constexpr int kAngles<Pack<1>> = 8;
+#endif
+/// Of `count` angles.
+template <int count, class S>
+void sin_cos(const S* angle, S* s, S* c) {
+  for (int k = 0; k < count; ++k) sin_cos(angle[k], s[k], c[k]);
 }
 /// a b + c
 template <class S>

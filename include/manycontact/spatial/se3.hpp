@@ -59,12 +59,17 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
   }
 };
 
-/// Rotation by `angle` about the unit vector `axis` (Rodrigues).
+/// Rotation about the unit vector `axis` by an angle, given by its sine and cosine (Rodrigues).
+template <class S>
+Mat3<S> rotation_about(const Vec3<S>& axis, const S& s, const S& c) {
+  return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
+}
+
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
-  S c, s;
+  S s, c;
   sin_cos(angle, s, c);
-  return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
+  return rotation_about<S>(axis, s, c);
 }
 
 /// Rotation matrix of the quaternion x, y, z, w; exactly orthonormal even when |quat| is only near 1.

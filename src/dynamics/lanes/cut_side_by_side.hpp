@@ -78,7 +78,7 @@ class CutSideBySide {
   std::vector<Inertia<S>> Yc_;
   std::vector<Vec6<S>> f_;
   std::vector<ContactData<S>> contacts_;
-  std::vector<S> M_, joins_, terms_, border_, r_, scale_;
+  std::vector<S> joins_, terms_, border_, r_, scale_;
 };
 
 template <class S>
@@ -93,7 +93,6 @@ CutSideBySide<S>::CutSideBySide(std::shared_ptr<const CutRobot> cut)
       kin_(model_),
       Yc_(model_.njoints()),
       f_(model_.njoints()),
-      M_(model_.M_begin[model_.nv]),
       joins_(cut_->joins_size()),
       terms_(cut_->pattern.size()),
       border_(Border::size(cut_->border)),
@@ -142,11 +141,13 @@ void CutSideBySide<S>::evaluate(const Job& job, std::span<Robot> robots, double*
   forward_kinematics<S>(model_, base_, q_, kin_);
   forward_accelerations<S>(model_, v_, nullptr, job.scene.gravity, kin_);
   inverse_dynamics<S>(model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
-  crba<S>(model_, kin_, Yc_, M_.data());
-  internal::drop_rounding<S>(model_, kin_, Yc_, M_.data());
+  const Numbers n = numbers_in(memory);
+  const int* slot = cut_->pattern.M_slot.data();
+  crba<S>(model_, kin_, Yc_, slot, n.K);
+  internal::drop_rounding<S>(model_, kin_, Yc_, slot, n.K);
   store_ends(robots);
   evaluate_rows(job, robots);
-  assemble(job, robots, numbers_in(memory));
+  assemble(job, robots, n);
   for (std::size_t l = 0; l < robots.size(); ++l) robots[l].sound = usable[static_cast<int>(l)];
 }
 
@@ -174,11 +175,10 @@ void CutSideBySide<S>::evaluate_rows(const Job& job, std::span<Robot> robots) {
   }
 }
 
-/// K but for the rows that join robots, and b = [tau - h; wanted - a0; 0].
+/// J of the rows that do not join robots and -delta I in K, and b = [tau - h; wanted - a0; 0].
 template <class S>
 void CutSideBySide<S>::assemble(const Job& job, std::span<const Robot> robots, const Numbers& n) const {
   const KktPattern& p = cut_->pattern;
-  for (std::size_t k = 0; k < M_.size(); ++k) n.K[p.M_slot[k]] = M_[k];
   const int* slot = p.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) n.K[*slot++] = rows.J.data()[k];
@@ -324,13 +324,9 @@ void CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n) {
   const int m = cut_->border, rows = cut_->rows();
   store_border(r_.data() + rows, m, robots, [](const Border& b) { return b.r(); });
   store_border(scale_.data() + rows, m, robots, [](const Border& b) { return b.scale(); });
-  S r[2] = {0, 0}, scale[2] = {0, 0};
-  for (int k = 0; k < rows; ++k) {
-    const int row = p.perm[k] >= p.nv;
-    r[row] = larger(abs(r_[k]), r[row]);
-    scale[row] = larger(scale_[k], scale[row]);
-  }
-  const S floor = larger(scale[0], scale[1]) * S(std::numeric_limits<double>::epsilon());
+  const std::span<const int> eliminated(p.iperm.data(), rows);
+  const Largest<S> largest[] = {{0, eliminated.first(p.nv), r_, scale_}, {0, eliminated.subspan(p.nv), r_, scale_}};
+  const S floor = larger(largest[0].scale, largest[1].scale) * S(std::numeric_limits<double>::epsilon());
   S error(0), sum(0);
   for (int k = 0; k < rows; ++k) {
     const S bound = larger(scale_[k], floor), size = abs(r_[k]);
@@ -340,7 +336,10 @@ void CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n) {
   error += sum * S(0);
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
-    for (int row : {0, 1}) robots[l].r[row] = r[row][lane], robots[l].scale[row] = scale[row][lane];
+    for (int row : {0, 1}) {
+      robots[l].r[row] = largest[row].r[lane];
+      robots[l].scale[row] = largest[row].scale[lane];
+    }
     robots[l].error = error[lane];
   }
 }

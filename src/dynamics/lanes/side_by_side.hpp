@@ -57,6 +57,21 @@ void load_lane(int lane, const SE3<double>& from, SE3<S>& to) {
   for (int i = 0; i < 3; ++i) to.p[i].set(lane, from.p[i]);
 }
 
+/// The largest residual of some rows, and the largest size of the terms it is left of.
+template <class S>
+struct Largest {
+  S r, scale;
+
+  Largest(S least_scale, std::span<const int> rows, const std::vector<S>& residual, const std::vector<S>& size)
+      : r(0), scale(least_scale) {
+    for (int k : rows) {
+      r = larger(abs(residual[k]), r);
+      scale = larger(size[k], scale);
+    }
+  }
+  double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
+};
+
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
 template <class S>
 void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, std::vector<Vec6<S>>& fext) {
@@ -108,16 +123,19 @@ class SideBySide {
   template <class Job>
   void linearise(const Job& job, std::span<const Island* const> islands);
   void evaluate(const Scene& scene, const Island& island);
+  void evaluate_inertia();
   void evaluate_rows(const Scene& scene, const Island& island);
-  void assemble(double damping);
+  void assemble_rows(double damping);
   void assemble_right_side();
   void add_wanted(const Job& job, std::span<const Island* const> islands);
   void factor();
   void apply_inverse(std::vector<S>& x) const;
-  void correct(Mask open);
+  Mask correct(Mask open);
   Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
   Mask believable_pivots() const;
   S residual();
+  S residual(Mask same_sizes);
+  S backward_error() const;
   void refine();
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Island& island, int lane, double* a,
@@ -158,7 +176,6 @@ class SideBySide {
   std::vector<Vec6<S>> f_;
   std::vector<ContactData<S>> contacts_;
 
-  std::vector<S> M_;          // packed
   std::vector<S> K_, L_, D_;  // as KktMatrix, LdlSymbolic have them
   std::vector<S> pivot_terms_, b_, x_, r_, scale_, correction_;
   S steps_, backward_error_, first_error_;
@@ -207,7 +224,6 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       kin_(*model_),
       Yc_(model_->njoints()),
       f_(model_->njoints()),
-      M_(model_->M_begin[model_->nv]),
       K_(pattern_->K.nonzeros()),
       L_(pattern_->ldl.nonzeros()),
       D_(pattern_->size()),
@@ -278,7 +294,7 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   load(job, islands);
   keep(job.serial, islands);
   evaluate(scene, first);
-  assemble(scene.damping);
+  assemble_rows(scene.damping);
   assemble_right_side();
   if (job.wanted) add_wanted(job, islands);
   factor();
@@ -322,9 +338,16 @@ void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
   forward_kinematics<S>(*model_, base_, q_, kin_);
   forward_accelerations<S>(*model_, v_, nullptr, scene.gravity, kin_);
   inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
-  crba<S>(*model_, kin_, Yc_, M_.data());
-  internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
+  evaluate_inertia();
   evaluate_rows(scene, island);
+}
+
+/// M in K.
+template <class S>
+void SideBySide<S>::evaluate_inertia() {
+  const int* slot = pattern_->M_slot.data();
+  crba<S>(*model_, kin_, Yc_, slot, K_.data());
+  internal::drop_rounding<S>(*model_, kin_, Yc_, slot, K_.data());
 }
 
 template <class S>
@@ -342,10 +365,10 @@ void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
   }
 }
 
+/// J and -delta I in K.
 template <class S>
-void SideBySide<S>::assemble(double damping) {
+void SideBySide<S>::assemble_rows(double damping) {
   const KktPattern& p = *pattern_;
-  for (std::size_t k = 0; k < M_.size(); ++k) K_[p.M_slot[k]] = M_[k];
   const int* slot = p.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) K_[*slot++] = rows.J.data()[k];
@@ -384,12 +407,20 @@ void SideBySide<S>::apply_inverse(std::vector<S>& x) const {
   sparse::ldl_scheduled_solve(pattern_->schedule(), numbers(L_.data()), numbers(D_.data()), numbers(x.data()));
 }
 
-/// x += K^-1 r in the lanes that are open.
+/// x += K^-1 r in the lanes that are open. Where no entry moves by more than kSameSize of itself: there |K| |x| stays
+/// what it is, but for as much.
 template <class S>
-void SideBySide<S>::correct(Mask open) {
+typename S::Mask SideBySide<S>::correct(Mask open) {
+  constexpr double kSameSize = 1e-6;
   correction_ = r_;
   apply_inverse(correction_);
-  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = select(open, x_[k] + correction_[k], x_[k]);
+  Mask same_sizes = S(0) <= S(0);
+  for (std::size_t k = 0; k < x_.size(); ++k) {
+    const S x = x_[k], step = select(open, correction_[k], S(0));
+    same_sizes = same_sizes & (abs(step) <= S(kSameSize) * abs(x));
+    x_[k] = select(open, x + step, x);
+  }
+  return same_sizes;
 }
 
 /// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
@@ -426,6 +457,26 @@ template <class S>
 S SideBySide<S>::residual() {
   sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
                                  numbers(r_.data()), numbers(scale_.data()));
+  return backward_error();
+}
+
+/// The same after `correct`, which says where scale need not be computed again.
+template <class S>
+S SideBySide<S>::residual(Mask same_sizes) {
+  if (same_sizes.all()) {
+    sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
+                                   numbers(r_.data()));
+    return backward_error();
+  }
+  correction_ = scale_;
+  (void)residual();
+  for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = select(same_sizes, correction_[k], scale_[k]);
+  return backward_error();
+}
+
+/// Of r and scale.
+template <class S>
+S SideBySide<S>::backward_error() const {
   S largest(0), sum(0);
   for (const S& s : scale_) largest = larger(s, largest);
   const S floor = largest * S(std::numeric_limits<double>::epsilon());
@@ -447,10 +498,10 @@ void SideBySide<S>::refine() {
   backward_error_ = first_error_ = residual();
   Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
   for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
-    correct(open);
+    const Mask same_sizes = correct(open);
     steps_ += select(open, S(1), S(0));
     const S before = backward_error_;
-    backward_error_ = residual();
+    backward_error_ = residual(same_sizes);
     open = open & (backward_error_ < S(0.5) * before) & (backward_error_ > S(tolerance::kRefined));
   }
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
@@ -460,12 +511,9 @@ template <class S>
 void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const {
   const KktPattern& p = *pattern_;
   // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
-  S r[2] = {0, 0}, scale[2] = {0, job.scene.gravity.norm()};
-  for (int k = 0; k < p.size(); ++k) {
-    const int row = p.perm[k] >= p.nv;
-    r[row] = larger(abs(r_[k]), r[row]);
-    scale[row] = larger(scale_[k], scale[row]);
-  }
+  const std::span<const int> rows(p.iperm);
+  const Largest<S> dynamics(0, rows.first(p.nv), r_, scale_);
+  const Largest<S> contact(job.scene.gravity.norm(), rows.subspan(p.nv), r_, scale_);
   // Growth of K's entries (kkt/factor/pivots.hpp), and the error before refinement.
   S terms(0), diagonal(0);
   for (int k = 0; k < p.size(); ++k) {
@@ -484,8 +532,8 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
     answer.refine_panel = first_error_[lane] > tolerance::kRefinePanel;
     answer.refinement_steps = static_cast<int>(steps_[lane]);
     answer.backward_error = backward_error_[lane];
-    answer.residual_dynamics = r[0][lane] == 0 ? 0 : r[0][lane] / scale[0][lane];
-    answer.residual_contact = r[1][lane] == 0 ? 0 : r[1][lane] / scale[1][lane];
+    answer.residual_dynamics = dynamics.ratio(lane);
+    answer.residual_contact = contact.ratio(lane);
     scatter(job.scene, job.f_offset, *islands[l], lane, job.a, job.f);
   }
 }
@@ -521,8 +569,7 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
     load_state(job, islands);
     keep(job.serial, islands);
     forward_kinematics<S>(*model_, base_, q_, kin_);
-    crba<S>(*model_, kin_, Yc_, M_.data());
-    internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
+    evaluate_inertia();
   }
   for (int l = 0; l < W; ++l) {
     const Island& island = in_lane(islands, l);
@@ -533,7 +580,7 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
   forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
   evaluate_rows(job.scene, first);
   if (kept) return;
-  assemble(job.scene.damping);
+  assemble_rows(job.scene.damping);
   factor();
 }
 
@@ -545,7 +592,7 @@ void SideBySide<S>::solve_once_refined() {
   x_ = b_;
   apply_inverse(x_);
   const Mask open = residual() > S(tolerance::kRefined);
-  if (open.any()) correct(open);
+  if (open.any()) (void)correct(open);
 }
 
 template <class S>

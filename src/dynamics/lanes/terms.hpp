@@ -80,7 +80,7 @@ class RobotTermsOf {
     forward_accelerations<S>(*model_, v_, nullptr, gravity, kin_);
     inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
     crba<S>(*model_, kin_, Yc_, M_.data());
-    internal::drop_rounding<S>(*model_, kin_, Yc_, M_.data());
+    internal::drop_rounding<S>(*model_, kin_, Yc_, nullptr, M_.data());
     store(robots);
   }
 

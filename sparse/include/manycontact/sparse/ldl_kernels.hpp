@@ -304,7 +304,9 @@ template <class V>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D, V* scale) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
-  for (int k = 0; k < Lp[schedule.n]; ++k) Lx[k] = V{};
+  const int* fill = schedule.fill.data();
+  const int left = static_cast<int>(schedule.fill.size());
+  for (int k = 0; k < left; ++k) Lx[fill[k]] = V{};
   const int *from = schedule.from.data(), *to = schedule.to.data();
   const int entries = static_cast<int>(schedule.to.size());
   for (int k = 0; k < entries; ++k) Lx[to[k]] = Ax[from[k]];
@@ -387,6 +389,24 @@ void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V*
     }
     r[j] = r_j;
     scale[j] = scale_j;
+  }
+}
+
+/// The same r, without the sizes of its terms.
+template <class V>
+void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r) {
+  const int *p = A.p.data(), *row = A.i.data();
+  for (int k = 0; k < A.n; ++k) r[k] = b[k];
+  for (int j = 0; j < A.n; ++j) {
+    const int last = p[j + 1] - 1;  // the diagonal
+    const V x_j = x[j];
+    V r_j = multiply_add(-Ax[last], x_j, r[j]);
+    for (int k = p[j]; k < last; ++k) {
+      const V a = -Ax[k];
+      r[row[k]] = multiply_add(a, x_j, r[row[k]]);
+      r_j = multiply_add(a, x[row[k]], r_j);
+    }
+    r[j] = r_j;
   }
 }
 

@@ -49,6 +49,7 @@ struct LdlSchedule {
   bool compiled = false;      // false: it would take too much memory, see compile_ldl
   std::vector<int> diagonal;  // slot of A_kk
   std::vector<int> from, to;  // slots of A's other entries, and where these go in L
+  std::vector<int> fill;      // slots of L where A has no entry
   std::vector<int> Lp;        // as in LdlSymbolic
   std::vector<int> block;     // block k has columns block[k] ... block[k+1]-1
   std::vector<int> run;       // and runs[run[k]] ... runs[run[k+1]-1]
