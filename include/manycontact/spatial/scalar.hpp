@@ -53,12 +53,12 @@ void sin_cos(const S& angle, S& s, S& c) {
   c = cos(x);
   s = sine;
 }
-/// Angles that are best taken at a time: of a robot alone side by side (pack.hpp).
+/// Angles that are best taken at a time: none waits for another, and of a robot alone they go side by side (pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES
-template <>
-inline constexpr int kAngles<Pack<1>> = 8;
+template <int W>
+inline constexpr int kAngles<Pack<W>> = W == 1 ? 8 : 4;
 #endif
 /// Of `count` angles.
 template <int count, class S>

@@ -50,7 +50,6 @@ class CutSideBySide {
   void evaluate_rows(const Job& job, std::span<Robot> robots);
   void assemble(const Job& job, std::span<const Robot> robots, const Numbers& n) const;
   void store_ends(std::span<const Robot> robots);
-  Mask believable_pivots(const Numbers& n) const;
   void begin(std::span<const Robot> robots, const Numbers& n);
   void forward(std::span<const Robot> robots, const Numbers& n);
   void residual(std::span<Robot> robots, const Numbers& n);
@@ -123,16 +122,7 @@ typename S::Mask CutSideBySide<S>::load_state(const Job& job, std::span<const Ro
     load_arrays(side_by_side(robots, from,
                              [&](const Robot& r) { return job.scene.contacts[r.contacts[k]].B.placement.R.data(); }),
                 12, bMB_[k].R.data());
-  S sum(0);  // finite numbers times zero are zero
-  for (const VecX<S>* x : {&q_, &v_, &tau_})
-    for (Eigen::Index i = 0; i < x->size(); ++i) sum += (*x)[i] * S(0);
-  Mask usable = sum <= S(0);
-  for (const Joint& joint : model_.joints) {
-    if (joint.type != JointType::kFloating) continue;
-    const S norm2 = q_.template segment<4>(joint.idx_q + 3).squaredNorm();
-    usable = usable & (abs(norm2 - S(1)) <= S(tolerance::kQuaternion));
-  }
-  return usable;
+  return usable_input<S>(model_, q_, v_, tau_);
 }
 
 template <class S>
@@ -229,17 +219,14 @@ void CutSideBySide<S>::factor(std::span<Robot> robots, double* memory) {
     next += ContactTerms::JoinedEnd::size(cols);
   }
   sparse::ldl_scheduled_factor(cut_->schedule, numbers(n.K), numbers(n.L), numbers(n.D), numbers(terms_.data()));
-  const Mask good = believable_pivots(n);
-  S terms(0), diagonal(0);  // growth of K's entries (kkt/factor/pivots.hpp)
-  for (int k = 0; k < cut_->rows(); ++k) {
-    terms = larger(terms_[k], terms);
-    diagonal = larger(abs(n.K[p.K.p[k + 1] - 1]), diagonal);
-  }
+  const std::size_t rows = static_cast<std::size_t>(cut_->rows());
+  const Mask good = believable_pivots<S>(model_.nv, {n.D, rows}, terms_.data());
+  const Growth<S> growth(rows, terms_.data(), [&](std::size_t k) { return n.K[p.K.p[k + 1] - 1]; });
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = robots[l].sound && good[lane];
-    robots[l].terms = terms[lane];
-    robots[l].diagonal = diagonal[lane];
+    robots[l].terms = growth.terms[lane];
+    robots[l].diagonal = growth.diagonal[lane];
   }
   S* to = border_.data();
   const int* below = triangle_.data();
@@ -251,22 +238,6 @@ void CutSideBySide<S>::factor(std::span<Robot> robots, double* memory) {
   store_border(border_.data(), static_cast<int>(to - border_.data()) + cut_->border, robots,
                [](const Border& b) { return b.S; });
   begin(robots, n);
-}
-
-/// The pivots' inertia is (nv, rows of contacts, 0), and none was lost in cancellation.
-template <class S>
-typename S::Mask CutSideBySide<S>::believable_pivots(const Numbers& n) const {
-  const S largest(std::numeric_limits<double>::max());
-  S positive(0);
-  Mask good = S(0) <= largest;
-  for (int k = 0; k < cut_->rows(); ++k) {
-    positive += select(n.D[k] > S(0), S(1), S(0));
-    const S size = abs(n.D[k]);
-    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * terms_[k]) &
-           (terms_[k] <= largest);
-  }
-  const S nv(model_.nv);
-  return good & (positive >= nv) & (positive <= nv);
 }
 
 template <class S>
@@ -325,15 +296,9 @@ void CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n) {
   store_border(r_.data() + rows, m, robots, [](const Border& b) { return b.r(); });
   store_border(scale_.data() + rows, m, robots, [](const Border& b) { return b.scale(); });
   const std::span<const int> eliminated(p.iperm.data(), rows);
-  const Largest<S> largest[] = {{0, eliminated.first(p.nv), r_, scale_}, {0, eliminated.subspan(p.nv), r_, scale_}};
-  const S floor = larger(largest[0].scale, largest[1].scale) * S(std::numeric_limits<double>::epsilon());
-  S error(0), sum(0);
-  for (int k = 0; k < rows; ++k) {
-    const S bound = larger(scale_[k], floor), size = abs(r_[k]);
-    sum += size + bound;
-    error = larger(select(size > S(0), size / bound, S(0)), error);
-  }
-  error += sum * S(0);
+  const Largest<S> largest[] = {{0, eliminated.first(p.nv), r_.data(), scale_.data()},
+                                {0, eliminated.subspan(p.nv), r_.data(), scale_.data()}};
+  const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows)}, scale_.data());
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     for (int row : {0, 1}) {

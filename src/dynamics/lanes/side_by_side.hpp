@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "../drop_rounding.hpp"
+#include "judge.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
@@ -47,30 +48,6 @@ void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_
   for (std::size_t k = 0; k < left; ++k)
     for (int l = 0; l < W; ++l) to[l * stride + whole + k] = from[whole + k][l];
 }
-template <class To>
-void load_lane(int lane, const double* from, To& to) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(to.size()); ++i) to[i].set(lane, from[i]);
-}
-template <class S>
-void load_lane(int lane, const SE3<double>& from, SE3<S>& to) {
-  for (int i = 0; i < 9; ++i) to.R.data()[i].set(lane, from.R.data()[i]);
-  for (int i = 0; i < 3; ++i) to.p[i].set(lane, from.p[i]);
-}
-
-/// The largest residual of some rows, and the largest size of the terms it is left of.
-template <class S>
-struct Largest {
-  S r, scale;
-
-  Largest(S least_scale, std::span<const int> rows, const std::vector<S>& residual, const std::vector<S>& size)
-      : r(0), scale(least_scale) {
-    for (int k : rows) {
-      r = larger(abs(residual[k]), r);
-      scale = larger(size[k], scale);
-    }
-  }
-  double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
-};
 
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
 template <class S>
@@ -116,6 +93,8 @@ class SideBySide {
   };
 
   void find_places();
+  template <class At>
+  void load_each(const Scene& scene, std::span<const Island* const> islands, int count, S* to, At&& at);
   template <class Job>
   void load_state(const Job& job, std::span<const Island* const> islands);
   void load(const Job& job, std::span<const Island* const> islands);
@@ -132,10 +111,8 @@ class SideBySide {
   void apply_inverse(std::vector<S>& x) const;
   Mask correct(Mask open);
   Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
-  Mask believable_pivots() const;
   S residual();
   S residual(Mask same_sizes);
-  S backward_error() const;
   void refine();
   void store(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) const;
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Island& island, int lane, double* a,
@@ -298,39 +275,42 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   assemble_right_side();
   if (job.wanted) add_wanted(job, islands);
   factor();
-  usable_ = usable_ & believable_rows(scene, first, scene.damping) & believable_pivots();
+  usable_ = usable_ & believable_rows(scene, first, scene.damping) &
+            believable_pivots<S>(model_->nv, D_, pivot_terms_.data());
   refine();
   store(job, islands, answers);
+}
+
+/// What each island's robot has, at(its robot), in the lanes of `to`.
+template <class S>
+template <class At>
+void SideBySide<S>::load_each(const Scene& scene, std::span<const Island* const> islands, int count, S* to, At&& at) {
+  const double* from[8];
+  load_arrays(
+      side_by_side(islands, from, [&](const Island* island) { return at(scene.robots[island->robots.front()]); }),
+      count, to);
 }
 
 template <class S>
 template <class Job>
 void SideBySide<S>::load_state(const Job& job, std::span<const Island* const> islands) {
-  for (int l = 0; l < W; ++l) {
-    const Island& island = in_lane(islands, l);
-    const Robot& robot = job.scene.robots[island.robots.front()];
-    load_lane(l, job.q + robot.idx_q, q_);
-    load_lane(l, job.v + robot.idx_v, v_);
-    if (!model_->floating_base) load_lane(l, robot.base, base_);
-    for (std::size_t k = 0; k < bMB_.size(); ++k)
-      load_lane(l, job.scene.contacts[island.contacts[k]].B.placement, bMB_[k]);
-  }
+  const Scene& scene = job.scene;
+  load_each(scene, islands, model_->nq, q_.data(), [&](const Robot& robot) { return job.q + robot.idx_q; });
+  load_each(scene, islands, model_->nv, v_.data(), [&](const Robot& robot) { return job.v + robot.idx_v; });
+  if (!model_->floating_base)
+    load_each(scene, islands, 12, base_.R.data(), [](const Robot& robot) { return robot.base.R.data(); });
+  const double* from[8];
+  for (std::size_t k = 0; k < bMB_.size(); ++k)
+    load_arrays(side_by_side(islands, from,
+                             [&](const Island* i) { return scene.contacts[i->contacts[k]].B.placement.R.data(); }),
+                12, bMB_[k].R.data());
 }
 
 template <class S>
 void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands) {
   load_state(job, islands);
-  for (int l = 0; l < W; ++l) load_lane(l, job.tau + job.scene.robots[in_lane(islands, l).robots.front()].idx_v, tau_);
-  // finite numbers times zero are zero
-  S sum(0);
-  for (const VecX<S>* x : {&q_, &v_, &tau_})
-    for (Eigen::Index i = 0; i < x->size(); ++i) sum += (*x)[i] * S(0);
-  usable_ = sum <= S(0);
-  for (const Joint& joint : model_->joints) {
-    if (joint.type != JointType::kFloating) continue;
-    const S norm2 = q_.template segment<4>(joint.idx_q + 3).squaredNorm();
-    usable_ = usable_ & (abs(norm2 - S(1)) <= S(tolerance::kQuaternion));
-  }
+  load_each(job.scene, islands, model_->nv, tau_.data(), [&](const Robot& robot) { return job.tau + robot.idx_v; });
+  usable_ = usable_input<S>(*model_, q_, v_, tau_);
 }
 
 template <class S>
@@ -436,28 +416,12 @@ typename S::Mask SideBySide<S>::believable_rows(const Scene& scene, const Island
   return smallest > S(tolerance::kRank) * motion;
 }
 
-/// K's inertia is (nv, nc, 0), and no pivot was lost in cancellation.
-template <class S>
-typename S::Mask SideBySide<S>::believable_pivots() const {
-  const S largest(std::numeric_limits<double>::max());
-  S positive(0);
-  Mask good = abs(D_[0]) <= largest;
-  for (std::size_t k = 0; k < D_.size(); ++k) {
-    positive += select(D_[k] > S(0), S(1), S(0));
-    const S size = abs(D_[k]);
-    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * pivot_terms_[k]) &
-           (pivot_terms_[k] <= largest);
-  }
-  const S nv(pattern_->nv);
-  return good & (positive >= nv) & (positive <= nv);
-}
-
 /// r = b - K x, scale = |b| + |K| |x|, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
 template <class S>
 S SideBySide<S>::residual() {
   sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
                                  numbers(r_.data()), numbers(scale_.data()));
-  return backward_error();
+  return componentwise_error<S>(r_, scale_.data());
 }
 
 /// The same after `correct`, which says where scale need not be computed again.
@@ -466,27 +430,12 @@ S SideBySide<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
     sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
                                    numbers(r_.data()));
-    return backward_error();
+    return componentwise_error<S>(r_, scale_.data());
   }
   correction_ = scale_;
   (void)residual();
   for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = select(same_sizes, correction_[k], scale_[k]);
-  return backward_error();
-}
-
-/// Of r and scale.
-template <class S>
-S SideBySide<S>::backward_error() const {
-  S largest(0), sum(0);
-  for (const S& s : scale_) largest = larger(s, largest);
-  const S floor = largest * S(std::numeric_limits<double>::epsilon());
-  S error(0);
-  for (std::size_t k = 0; k < r_.size(); ++k) {
-    const S bound = larger(scale_[k], floor), size = abs(r_[k]);
-    sum += size + bound;
-    error = larger(select(size > S(0), size / bound, S(0)), error);
-  }
-  return error + sum * S(0);
+  return componentwise_error<S>(r_, scale_.data());
 }
 
 /// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
@@ -512,17 +461,13 @@ void SideBySide<S>::store(const Job& job, std::span<const Island* const> islands
   const KktPattern& p = *pattern_;
   // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
   const std::span<const int> rows(p.iperm);
-  const Largest<S> dynamics(0, rows.first(p.nv), r_, scale_);
-  const Largest<S> contact(job.scene.gravity.norm(), rows.subspan(p.nv), r_, scale_);
-  // Growth of K's entries (kkt/factor/pivots.hpp), and the error before refinement.
-  S terms(0), diagonal(0);
-  for (int k = 0; k < p.size(); ++k) {
-    terms = larger(pivot_terms_[k], terms);
-    diagonal = larger(abs(K_[p.K.p[k + 1] - 1]), diagonal);
-  }
-  const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * diagonal;
-  const S growth = select(diagonal > S(0), terms / diagonal, S(1));
-  const Mask sound = usable_ & (growth <= S(std::numeric_limits<double>::max()));
+  const Largest<S> dynamics(0, rows.first(p.nv), r_.data(), scale_.data());
+  const Largest<S> contact(job.scene.gravity.norm(), rows.subspan(p.nv), r_.data(), scale_.data());
+  const Growth<S> growth(D_.size(), pivot_terms_.data(), [&](std::size_t k) { return K_[p.K.p[k + 1] - 1]; });
+  const Mask safe =
+      growth.terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * growth.diagonal;
+  const S factor = select(growth.diagonal > S(0), growth.terms / growth.diagonal, S(1));
+  const Mask sound = usable_ & (factor <= S(std::numeric_limits<double>::max()));
   for (std::size_t l = 0; l < islands.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
@@ -571,12 +516,11 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
     forward_kinematics<S>(*model_, base_, q_, kin_);
     evaluate_inertia();
   }
-  for (int l = 0; l < W; ++l) {
-    const Island& island = in_lane(islands, l);
-    load_lane(l, job.a + job.scene.robots[island.robots.front()].idx_v, a_);
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      load_lane(l, job.f + job.f_offset[island.contacts[k]], contact_f_[k]);
-  }
+  load_each(job.scene, islands, model_->nv, a_.data(), [&](const Robot& robot) { return job.a + robot.idx_v; });
+  const double* from[8];
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    load_arrays(side_by_side(islands, from, [&](const Island* i) { return job.f + job.f_offset[i->contacts[k]]; }),
+                static_cast<int>(contact_f_[k].size()), contact_f_[k].data());
   forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
   evaluate_rows(job.scene, first);
   if (kept) return;
@@ -608,11 +552,11 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   const KktPattern& p = *pattern_;
   const int nv = model_->nv;
   linearise(job, islands);
+  load_each(scene, islands, nv, dq_.data(), [&](const Robot& robot) { return job.in[0] + robot.idx_v; });
+  load_each(scene, islands, nv, dv_.data(), [&](const Robot& robot) { return job.in[1] + robot.idx_v; });
   std::fill(w_.begin(), w_.end(), S(0));
   for (int l = 0; l < W; ++l) {
     const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
-    load_lane(l, job.in[0] + robot.idx_v, dq_);
-    load_lane(l, job.in[1] + robot.idx_v, dv_);
     for (int i = 0; i < model_->nu(); ++i) w_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
   }
   tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
