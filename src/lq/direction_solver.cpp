@@ -1,6 +1,5 @@
 #include "manycontact/lq/direction_solver.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -24,16 +23,6 @@ bool same_sizes(const Point& a, const Point& b) {
   return true;
 }
 
-bool same_parts(const BlockDiagonal& a, const BlockDiagonal& b) {
-  return std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), [](const auto& x, const auto& y) {
-    return x.first == y.first && x.block.rows() == y.block.rows() && x.block.cols() == y.block.cols();
-  });
-}
-
-bool same_structure(const std::optional<Steps>& a, const std::optional<Steps>& b) {
-  return a.has_value() == b.has_value() && (!a || (same_parts(a->J, b->J) && same_parts(a->G, b->G)));
-}
-
 }  // namespace
 
 void DirectionSolver::analyse(const Problem& problem) {
@@ -46,7 +35,7 @@ void DirectionSolver::analyse(const Problem& problem) {
   bonds_.clear();
   for (const Knot& knot : problem.knots) {
     groups_.emplace_back();
-    for (const Group& g : knot.groups) groups_.back().push_back({g.blocks, g.bonds, g.steps});
+    for (const Group& g : knot.groups) groups_.back().push_back({g.blocks, g.bonds});
     bonds_.push_back(knot.bonds);
   }
   residual_ = scale_ = correction_ = Point(problem, layout_);
@@ -64,8 +53,7 @@ void DirectionSolver::expect_same_structure(const Problem& problem) const {
     for (std::size_t b = 0; b < bonds_[k].size(); ++b)
       expect(knot.bonds[b].size == bonds_[k][b].size && knot.bonds[b].rows == bonds_[k][b].rows);
     for (std::size_t g = 0; g < groups_[k].size(); ++g)
-      expect(knot.groups[g].blocks == groups_[k][g].blocks && knot.groups[g].bonds == groups_[k][g].bonds &&
-             same_structure(knot.groups[g].steps, groups_[k][g].steps));
+      expect(knot.groups[g].blocks == groups_[k][g].blocks && knot.groups[g].bonds == groups_[k][g].bonds);
   }
 }
 

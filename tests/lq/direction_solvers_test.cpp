@@ -260,12 +260,15 @@ TEST_P(DirectionSolvers, StepsChangeNothing) {
     for (lq::Group& group : knot.groups) group.steps.reset();
   for (lq::DirectionSolver* solver : solvers.of(c)) {
     solver->max_refinements = 0;
-    lq::Point z[2];
+    lq::Point z[2], later;
     for (const lq::Problem* p : {&problem, &unknown}) {
       solver->analyse(*p);
       ASSERT_EQ(solver->factorize(*p, c.reg).status, Status::kOk);
       ASSERT_EQ(solver->solve(*p, z[p == &unknown]).status, Status::kOk);
     }
+    ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk) << "they may come after the analysis";
+    ASSERT_EQ(solver->solve(problem, later).status, Status::kOk);
+    EXPECT_EQ(flat(later), flat(z[0]));
     EXPECT_LE(relative(flat(z[0]), flat(z[1])), 1e-11) << solver->name();
     // Robots joined to one cluster have none, and of the dense recursion, the oracle, none are used.
     if (solver != &solvers.islands) {

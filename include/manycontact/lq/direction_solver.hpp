@@ -65,7 +65,6 @@ class DirectionSolver {
 
   struct GroupShape {
     std::vector<int> blocks, bonds;
-    std::optional<Steps> steps;
   };
   std::vector<int> nx_, nu_;
   std::vector<std::vector<GroupShape>> groups_;

@@ -64,7 +64,7 @@ template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& s, const S& c) {
   return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
 }
-
+/// The same by `angle`.
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   S s, c;
