@@ -268,7 +268,7 @@ TEST_P(DirectionSolvers, StepsChangeNothing) {
     }
     ASSERT_EQ(solver->factorize(problem, c.reg).status, Status::kOk) << "they may come after the analysis";
     ASSERT_EQ(solver->solve(problem, later).status, Status::kOk);
-    EXPECT_EQ(flat(later), flat(z[0]));
+    EXPECT_LE(relative(flat(later), flat(z[0])), 1e-13) << solver->name();
     EXPECT_LE(relative(flat(z[0]), flat(z[1])), 1e-11) << solver->name();
     // Robots joined to one cluster have none, and of the dense recursion, the oracle, none are used.
     if (solver != &solvers.islands) {
