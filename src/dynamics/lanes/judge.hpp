@@ -95,7 +95,7 @@ struct Largest {
   double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
 };
 
-/// Growth of K's entries (kkt/factor/pivots.hpp): the largest of the pivots' terms and of K's diagonal. diagonal(k):
+/// Growth of K's entries (kkt/factor/pivots.hpp): the largest of the pivots' terms and of K's diagonal, entry(k) =
 /// K_kk.
 template <class S>
 struct Growth {
