@@ -49,6 +49,13 @@ void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_
     for (int l = 0; l < W; ++l) to[l * stride + whole + k] = from[whole + k][l];
 }
 
+/// at(island) of each, an array of `count`, into the lanes of `to`.
+template <class S, class At>
+void load_each(std::span<const Island* const> islands, int count, S* to, At&& at) {
+  const double* from[8];
+  load_arrays(side_by_side(islands, from, [&](const Island* island) { return at(*island); }), count, to);
+}
+
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
 template <class S>
 void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, std::vector<Vec6<S>>& fext) {
@@ -93,8 +100,6 @@ class SideBySide {
   };
 
   void find_places();
-  template <class At>
-  void load_each(const Scene& scene, std::span<const Island* const> islands, int count, S* to, At&& at);
   template <class Job>
   void load_state(const Job& job, std::span<const Island* const> islands);
   void load(const Job& job, std::span<const Island* const> islands);
@@ -111,6 +116,7 @@ class SideBySide {
   void apply_inverse(std::vector<S>& x) const;
   Mask correct(Mask open);
   Mask believable_rows(const Scene& scene, const Island& island, double damping) const;
+  void residual_and_sizes();
   S residual();
   S residual(Mask same_sizes);
   void refine();
@@ -281,35 +287,24 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   store(job, islands, answers);
 }
 
-/// What each island's robot has, at(its robot), in the lanes of `to`.
-template <class S>
-template <class At>
-void SideBySide<S>::load_each(const Scene& scene, std::span<const Island* const> islands, int count, S* to, At&& at) {
-  const double* from[8];
-  load_arrays(
-      side_by_side(islands, from, [&](const Island* island) { return at(scene.robots[island->robots.front()]); }),
-      count, to);
-}
-
 template <class S>
 template <class Job>
 void SideBySide<S>::load_state(const Job& job, std::span<const Island* const> islands) {
-  const Scene& scene = job.scene;
-  load_each(scene, islands, model_->nq, q_.data(), [&](const Robot& robot) { return job.q + robot.idx_q; });
-  load_each(scene, islands, model_->nv, v_.data(), [&](const Robot& robot) { return job.v + robot.idx_v; });
+  const auto robot = [&](const Island& i) -> const Robot& { return job.scene.robots[i.robots.front()]; };
+  load_each(islands, model_->nq, q_.data(), [&](const Island& i) { return job.q + robot(i).idx_q; });
+  load_each(islands, model_->nv, v_.data(), [&](const Island& i) { return job.v + robot(i).idx_v; });
   if (!model_->floating_base)
-    load_each(scene, islands, 12, base_.R.data(), [](const Robot& robot) { return robot.base.R.data(); });
-  const double* from[8];
+    load_each(islands, 12, base_.R.data(), [&](const Island& i) { return robot(i).base.R.data(); });
   for (std::size_t k = 0; k < bMB_.size(); ++k)
-    load_arrays(side_by_side(islands, from,
-                             [&](const Island* i) { return scene.contacts[i->contacts[k]].B.placement.R.data(); }),
-                12, bMB_[k].R.data());
+    load_each(islands, 12, bMB_[k].R.data(),
+              [&](const Island& i) { return job.scene.contacts[i.contacts[k]].B.placement.R.data(); });
 }
 
 template <class S>
 void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands) {
   load_state(job, islands);
-  load_each(job.scene, islands, model_->nv, tau_.data(), [&](const Robot& robot) { return job.tau + robot.idx_v; });
+  load_each(islands, model_->nv, tau_.data(),
+            [&](const Island& i) { return job.tau + job.scene.robots[i.robots.front()].idx_v; });
   usable_ = usable_input<S>(*model_, q_, v_, tau_);
 }
 
@@ -416,11 +411,17 @@ typename S::Mask SideBySide<S>::believable_rows(const Scene& scene, const Island
   return smallest > S(tolerance::kRank) * motion;
 }
 
-/// r = b - K x, scale = |b| + |K| |x|, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
+/// r = b - K x, scale = |b| + |K| |x|.
 template <class S>
-S SideBySide<S>::residual() {
+void SideBySide<S>::residual_and_sizes() {
   sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
                                  numbers(r_.data()), numbers(scale_.data()));
+}
+
+/// r, scale, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
+template <class S>
+S SideBySide<S>::residual() {
+  residual_and_sizes();
   return componentwise_error<S>(r_, scale_.data());
 }
 
@@ -430,11 +431,11 @@ S SideBySide<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
     sparse::ldl_scheduled_residual(pattern_->K, numbers(K_.data()), numbers(x_.data()), numbers(b_.data()),
                                    numbers(r_.data()));
-    return componentwise_error<S>(r_, scale_.data());
+  } else {
+    correction_ = scale_;
+    residual_and_sizes();
+    for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = select(same_sizes, correction_[k], scale_[k]);
   }
-  correction_ = scale_;
-  (void)residual();
-  for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = select(same_sizes, correction_[k], scale_[k]);
   return componentwise_error<S>(r_, scale_.data());
 }
 
@@ -516,11 +517,11 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
     forward_kinematics<S>(*model_, base_, q_, kin_);
     evaluate_inertia();
   }
-  load_each(job.scene, islands, model_->nv, a_.data(), [&](const Robot& robot) { return job.a + robot.idx_v; });
-  const double* from[8];
+  load_each(islands, model_->nv, a_.data(),
+            [&](const Island& i) { return job.a + job.scene.robots[i.robots.front()].idx_v; });
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    load_arrays(side_by_side(islands, from, [&](const Island* i) { return job.f + job.f_offset[i->contacts[k]]; }),
-                static_cast<int>(contact_f_[k].size()), contact_f_[k].data());
+    load_each(islands, static_cast<int>(contact_f_[k].size()), contact_f_[k].data(),
+              [&](const Island& i) { return job.f + job.f_offset[i.contacts[k]]; });
   forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
   evaluate_rows(job.scene, first);
   if (kept) return;
@@ -552,8 +553,9 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   const KktPattern& p = *pattern_;
   const int nv = model_->nv;
   linearise(job, islands);
-  load_each(scene, islands, nv, dq_.data(), [&](const Robot& robot) { return job.in[0] + robot.idx_v; });
-  load_each(scene, islands, nv, dv_.data(), [&](const Robot& robot) { return job.in[1] + robot.idx_v; });
+  const auto velocities = [&](const Island& i) { return scene.robots[i.robots.front()].idx_v; };
+  load_each(islands, nv, dq_.data(), [&](const Island& i) { return job.in[0] + velocities(i); });
+  load_each(islands, nv, dv_.data(), [&](const Island& i) { return job.in[1] + velocities(i); });
   std::fill(w_.begin(), w_.end(), S(0));
   for (int l = 0; l < W; ++l) {
     const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
