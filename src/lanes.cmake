@@ -12,6 +12,14 @@ set(lane_flags_avx2 -mavx2 -mfma)
 set(lane_width_avx512 8)
 set(lane_flags_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mavx2 -mfma -mprefer-vector-width=512)
 
+# Copies of what is many lanes wide, by whole registers: a load of one waits long for what was stored in pieces.
+include(CheckCXXCompilerFlag)
+check_cxx_compiler_flag(-mmove-max=256 MANYCONTACT_MOVES_BY_REGISTERS)
+if(MANYCONTACT_MOVES_BY_REGISTERS)  # GCC 12
+  list(APPEND lane_flags_avx2 -mmove-max=256 -mstore-max=256)
+  list(APPEND lane_flags_avx512 -mmove-max=512 -mstore-max=512)
+endif()
+
 # Sanitizers keep tables of a file's symbols, which would no longer fit.
 if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND CMAKE_LINKER AND CMAKE_OBJCOPY
    AND NOT MANYCONTACT_FUZZ AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")

@@ -70,7 +70,7 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
   // With a = a_bias + a', the bias forces are those of RNEA at qdd = 0, and a' starts at zero at the base.
   for (int i = 0; i < n; ++i) {
     d.IA[i] = kin.Y[i].matrix();
-    d.pA[i] = kin.Y[i] * kin.a[i] + cross_force(kin.v[i], kin.Y[i] * kin.v[i]);
+    d.pA[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);
     if (!fext.empty()) d.pA[i] -= kin.oMi[i].act_force(fext[i]);
   }
   for (int i = n - 1; i >= 0; --i) {

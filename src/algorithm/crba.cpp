@@ -7,9 +7,10 @@ namespace {
 // M: entry k of the packed matrix by M(k).
 template <class S, class Entries>
 void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const Entries& M) {
-  Yc = kin.Y;
+  Yc.resize(kin.Y.size());
   for (int i = model.njoints() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
+    if (model.subtree_end[i] == i + 1) Yc[i] = kin.Y[i];
     const int first = model.floating_base && i > 0 ? 6 : 0;
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
       const Vec6<S> F = Yc[i] * kin.J.col(k);
@@ -23,7 +24,10 @@ void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vecto
       }
       M(model.M_begin[k]) += S(model.armature[k]);
     }
-    if (joint.parent >= 0) Yc[joint.parent] += Yc[i];
+    if (joint.parent < 0) continue;
+    Inertia<S>& above = Yc[joint.parent];
+    if (model.subtree_end[i] == model.subtree_end[joint.parent]) above = kin.Y[joint.parent];  // the last child first
+    above += Yc[i];
   }
 }
 

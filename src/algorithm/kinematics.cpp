@@ -74,7 +74,7 @@ inline void place_body(const Model& model, const SE3<S>& oMbase, const ConstVecR
     kin.J.template leftCols<6>() = M.action();
   } else {
     const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
-    M.p = P.p + times<S>(P.R, joint.placement.p.cast<S>());
+    M.p = add_times<S>(P.p, P.R, joint.placement.p.cast<S>());
     if (joint.placement_rotates)
       M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
     else
@@ -128,7 +128,7 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
       }
     }
     kin.v[i] = vp + vJ;
-    kin.a[i] = aJ + cross_motion(vp, vJ);  // v_i x S v = v_p x S v, since S v x S v = 0
+    kin.a[i] = add_cross_motion(aJ, vp, vJ);  // v_i x S v = v_p x S v, since S v x S v = 0
   }
 }
 

@@ -8,7 +8,7 @@ void inverse_dynamics(const Model& model, const Kinematics<S>& kin, const S* qdd
   const int n = model.njoints();
   f.resize(n);
   for (int i = 0; i < n; ++i) {
-    f[i] = kin.Y[i] * kin.a[i] + cross_force(kin.v[i], kin.Y[i] * kin.v[i]);  // f = Y a + v x* Y v
+    f[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);  // f = Y a + v x* Y v
     if (!fext.empty()) f[i] -= fext[i];
   }
   for (int i = n - 1; i >= 0; --i) {

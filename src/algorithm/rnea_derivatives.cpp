@@ -23,8 +23,8 @@ void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>
   using V3 = Vec3<S>;
   using M3 = Mat3<S>;
   const V3 v = velocity.template head<3>(), w = velocity.template tail<3>();
-  l = Y.m * v + cross(w, Y.h);
-  const V3 k = times<S>(Y.I, w) + cross(Y.h, v);
+  l = add_cross(Y.m * v, w, Y.h);
+  const V3 k = add_cross(times<S>(Y.I, w), Y.h, v);
   M3 wI;  // [w]I, and [w]I - I[w] = wI + wI^T, as I is symmetric
   for (int j = 0; j < 3; ++j) wI.col(j) = cross(w, Y.I.col(j));
   const S vh2 = S(2) * dot(v, Y.h);  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
@@ -51,11 +51,11 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
       const V6 s = kin.J.col(k);
       const V6 Psid = cross_motion(vp, s);
       d.Psid.col(k) = Psid;
-      d.Psidd.col(k) = cross_motion(ap, s) + cross_motion(vp, Psid);
-      d.Sv.col(k) = Psid + cross_motion(kin.v[i], s);
+      d.Psidd.col(k) = add_cross_motion(cross_motion(ap, s), vp, Psid);
+      d.Sv.col(k) = add_cross_motion(Psid, kin.v[i], s);
     }
     add_rates(kin.Y[i], kin.v[i], d.l[i], d.C[i]);
-    d.f[i] = kin.Y[i] * kin.a[i] + cross_force(kin.v[i], kin.Y[i] * kin.v[i]);
+    d.f[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);
     if (!fext.empty()) d.f[i] -= fext[i];
   }
 }
@@ -70,17 +70,19 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
   for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
     const V6 s = kin.J.col(k), Psid = d.Psid.col(k);
     const V6 Ys = Yc * s;
-    const V3 Bs =
-        cross(l2, s.template head<3>()) + transpose_times<S>(d.C[i], s.template tail<3>());  // 2B^T s = [0; Bs]
+    // 2B^T s = [0; Bs]
+    const V3 Bs = add_cross(transpose_times<S>(d.C[i], s.template tail<3>()), l2, s.template head<3>());
     V6 Fq = Yc * d.Psidd.col(k), Fv = Yc * d.Sv.col(k);
-    Fq.template head<3>() -= cross(l2, Psid.template tail<3>());
-    Fq.template tail<3>() += times<S>(d.C[i], Psid.template tail<3>());
-    Fv.template head<3>() -= cross(l2, s.template tail<3>());
-    Fv.template tail<3>() += times<S>(d.C[i], s.template tail<3>());
+    const auto add_rate = [&](const auto& m, V6& F) {  // F += 2B m
+      F.template head<3>() = add_cross(F.template head<3>(), m.template tail<3>(), l2);
+      F.template tail<3>() = add_times<S>(F.template tail<3>(), d.C[i], m.template tail<3>());
+    };
+    add_rate(Psid, Fq);
+    add_rate(s, Fv);
     int at = model.M_begin[k];
     const auto entry = [&](int j) {
-      d.dq_lower[at] = dot(Ys, d.Psidd.col(j)) + dot(Bs, d.Psid.col(j).template tail<3>());
-      d.dv_lower[at] = dot(Ys, d.Sv.col(j)) + dot(Bs, kin.J.col(j).template tail<3>());
+      d.dq_lower[at] = add_dot(dot(Ys, d.Psidd.col(j)), Bs, d.Psid.col(j).template tail<3>());
+      d.dv_lower[at] = add_dot(dot(Ys, d.Sv.col(j)), Bs, kin.J.col(j).template tail<3>());
       d.dq_upper[at] = dot(Fq, kin.J.col(j));
       d.dv_upper[at] = dot(Fv, kin.J.col(j));
       ++at;

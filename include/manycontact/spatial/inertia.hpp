@@ -27,8 +27,8 @@ struct Inertia {  // mass, first moment, inertia about the origin
   [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
     Vec6<S> f;
-    f.template head<3>() = m * v - cross(h, w);
-    f.template tail<3>() = times<S>(I, w) + cross(h, v);
+    f.template head<3>() = add_cross(m * v, w, h);
+    f.template tail<3>() = add_cross(times<S>(I, w), h, v);
     return f;
   }
   Mat6<S> matrix() const {
@@ -44,7 +44,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
     Inertia out = turned(aMb.R);
     const Vec3<S> Rh = out.h;
     const Vec3<S>& p = aMb.p;
-    out.h = Rh + m * p;
+    out.h = add_scaled(Rh, m, p);
     // I_a = R I R^T - ([p][Rh] + [Rh][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
     const Vec3<S>& t = out.h;  // Rh + m p
     const S d = dot(p, Rh) + dot(p, t);

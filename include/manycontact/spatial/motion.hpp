@@ -21,8 +21,21 @@ template <class A, class B>
   using S = typename A::Scalar;
   const Vec3<S> v = m1.template head<3>(), w = m1.template tail<3>(), w2 = m2.template tail<3>();
   Vec6<S> out;
-  out.template head<3>() = cross(w, m2.template head<3>()) + cross(v, w2);
+  out.template head<3>() = add_cross(cross(w, m2.template head<3>()), v, w2);
   out.template tail<3>() = cross(w, w2);
+  return out;
+}
+
+/// c + m1 x m2
+template <class C, class A, class B>
+[[gnu::always_inline]] inline Vec6<typename A::Scalar> add_cross_motion(const Eigen::MatrixBase<C>& c,
+                                                                        const Eigen::MatrixBase<A>& m1,
+                                                                        const Eigen::MatrixBase<B>& m2) {
+  using S = typename A::Scalar;
+  const Vec3<S> v = m1.template head<3>(), w = m1.template tail<3>(), w2 = m2.template tail<3>();
+  Vec6<S> out;
+  out.template head<3>() = add_cross(add_cross(c.template head<3>(), w, m2.template head<3>()), v, w2);
+  out.template tail<3>() = add_cross(c.template tail<3>(), w, w2);
   return out;
 }
 
@@ -34,7 +47,20 @@ template <class A, class B>
   const Vec3<S> v = m.template head<3>(), w = m.template tail<3>(), force = f.template head<3>();
   Vec6<S> out;
   out.template head<3>() = cross(w, force);
-  out.template tail<3>() = cross(w, f.template tail<3>()) + cross(v, force);
+  out.template tail<3>() = add_cross(cross(w, f.template tail<3>()), v, force);
+  return out;
+}
+
+/// c + m x* f
+template <class C, class A, class B>
+[[gnu::always_inline]] inline Vec6<typename A::Scalar> add_cross_force(const Eigen::MatrixBase<C>& c,
+                                                                       const Eigen::MatrixBase<A>& m,
+                                                                       const Eigen::MatrixBase<B>& f) {
+  using S = typename A::Scalar;
+  const Vec3<S> v = m.template head<3>(), w = m.template tail<3>(), force = f.template head<3>();
+  Vec6<S> out;
+  out.template head<3>() = add_cross(c.template head<3>(), w, force);
+  out.template tail<3>() = add_cross(add_cross(c.template tail<3>(), w, f.template tail<3>()), v, force);
   return out;
 }
 

@@ -58,12 +58,24 @@ struct Pack {
   Real v;
 
   Pack() = default;
+  // Written out, or vectors of packs are copied as bytes, in pieces that a load of a whole pack then waits for.
+  [[gnu::always_inline]] Pack(const Pack& b) : v(b.v) {}
+  [[gnu::always_inline]] Pack& operator=(const Pack& b) {
+    v = b.v;
+    return *this;
+  }
   Pack(double x) : v(Real{} + x) {}  // NOLINT: implicit, as a number's conversion is
   static Pack of(Real x) {
     Pack p;
     p.v = x;
     return p;
   }
+  static Pack load(const double* x) {
+    Pack p;
+    std::memcpy(&p.v, x, sizeof p.v);
+    return p;
+  }
+  void store(double* x) const { std::memcpy(x, &v, sizeof v); }
   double operator[](int lane) const { return reinterpret_cast<const double*>(&v)[lane]; }
   void set(int lane, double x) { reinterpret_cast<double*>(&v)[lane] = x; }
 
@@ -230,11 +242,10 @@ inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
 #endif
   static_assert(count % W == 0);
   for (int k = 0; k < count; k += W) {
-    Pack<W> a, sine, cosine;
-    std::memcpy(&a, angle + k, sizeof a);
-    sin_cos(a, sine, cosine);
-    std::memcpy(s + k, &sine, sizeof sine);
-    std::memcpy(c + k, &cosine, sizeof cosine);
+    Pack<W> sine, cosine;
+    sin_cos(Pack<W>::load(&angle[k].v), sine, cosine);
+    sine.store(&s[k].v);
+    cosine.store(&c[k].v);
   }
 }
 

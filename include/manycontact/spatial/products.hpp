@@ -15,6 +15,13 @@ template <class X, class Y>
   return s;
 }
 
+/// c + x^T y
+template <class S, class X, class Y>
+[[gnu::always_inline]] inline S add_dot(S c, const Eigen::MatrixBase<X>& x, const Eigen::MatrixBase<Y>& y) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) c = multiply_add(x[i], y[i], c);
+  return c;
+}
+
 /// x x y
 template <class X, class Y>
 [[gnu::always_inline]] inline Vec3<typename X::Scalar> cross(const Eigen::MatrixBase<X>& x,
@@ -25,12 +32,41 @@ template <class X, class Y>
           multiply_add(x0, y1, S(-(x1 * y0)))};
 }
 
+/// c + x x y
+template <class C, class X, class Y>
+[[gnu::always_inline]] inline Vec3<typename C::Scalar> add_cross(const Eigen::MatrixBase<C>& c,
+                                                                 const Eigen::MatrixBase<X>& x,
+                                                                 const Eigen::MatrixBase<Y>& y) {
+  using S = typename C::Scalar;
+  const S x0 = x[0], x1 = x[1], x2 = x[2], y0 = y[0], y1 = y[1], y2 = y[2];
+  return {multiply_add(x1, y2, multiply_add(S(-x2), y1, S(c[0]))),
+          multiply_add(x2, y0, multiply_add(S(-x0), y2, S(c[1]))),
+          multiply_add(x0, y1, multiply_add(S(-x1), y0, S(c[2])))};
+}
+
+/// c + s x
+template <class C, class S, class X>
+[[gnu::always_inline]] inline Vec3<S> add_scaled(const Eigen::MatrixBase<C>& c, const S& s,
+                                                 const Eigen::MatrixBase<X>& x) {
+  return {multiply_add(s, S(x[0]), S(c[0])), multiply_add(s, S(x[1]), S(c[1])), multiply_add(s, S(x[2]), S(c[2]))};
+}
+
 /// A x
 template <class S, class X>
 [[gnu::always_inline]] inline Vec3<S> times(const Mat3<S>& A, const Eigen::MatrixBase<X>& x) {
   const S x0 = x[0], x1 = x[1], x2 = x[2];
   Vec3<S> out;
   for (int i = 0; i < 3; ++i) out[i] = multiply_add(A(i, 2), x2, multiply_add(A(i, 1), x1, S(A(i, 0) * x0)));
+  return out;
+}
+
+/// c + A x
+template <class S, class X>
+[[gnu::always_inline]] inline Vec3<S> add_times(const Vec3<S>& c, const Mat3<S>& A, const Eigen::MatrixBase<X>& x) {
+  const S x0 = x[0], x1 = x[1], x2 = x[2];
+  Vec3<S> out;
+  for (int i = 0; i < 3; ++i)
+    out[i] = multiply_add(A(i, 2), x2, multiply_add(A(i, 1), x1, multiply_add(A(i, 0), x0, c[i])));
   return out;
 }
 

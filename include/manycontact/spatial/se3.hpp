@@ -15,7 +15,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
   const Vec3<S>& translation() const { return p; }  // and of p
 
   /// aMc = aMb bMc
-  SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), p + times<S>(R, o.p)}; }
+  SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), add_times<S>(p, R, o.p)}; }
   /// bMa
   SE3 inverse() const { return {R.transpose(), -transpose_times<S>(R, p)}; }
 
@@ -24,7 +24,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
   Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
     const Vec3<S> w = times<S>(R, m.template tail<3>());
-    out.template head<3>() = times<S>(R, m.template head<3>()) + cross(p, w);
+    out.template head<3>() = add_cross(times<S>(R, m.template head<3>()), p, w);
     out.template tail<3>() = w;
     return out;
   }
@@ -33,7 +33,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
   Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
     const Vec3<S> w = m.template tail<3>();
-    const Vec3<S> v = m.template head<3>() - cross(p, w);
+    const Vec3<S> v = add_cross(m.template head<3>(), w, p);
     out.template head<3>() = transpose_times<S>(R, v);
     out.template tail<3>() = transpose_times<S>(R, w);
     return out;
@@ -44,7 +44,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     Vec6<S> out;
     const Vec3<S> force = times<S>(R, f.template head<3>());
     out.template head<3>() = force;
-    out.template tail<3>() = times<S>(R, f.template tail<3>()) + cross(p, force);
+    out.template tail<3>() = add_cross(times<S>(R, f.template tail<3>()), p, force);
     return out;
   }
   /// X, the 6x6 matrix of act.

@@ -43,7 +43,7 @@ void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_
     Pack<W> block[W];
     for (int i = 0; i < W; ++i) block[i] = from[k + i];
     transpose(block);
-    for (int l = 0; l < W; ++l) std::memcpy(to + l * stride + k, &block[l], sizeof block[l]);
+    for (int l = 0; l < W; ++l) block[l].store(to + l * stride + k);
   }
   for (std::size_t k = 0; k < left; ++k)
     for (int l = 0; l < W; ++l) to[l * stride + whole + k] = from[whole + k][l];

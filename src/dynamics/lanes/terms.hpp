@@ -16,7 +16,7 @@ template <int W>
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
   int k = 0;
   for (; k + W <= count; k += W) {
-    for (int l = 0; l < W; ++l) std::memcpy(&to[k + l], lane(l) + k, sizeof(Pack<W>));
+    for (int l = 0; l < W; ++l) to[k + l] = Pack<W>::load(lane(l) + k);
     transpose(to + k);
   }
   for (int l = 0; l < W; ++l)
@@ -31,7 +31,7 @@ template <int W>
     Pack<W> block[W];
     for (int i = 0; i < W; ++i) block[i] = from[k + i];
     transpose(block);
-    for (std::size_t l = 0; l < to.size(); ++l) std::memcpy(to[l] + k, &block[l], sizeof(Pack<W>));
+    for (std::size_t l = 0; l < to.size(); ++l) block[l].store(to[l] + k);
   }
   for (std::size_t l = 0; l < to.size(); ++l)
     for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
