@@ -1,7 +1,13 @@
 #include "manycontact/sparse/dependent_rows.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "panel_memory.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -16,24 +22,28 @@ class DependentRowsFactor final : public Factor {
   // not point elsewhere). Whether it does in truth, J's rows themselves tell, far more sharply: what is left of them
   // must be rounding; in between, the oracle decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
-    pattern_ = K.pattern;
+    if (pattern_ != K.pattern) take(K.pattern);
+    scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
+    if (drop_again(K, scratch.scale)) return Reason::kNone;
     const KktPattern& p = *pattern_;
-    L_.resize(p.ldl.nonzeros());
-    D_.resize(p.size());
     const double* Kx = K.values.data();
     const int done =
         sparse::ldl_factor_dependent(p.K, p.ldl, Kx, p.nv, tolerance::kPivotLeft, tolerance::kRank * K.row_size,
                                      scratch.ldl, L_.data(), D_.data(), dependence_);
     if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
     growth_ = growth(K, scratch.scale);
-    sparse::find_null_space(p.K, p.ldl, Kx, p.nv, K.row_size, L_.data(), D_.data(), dependence_);
-    return dependence_.believable() ? Reason::kNone : Reason::kSmallPivot;
+    return depends(K) ? Reason::kNone : Reason::kSmallPivot;
   }
+
+  void forget() override { dependence_.dropped.clear(); }
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
     sparse::project_out(dependence_, x);
-    sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
+    if (schedule_)
+      sparse::panel_kernels().solve_vector(*schedule_, L_.data(), D_.data(), x);
+    else
+      sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
     sparse::project_out(dependence_, x);
   }
 
@@ -44,7 +54,11 @@ class DependentRowsFactor final : public Factor {
       sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
       std::fill(nonzero, nonzero + pattern_->size(), 1);  // the projection spreads over contacts
     }
-    sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    if (schedule_)
+      sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero,
+                                    internal::panel_memory(sparse::panel_kernels().work_size(*schedule_)));
+    else
+      sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
@@ -62,12 +76,60 @@ class DependentRowsFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
-  std::shared_ptr<const KktPattern> pattern_;
-  std::vector<double> L_, D_;
+  void take(const std::shared_ptr<const KktPattern>& pattern) {
+    pattern_ = nullptr;  // should memory run out
+    dependence_.dropped.clear();
+    const sparse::LdlSchedule& schedule = pattern->schedule();
+    L_.resize(pattern->ldl.nonzeros());
+    D_.resize(pattern->size());
+    pinned_.resize(pattern->K.nonzeros());
+    schedule_ = schedule.compiled ? &schedule : nullptr;
+    pattern_ = pattern;
+  }
+
+  // The rows dropped before, mostly dropped again: as if they were damped beyond all numbers, which leaves the others
+  // as they are without them, by the compiled schedule. False where another pivot is lost, or J's rows tell that these
+  // do not depend on the others.
+  bool drop_again(const KktMatrix& K, std::vector<double>& scale) {
+    constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
+    if (!schedule_ || dependence_.dropped.empty()) return false;
+    std::copy(K.values.begin(), K.values.end(), pinned_.begin());
+    for (int k : dependence_.dropped) pinned_[pattern_->K.p[k + 1] - 1] = -kDamping;
+    sparse::panel_kernels().factor(*schedule_, pinned_.data(), L_.data(), D_.data(), scale.data());
+    for (int k : dependence_.dropped) D_[k] = kInfinite, scale[k] = 0;
+    if (!has_pivots(K, scale)) return false;
+    growth_ = std::max(1.0, internal::growth_of(K, scale.data()));
+    return depends(K);
+  }
+  // As ldl_factor_dependent judges them.
+  bool has_pivots(const KktMatrix& K, const std::vector<double>& scale) const {
+    const sparse::UpperCsc& A = pattern_->K;
+    const double nothing = tolerance::kRank * K.row_size;
+    auto dropped = dependence_.dropped.begin();
+    for (int k = 0; k < K.size(); ++k) {
+      if (dropped != dependence_.dropped.end() && *dropped == k) {
+        ++dropped;
+        if (!std::isfinite(K.values[A.p[k + 1] - 1])) return false;
+        continue;
+      }
+      const bool of_M = k < pattern_->nv;
+      double size = 0;
+      for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
+        if (A.i[p] < pattern_->nv) size = std::max(size, std::abs(K.values[p]));
+      const bool left = (of_M || size > nothing) && std::abs(D_[k]) > tolerance::kPivotLeft * scale[k];
+      if (!left || (D_[k] > 0) != of_M || !std::isfinite(scale[k])) return false;
+    }
+    return true;
+  }
+  bool depends(const KktMatrix& K) {
+    const KktPattern& p = *pattern_;
+    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, K.row_size, L_.data(), D_.data(), dependence_);
+    return dependence_.believable();
+  }
+
   // As growth_of, without the rows dropped, of which D is infinite.
   double growth(const KktMatrix& K, std::vector<double>& scale) const {
     const sparse::LdlSymbolic& s = pattern_->ldl;
-    scale.resize(std::max<std::size_t>(scale.size(), K.size()));
     std::fill_n(scale.begin(), K.size(), 0.0);
     for (int j = 0; j < s.n; ++j)
       for (int k = s.Lp[j]; std::isfinite(D_[j]) && k < s.Lp[j + 1]; ++k)
@@ -75,6 +137,10 @@ class DependentRowsFactor final : public Factor {
     return std::max(1.0, internal::growth_of(K, scale.data()));
   }
 
+  std::shared_ptr<const KktPattern> pattern_;
+  const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: too large for one
+  std::vector<double> L_, D_;
+  std::vector<double> pinned_;  // K, the rows dropped damped
   sparse::DependentRows dependence_;
   double growth_ = 1;
 };

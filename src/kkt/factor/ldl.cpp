@@ -3,6 +3,7 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
+#include "panel_memory.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -64,13 +65,9 @@ class LdlFactor final : public Factor {
   int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
 
  private:
-  // Memory of panels, which the factors of a thread share: it stays in the cache. For refinement too: a later state may
-  // need it, and must not allocate.
+  // For refinement too: a later state may need it, and must not allocate.
   double* work() const {
-    thread_local std::vector<double> memory;
-    const std::size_t size = schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size();
-    if (memory.size() < size) memory.resize(size);
-    return memory.data();
+    return internal::panel_memory(schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size());
   }
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     pattern_ = nullptr;  // should memory run out

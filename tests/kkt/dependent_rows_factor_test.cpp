@@ -1,0 +1,159 @@
+// The factor that drops dependent rows, where rows were dropped before.
+
+#include <gtest/gtest.h>
+
+#include "kkt/island_numbers.hpp"
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/matrix.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// One island at several states: alike matrices.
+struct Matrices {
+  std::deque<std::deque<IslandNumbers>> islands;  // per state
+  std::shared_ptr<const KktPattern> pattern;      // of the largest island
+
+  Matrices(unsigned seed, int states) {
+    RandomScene s = kkt_scene(seed, 4);
+    std::mt19937 rng(seed);
+    for (int k = 0; k < states; ++k) {
+      for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
+      islands.push_back(islands_of(s));
+    }
+    pattern = largest(0).shape.pattern(Order::kLeafToRoot);
+  }
+  const IslandNumbers& largest(int state) const {
+    return *std::max_element(islands[state].begin(), islands[state].end(), [](const auto& x, const auto& y) {
+      return x.island.contacts.size() < y.island.contacts.size();
+    });
+  }
+  KktMatrix K(int state) const {
+    const IslandNumbers& n = largest(state);
+    KktMatrix K;
+    K.reset(pattern);
+    assemble(n.M_spans, n.J_spans, 0, K);
+    K.row_size = n.J.cwiseAbs().maxCoeff();
+    return K;
+  }
+};
+
+struct Answers {
+  int rank;
+  std::vector<int> dependent;
+  VectorXd x;
+  RowMajor X;
+};
+
+// Of one vector and of the identity's first columns.
+Answers answers_of(Factor& factor, const KktMatrix& K, const VectorXd& b) {
+  Answers out{factor.rank(), {}, b, RowMajor::Identity(K.size(), 24)};
+  factor.dependent_rows(out.dependent);
+  std::sort(out.dependent.begin(), out.dependent.end());
+  factor.solve(out.x.data());
+  std::vector<char> nonzero(K.size(), 1);
+  factor.solve_panel(out.X.data(), 24, 0, 24, nonzero.data());
+  return out;
+}
+
+class DroppedRows : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Seed, DroppedRows, testing::Range(1u, 9u));
+
+TEST_P(DroppedRows, AreDroppedAgainWithTheOraclesAnswers) {
+  const Matrices m(GetParam(), 4);
+  FactorScratch scratch;
+  const auto again = make_dependent_rows_factor();
+  std::mt19937 rng(GetParam());
+  int dropped = 0;
+  for (int state = 0; state < 4; ++state) {
+    SCOPED_TRACE(state);
+    const KktMatrix K = m.K(state);
+    const auto fresh = make_dependent_rows_factor(), oracle = make_dense_factor();
+    const Reason reason = fresh->factorize(K, scratch);
+    ASSERT_EQ(again->factorize(K, scratch), reason);
+    if (reason != Reason::kNone) continue;
+    ASSERT_EQ(oracle->factorize(K, scratch), Reason::kNone);
+    const VectorXd b = random_vector(K.size(), rng);
+    const Answers x = answers_of(*fresh, K, b), y = answers_of(*again, K, b), truth = answers_of(*oracle, K, b);
+    EXPECT_EQ(x.rank, truth.rank);
+    EXPECT_EQ(y.rank, truth.rank);
+    EXPECT_EQ(y.dependent, x.dependent);
+    dropped += K.nc() - y.rank;
+    const double most = std::max(100 * error_of(x.x, truth.x), 1e3 * kEps);
+    EXPECT_LE(error_of(y.x, truth.x), most);
+    EXPECT_LE(error_of(MatrixXd(y.X), MatrixXd(truth.X)), most);
+    EXPECT_LE(again->growth(), (1 + 1e-6) * (fresh->growth() + 1));  // the diagonal counted or not
+  }
+  EXPECT_GT(dropped, 0);
+}
+
+TEST_P(DroppedRows, AreForgotten) {
+  const Matrices m(GetParam(), 2);
+  FactorScratch scratch;
+  const auto fresh = make_dependent_rows_factor(), forgetful = make_dependent_rows_factor();
+  std::mt19937 rng(GetParam());
+  if (forgetful->factorize(m.K(0), scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  forgetful->forget();
+  const KktMatrix K = m.K(1);
+  ASSERT_EQ(fresh->factorize(K, scratch), Reason::kNone);
+  ASSERT_EQ(forgetful->factorize(K, scratch), Reason::kNone);
+  const VectorXd b = random_vector(K.size(), rng);
+  const Answers x = answers_of(*fresh, K, b), y = answers_of(*forgetful, K, b);
+  EXPECT_EQ(x.x, y.x);
+  EXPECT_EQ(x.X, y.X);
+}
+
+// Rows that depended on others do no longer, and others do.
+TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
+  const Matrices m(GetParam(), 1);
+  FactorScratch scratch;
+  const auto again = make_dependent_rows_factor();
+  std::mt19937 rng(GetParam());
+  KktMatrix K = m.K(0);
+  if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  ASSERT_LT(again->rank(), K.nc());
+  // every row of J on its own, but for one that is nothing
+  const sparse::UpperCsc& A = m.pattern->K;
+  const auto noise = random_vector(static_cast<int>(K.values.size()), rng);
+  for (int k = K.nv(); k < K.size(); ++k)
+    for (int p = A.p[k]; p < A.p[k + 1] - 1; ++p) K.values[p] += noise[p];
+  std::vector<int> before;
+  again->dependent_rows(before);
+  for (int vanishing = K.nv(); vanishing < K.size(); ++vanishing) {
+    if (std::find(before.begin(), before.end(), m.pattern->perm[vanishing] - K.nv()) != before.end()) continue;
+    for (int p = A.p[vanishing]; p < A.p[vanishing + 1] - 1; ++p) K.values[p] = 0;
+    break;
+  }
+  const auto fresh = make_dependent_rows_factor();
+  const Reason reason = fresh->factorize(K, scratch);
+  ASSERT_EQ(again->factorize(K, scratch), reason);
+  if (reason != Reason::kNone) return;
+  const VectorXd b = random_vector(K.size(), rng);
+  const Answers x = answers_of(*fresh, K, b), y = answers_of(*again, K, b);
+  EXPECT_EQ(y.rank, x.rank);
+  EXPECT_EQ(y.dependent, x.dependent);
+  EXPECT_EQ(y.x, x.x);
+}
+
+TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
+  const Matrices m(GetParam(), 1);
+  FactorScratch scratch;
+  KktMatrix K = m.K(0);
+  const auto again = make_dependent_rows_factor();
+  if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  for (std::size_t k = 0; k < K.values.size(); k += 7) {
+    const double was = K.values[k];
+    K.values[k] = NAN;
+    EXPECT_NE(again->factorize(K, scratch), Reason::kNone) << k;
+    K.values[k] = was;
+    EXPECT_EQ(again->factorize(K, scratch), Reason::kNone) << k;
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
