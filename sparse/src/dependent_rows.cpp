@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -64,8 +65,7 @@ double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const De
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
   double largest = 0;
-  for (double r : residual)
-    if (!(std::abs(r) <= largest)) largest = std::abs(r);  // NaN too
+  for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
   return largest;
 }
 
@@ -200,8 +200,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
           return left == 0 ? 0 : left / J_size;
         },
         [&] { refine_column(s, nv, Lx, D, rows); });
-    const double left = refinement.backward_error;
-    if (!(left <= rows.largest_residual)) rows.largest_residual = left;  // NaN too
+    rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
   for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
   make_clusters(s.n, rows);

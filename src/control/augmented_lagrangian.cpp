@@ -8,6 +8,7 @@
 #include "coordinates.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/sparse.hpp"
+#include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
@@ -219,13 +220,13 @@ void SolverAugmentedLagrangian::assess() {
       const Eigen::VectorXd &y = own.model->get_multipliers(), &next = own.data->y_next;
       const internal::ConstraintRows rows(*own.model->get_model(), problem_->by_state_alone(t));
       for (Index i = 0; i < y.size(); ++i) {
-        measure_ = larger(std::abs(next[i] - y[i]) / rho_, measure_);
+        measure_ = sparse::larger_or_nan(std::abs(next[i] - y[i]) / rho_, measure_);
         const double c = rows.value(*own.data->inner, i);
-        kkt_ = larger(std::abs(c - std::min(std::max(c + next[i], rows.lower(i)), rows.upper(i))), kkt_);
+        kkt_ = sparse::larger_or_nan(std::abs(c - std::min(std::max(c + next[i], rows.lower(i)), rows.upper(i))), kkt_);
       }
     }
   }
-  kkt_ = larger(
+  kkt_ = sparse::larger_or_nan(
       internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, work_),
       kkt_);
   if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();

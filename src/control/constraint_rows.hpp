@@ -2,7 +2,6 @@
 // The constraints of a node as rows c = [g; h] with bounds, lo <= c <= hi.
 
 #include <algorithm>
-#include <cmath>
 
 #include "manycontact/control/solver.hpp"
 
@@ -37,9 +36,6 @@ class ConstraintRows {
   Eigen::Index ng_, nh_;
   const Eigen::VectorXd &lo_, &hi_;
 };
-
-/// max that keeps NaN.
-inline double larger(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
 
 inline ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
   return {*problem.model(t), problem.by_state_alone(t)};

@@ -1,6 +1,7 @@
 #include "manycontact/control/solver.hpp"
 
 #include "constraint_rows.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -28,7 +29,7 @@ const char* to_string(StopReason reason) {
 namespace {
 
 // The larger of, or the sum. NaN where one is.
-double joined(double a, double b, FeasibilityNorm which) { return which == LInf ? internal::larger(a, b) : a + b; }
+double joined(double a, double b, FeasibilityNorm which) { return which == LInf ? sparse::larger_or_nan(a, b) : a + b; }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cut.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -192,9 +193,7 @@ struct Largest {
 };
 Largest largest_of(const CutIsland& cut) {
   Largest out;
-  const auto take = [](double x, double& largest) {
-    if (!(x <= largest)) largest = x;
-  };
+  const auto take = [](double x, double& largest) { largest = sparse::larger_or_nan(largest, x); };
   for (const CutMember& m : cut.members)
     for (int row : {0, 1}) take(m.r[row], out.r[row]), take(m.scale[row], out.scale[row]);
   for (std::size_t k = 0; k < cut.r.size(); ++k) take(std::abs(cut.r[k]), out.r[1]), take(cut.scale[k], out.scale[1]);
@@ -205,8 +204,7 @@ Largest largest_of(const CutIsland& cut) {
 // largest of their robot, or of the joining rows: no milder than beside the island's.
 double backward_error_of(const CutIsland& cut) {
   double error = sparse::componentwise_backward_error(cut.r, cut.scale);
-  for (const CutMember& m : cut.members)
-    if (!(m.error <= error) && !std::isnan(error)) error = m.error;
+  for (const CutMember& m : cut.members) error = sparse::larger_or_nan(error, m.error);
   return error;
 }
 

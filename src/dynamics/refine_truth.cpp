@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 #include "truth_terms.hpp"
@@ -58,8 +59,8 @@ S backward_error(System<S>& s) {
     }
   S worst(0), largest(0);
   for (std::size_t k = 0; k < s.b.size(); ++k) {
-    if (!(abs(s.r[k]) <= worst)) worst = abs(s.r[k]);
-    if (!(scale[k] <= largest)) largest = scale[k];
+    worst = sparse::larger_or_nan(worst, S(abs(s.r[k])));
+    largest = sparse::larger_or_nan(largest, scale[k]);
   }
   return worst == 0 ? worst : S(worst / largest);
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "manycontact/sparse/largest.hpp"
+
 namespace manycontact {
 
 std::string to_string(Status status) {
@@ -25,7 +27,7 @@ void summarise(Report& report) {
   report.nv = report.nc = report.rank = report.factor_nonzeros = report.refinement_steps = 0;
   report.residual_dynamics = report.residual_contact = report.backward_error = report.condition = 0;
   report.error_acceleration = report.error_forces = 0;
-  const auto largest = [](double a, double b) { return b <= a ? a : b; };  // keeps NaN
+  const auto largest = sparse::larger_or_nan<double>;
   for (const IslandReport& i : report.islands) {
     report.status = std::max(report.status, i.status);
     report.nv += i.nv;

@@ -8,6 +8,7 @@
 #include "cut.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
@@ -41,7 +42,7 @@ void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors&
   double r[2] = {0, 0}, scale[2] = {0, scene.gravity.norm()};  // dynamics rows, contact rows
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
-    if (!(std::abs(s.r[k]) <= r[row])) r[row] = std::abs(s.r[k]);
+    r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k]));
     scale[row] = std::max(scale[row], s.scale[k]);
   }
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
@@ -125,7 +126,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.asked = wanted != nullptr;
   remake(data.a, scene.nv);
   data.v = v;
-  data.tau = tau;
+  if (tau.data() != data.tau.data()) data.tau = tau;
   for (const Robot& robot : scene.robots)
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
   data.report.method = data.options.method;

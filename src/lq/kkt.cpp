@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dense.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "pieces.hpp"
 
 namespace manycontact::lq {
@@ -97,8 +98,7 @@ void judge(const VectorXd& r, const VectorXd& scale, const std::vector<int>& sta
     const double size = scale.segment(start[b], n).maxCoeff<Eigen::PropagateNaN>();
     const double error = r.segment(start[b], n).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
     const double relative = error == 0 ? 0 : error / size;
-    if (!(relative <= worst)) worst = relative;
-    if (std::isnan(worst)) return;
+    worst = sparse::larger_or_nan(worst, relative);
   }
 }
 

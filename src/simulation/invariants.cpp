@@ -1,6 +1,7 @@
 #include "manycontact/simulation/invariants.hpp"
 
 #include "manycontact/algorithm/energy.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/spatial/explog.hpp"
 
 namespace manycontact {
@@ -8,9 +9,7 @@ namespace manycontact {
 namespace {
 
 // Largest magnitude; NaN when one entry is NaN.
-void raise(double& largest, double x) {
-  if (!(std::abs(x) <= largest)) largest = std::abs(x);
-}
+void raise(double& largest, double x) { largest = sparse::larger_or_nan(largest, std::abs(x)); }
 
 // W e: the placement error in the contact's rows.
 Vec6<double> placement_error(const Contact& contact, const ContactData<double>& d) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -48,6 +49,8 @@ bool none_finite(const Eigen::VectorXd& x) { return !x.array().isFinite().any();
 // Only island `bad` has failed, for `reason`; the others have the bits they had.
 void expect_failed_alone(const Scene& scene, const SceneData& data, const SceneData& before, int bad, Reason reason) {
   EXPECT_EQ(data.report.status, Status::kFailed);
+  for (double left : {data.report.backward_error, data.report.residual_dynamics, data.report.residual_contact})
+    EXPECT_TRUE(std::isnan(left)) << left;  // whichever island it is
   const std::vector<Island> islands = islands_at(scene, data);
   ASSERT_EQ(islands.size(), 3u);
   for (int i = 0; i < 3; ++i) {

@@ -9,6 +9,7 @@
 #include "../common/table.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "solve.hpp"
 
 namespace manycontact::cli {
@@ -54,7 +55,7 @@ std::vector<Alike> alike_islands(const SceneData& data) {
     Alike& alike = out[at->second];
     alike.islands.push_back(&island_of(data, i));
     const auto keep_larger = [&r, &alike](double IslandReport::*x) {
-      if (!(r.*x <= alike.report.*x)) alike.report.*x = r.*x;
+      alike.report.*x = sparse::larger_or_nan(alike.report.*x, r.*x);
     };
     keep_larger(&IslandReport::residual_dynamics);
     keep_larger(&IslandReport::residual_contact);
