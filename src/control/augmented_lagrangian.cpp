@@ -14,7 +14,6 @@ namespace manycontact {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 using Index = Eigen::Index;
-using internal::larger;
 
 namespace {
 
