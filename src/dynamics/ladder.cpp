@@ -159,7 +159,6 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
     report.status = Status::kOk;
   }
   d.was_dependent = false;
-  if (d.safe) d.safe->forget();
   const Rungs rungs = rungs_of(d, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   for (int k = 0; k < rungs.count; ++k) {

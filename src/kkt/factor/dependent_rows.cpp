@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -24,18 +26,15 @@ class DependentRowsFactor final : public Factor {
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (pattern_ != K.pattern) take(K.pattern);
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
-    if (drop_again(K, scratch.scale)) return Reason::kNone;
-    const KktPattern& p = *pattern_;
-    const double* Kx = K.values.data();
-    const int done =
-        sparse::ldl_factor_dependent(p.K, p.ldl, Kx, p.nv, tolerance::kPivotLeft, tolerance::kRank * K.row_size,
-                                     scratch.ldl, L_.data(), D_.data(), dependence_);
-    if (done != p.size()) return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
+    if (drop_again(K, scratch.scale)) return Reason::kNone;  // those of the K before
+    if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
+    if (schedule_ && !dependence_.dropped.empty()) {
+      if (drop_again(K, scratch.scale)) return Reason::kNone;  // numbers must not depend on what was before
+      if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
+    }
     growth_ = growth(K, scratch.scale);
     return depends(K) ? Reason::kNone : Reason::kSmallPivot;
   }
-
-  void forget() override { dependence_.dropped.clear(); }
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
@@ -87,9 +86,18 @@ class DependentRowsFactor final : public Factor {
     pattern_ = pattern;
   }
 
-  // The rows dropped before, mostly dropped again: as if they were damped beyond all numbers, which leaves the others
-  // as they are without them, by the compiled schedule. False where another pivot is lost, or J's rows tell that these
-  // do not depend on the others.
+  Reason drop(const KktMatrix& K, FactorScratch& scratch) {
+    const KktPattern& p = *pattern_;
+    const int done =
+        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft,
+                                     tolerance::kRank * K.row_size, scratch.ldl, L_.data(), D_.data(), dependence_);
+    if (done == p.size()) return Reason::kNone;
+    return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
+  }
+
+  // The rows dropped last once more, by the compiled schedule: as if they were damped beyond all numbers, which leaves
+  // the others as they are without them. False where `drop` would drop others, or J's rows tell that these do not
+  // depend on the others.
   bool drop_again(const KktMatrix& K, std::vector<double>& scale) {
     constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
     if (!schedule_ || dependence_.dropped.empty()) return false;
@@ -97,29 +105,36 @@ class DependentRowsFactor final : public Factor {
     for (int k : dependence_.dropped) pinned_[pattern_->K.p[k + 1] - 1] = -kDamping;
     sparse::panel_kernels().factor(*schedule_, pinned_.data(), L_.data(), D_.data(), scale.data());
     for (int k : dependence_.dropped) D_[k] = kInfinite, scale[k] = 0;
-    if (!has_pivots(K, scale)) return false;
+    if (!drops_the_same(K, scale)) return false;
     growth_ = std::max(1.0, internal::growth_of(K, scale.data()));
     return depends(K);
   }
-  // As ldl_factor_dependent judges them.
-  bool has_pivots(const KktMatrix& K, const std::vector<double>& scale) const {
+  // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
+  bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
     const sparse::UpperCsc& A = pattern_->K;
     const double nothing = tolerance::kRank * K.row_size;
     auto dropped = dependence_.dropped.begin();
     for (int k = 0; k < K.size(); ++k) {
-      if (dropped != dependence_.dropped.end() && *dropped == k) {
-        ++dropped;
-        if (!std::isfinite(K.values[A.p[k + 1] - 1])) return false;
-        continue;
-      }
-      const bool of_M = k < pattern_->nv;
-      double size = 0;
+      const bool of_M = k < pattern_->nv, is_dropped = dropped != dependence_.dropped.end() && *dropped == k;
+      double d = D_[k], terms = scale[k], size = 0;
+      if (is_dropped) std::tie(d, terms) = pivot_of(k, K.values[A.p[k + 1] - 1]), ++dropped;
       for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
         if (A.i[p] < pattern_->nv) size = std::max(size, std::abs(K.values[p]));
-      const bool left = (of_M || size > nothing) && std::abs(D_[k]) > tolerance::kPivotLeft * scale[k];
-      if (!left || (D_[k] > 0) != of_M || !std::isfinite(scale[k])) return false;
+      const bool left = (of_M || size > nothing) && std::abs(d) > tolerance::kPivotLeft * terms;
+      if (!std::isfinite(terms) || left == is_dropped || (left && (d > 0) != of_M)) return false;
     }
     return true;
+  }
+  // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
+  std::pair<double, double> pivot_of(int k, double d) const {
+    const sparse::LdlSymbolic& s = pattern_->ldl;
+    double terms = std::abs(d);
+    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
+      if (std::isinf(D_[s.Rj[p]])) continue;
+      const double l = L_[s.Rk[p]], t = l * l * D_[s.Rj[p]];
+      d -= t, terms += std::abs(t);
+    }
+    return {d, terms};
   }
   bool depends(const KktMatrix& K) {
     const KktPattern& p = *pattern_;

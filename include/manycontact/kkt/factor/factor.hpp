@@ -22,8 +22,6 @@ class Factor {  // one island's factor, whatever the method
   virtual Method method() const = 0;
   /// Numeric factorization; K must outlive its use. kNone: sound. Otherwise why not, and nothing else may be called.
   [[nodiscard]] virtual Reason factorize(const KktMatrix& K, FactorScratch& scratch) = 0;
-  /// factorize may begin with what it found of the K before; not after this.
-  virtual void forget() {}
 
   /// x <- K^-1 x, in K's order of elimination. With dependent rows (damping 0) the generalised inverse that gives
   /// least-squares accelerations and least-norm forces.
