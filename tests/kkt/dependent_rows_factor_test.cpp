@@ -138,6 +138,40 @@ TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
   EXPECT_EQ(y.x, x.x);
 }
 
+// One row more, each in turn; rows that depended on it may do no longer.
+TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
+  const Matrices m(GetParam(), 1);
+  FactorScratch scratch;
+  const KktMatrix K = m.K(0);
+  const auto again = make_dependent_rows_factor();
+  if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  std::vector<int> before;
+  again->dependent_rows(before);
+  std::mt19937 rng(GetParam());
+  const VectorXd b = random_vector(K.size(), rng);
+  int answered = 0;
+  for (int row = K.nv(); row < K.size(); ++row) {
+    SCOPED_TRACE(row);
+    KktMatrix one_less = K;
+    for (int p = m.pattern->K.p[row]; p < m.pattern->K.p[row + 1]; ++p) one_less.values[p] = 0;
+    const auto fresh = make_dependent_rows_factor();
+    const Reason reason = fresh->factorize(one_less, scratch);
+    ASSERT_EQ(again->factorize(one_less, scratch), reason);
+    if (reason == Reason::kNone) {
+      ++answered;
+      const Answers x = answers_of(*fresh, one_less, b), y = answers_of(*again, one_less, b);
+      EXPECT_EQ(y.dependent, x.dependent);
+      EXPECT_EQ(std::count(y.dependent.begin(), y.dependent.end(), m.pattern->perm[row] - K.nv()), 1);
+      EXPECT_EQ(y.x, x.x);
+    }
+    ASSERT_EQ(again->factorize(K, scratch), Reason::kNone);
+    std::vector<int> after;
+    again->dependent_rows(after);
+    EXPECT_EQ(after, before);
+  }
+  EXPECT_GT(answered, 0);
+}
+
 TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;

@@ -26,6 +26,7 @@ class DependentRowsFactor final : public Factor {
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (pattern_ != K.pattern) take(K.pattern);
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
+    scratch.ldl.reserve(pattern_->ldl);
     if (drop_again(K, scratch.scale)) return Reason::kNone;  // those of the K before
     if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
     if (schedule_ && !dependence_.dropped.empty()) {
@@ -110,7 +111,9 @@ class DependentRowsFactor final : public Factor {
     return depends(K);
   }
   // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
+  // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
   bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
+    constexpr double kMargin = 10;
     const sparse::UpperCsc& A = pattern_->K;
     const double nothing = tolerance::kRank * K.row_size;
     auto dropped = dependence_.dropped.begin();
@@ -120,7 +123,8 @@ class DependentRowsFactor final : public Factor {
       if (is_dropped) std::tie(d, terms) = pivot_of(k, K.values[A.p[k + 1] - 1]), ++dropped;
       for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
         if (A.i[p] < pattern_->nv) size = std::max(size, std::abs(K.values[p]));
-      const bool left = (of_M || size > nothing) && std::abs(d) > tolerance::kPivotLeft * terms;
+      const double margin = is_dropped ? 1 / kMargin : kMargin;
+      const bool left = (of_M || size > margin * nothing) && std::abs(d) > margin * tolerance::kPivotLeft * terms;
       if (!std::isfinite(terms) || left == is_dropped || (left && (d > 0) != of_M)) return false;
     }
     return true;

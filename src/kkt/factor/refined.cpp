@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -54,13 +55,11 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
   for (std::ptrdiff_t k = 0; k < K.size(); ++k) {
     b = b.cwiseMax(ConstRow(B + k * ld, ld).cwiseAbs());
     x = x.cwiseMax(ConstRow(X + k * ld, ld).cwiseAbs());
-    for (int c = 0; c < ld; ++c)
-      if (const double left = std::abs(R[k * ld + c]); !(left <= r[c]) && !std::isnan(r[c])) r[c] = left;
+    for (int c = 0; c < ld; ++c) r[c] = sparse::larger_or_nan(r[c], std::abs(R[k * ld + c]));
   }
   double worst = 0;
   for (int c = 0; c < ld; ++c)
-    if (!(r[c] <= tolerance::kVanishing) && !(r[c] <= worst * (norm * x[c] + b[c])))
-      worst = r[c] / (norm * x[c] + b[c]);
+    if (!(r[c] <= tolerance::kVanishing)) worst = sparse::larger_or_nan(worst, r[c] / (norm * x[c] + b[c]));
   return worst;
 }
 
