@@ -6,10 +6,10 @@
 #include <tuple>
 #include <utility>
 
+#include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "panel_memory.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -24,12 +24,12 @@ class DependentRowsFactor final : public Factor {
   // not point elsewhere). Whether it does in truth, J's rows themselves tell, far more sharply: what is left of them
   // must be rounding; in between, the oracle decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
-    if (pattern_ != K.pattern) take(K.pattern);
+    if (ldl_.pattern != K.pattern) take(K.pattern);
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
-    scratch.ldl.reserve(pattern_->ldl);
+    scratch.ldl.reserve(ldl_.pattern->ldl);
     if (drop_again(K, scratch.scale)) return Reason::kNone;  // those of the K before
     if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
-    if (schedule_ && !dependence_.dropped.empty()) {
+    if (ldl_.schedule && !dependence_.dropped.empty()) {
       if (drop_again(K, scratch.scale)) return Reason::kNone;  // numbers must not depend on what was before
       if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
     }
@@ -40,58 +40,46 @@ class DependentRowsFactor final : public Factor {
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
     sparse::project_out(dependence_, x);
-    if (schedule_)
-      sparse::panel_kernels().solve_vector(*schedule_, L_.data(), D_.data(), x);
-    else
-      sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
+    ldl_.solve(x);
     sparse::project_out(dependence_, x);
   }
 
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
-    const int* perm = pattern_->perm.data();
+    const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
     if (dropped) {
       sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
-      std::fill(nonzero, nonzero + pattern_->size(), 1);  // the projection spreads over contacts
+      std::fill(nonzero, nonzero + ldl_.pattern->size(), 1);  // the projection spreads over contacts
     }
-    if (schedule_)
-      sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero,
-                                    internal::panel_memory(sparse::panel_kernels().work_size(*schedule_)));
-    else
-      sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
+    ldl_.solve_panel(X, ld, first, cols, nonzero);
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
   double growth() const override { return growth_; }
-  int rank() const override { return pattern_->nc - static_cast<int>(dependence_.dropped.size()); }
+  int rank() const override { return ldl_.pattern->nc - static_cast<int>(dependence_.dropped.size()); }
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
-    for (int k : dependence_.dropped) rows.push_back(pattern_->perm[k] - pattern_->nv);
+    for (int k : dependence_.dropped) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
   }
   void project_out(double* y, double* null_part) override { sparse::project_out(dependence_, y, null_part); }
   void project_out_panel(double* X, int ld, int cols) override {
-    sparse::project_out_panel(dependence_, pattern_->perm.data(), X, ld, 0, cols);
+    sparse::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
   }
 
-  int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
+  int nonzeros() const override { return ldl_.nonzeros(); }
 
  private:
   void take(const std::shared_ptr<const KktPattern>& pattern) {
-    pattern_ = nullptr;  // should memory run out
     dependence_.dropped.clear();
-    const sparse::LdlSchedule& schedule = pattern->schedule();
-    L_.resize(pattern->ldl.nonzeros());
-    D_.resize(pattern->size());
     pinned_.resize(pattern->K.nonzeros());
-    schedule_ = schedule.compiled ? &schedule : nullptr;
-    pattern_ = pattern;
+    ldl_.take(pattern, true);
   }
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
-    const KktPattern& p = *pattern_;
-    const int done =
-        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft,
-                                     tolerance::kRank * K.row_size, scratch.ldl, L_.data(), D_.data(), dependence_);
+    const KktPattern& p = *ldl_.pattern;
+    const int done = sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft,
+                                                  tolerance::kRank * K.row_size, scratch.ldl, ldl_.L.data(),
+                                                  ldl_.D.data(), dependence_);
     if (done == p.size()) return Reason::kNone;
     return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
@@ -101,11 +89,11 @@ class DependentRowsFactor final : public Factor {
   // depend on the others.
   bool drop_again(const KktMatrix& K, std::vector<double>& scale) {
     constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
-    if (!schedule_ || dependence_.dropped.empty()) return false;
+    if (!ldl_.schedule || dependence_.dropped.empty()) return false;
     std::copy(K.values.begin(), K.values.end(), pinned_.begin());
-    for (int k : dependence_.dropped) pinned_[pattern_->K.p[k + 1] - 1] = -kDamping;
-    sparse::panel_kernels().factor(*schedule_, pinned_.data(), L_.data(), D_.data(), scale.data());
-    for (int k : dependence_.dropped) D_[k] = kInfinite, scale[k] = 0;
+    for (int k : dependence_.dropped) pinned_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
+    sparse::panel_kernels().factor(*ldl_.schedule, pinned_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
+    for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scale[k] = 0;
     if (!drops_the_same(K, scale)) return false;
     growth_ = std::max(1.0, internal::growth_of(K, scale.data()));
     return depends(K);
@@ -114,15 +102,15 @@ class DependentRowsFactor final : public Factor {
   // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
   bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
     constexpr double kMargin = 10;
-    const sparse::UpperCsc& A = pattern_->K;
+    const sparse::UpperCsc& A = ldl_.pattern->K;
     const double nothing = tolerance::kRank * K.row_size;
     auto dropped = dependence_.dropped.begin();
     for (int k = 0; k < K.size(); ++k) {
-      const bool of_M = k < pattern_->nv, is_dropped = dropped != dependence_.dropped.end() && *dropped == k;
-      double d = D_[k], terms = scale[k], size = 0;
+      const bool of_M = k < ldl_.pattern->nv, is_dropped = dropped != dependence_.dropped.end() && *dropped == k;
+      double d = ldl_.D[k], terms = scale[k], size = 0;
       if (is_dropped) std::tie(d, terms) = pivot_of(k, K.values[A.p[k + 1] - 1]), ++dropped;
       for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
-        if (A.i[p] < pattern_->nv) size = std::max(size, std::abs(K.values[p]));
+        if (A.i[p] < ldl_.pattern->nv) size = std::max(size, std::abs(K.values[p]));
       const double margin = is_dropped ? 1 / kMargin : kMargin;
       const bool left = (of_M || size > margin * nothing) && std::abs(d) > margin * tolerance::kPivotLeft * terms;
       if (!std::isfinite(terms) || left == is_dropped || (left && (d > 0) != of_M)) return false;
@@ -131,34 +119,32 @@ class DependentRowsFactor final : public Factor {
   }
   // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
   std::pair<double, double> pivot_of(int k, double d) const {
-    const sparse::LdlSymbolic& s = pattern_->ldl;
+    const sparse::LdlSymbolic& s = ldl_.pattern->ldl;
     double terms = std::abs(d);
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
-      if (std::isinf(D_[s.Rj[p]])) continue;
-      const double l = L_[s.Rk[p]], t = l * l * D_[s.Rj[p]];
+      if (std::isinf(ldl_.D[s.Rj[p]])) continue;
+      const double l = ldl_.L[s.Rk[p]], t = l * l * ldl_.D[s.Rj[p]];
       d -= t, terms += std::abs(t);
     }
     return {d, terms};
   }
   bool depends(const KktMatrix& K) {
-    const KktPattern& p = *pattern_;
-    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, K.row_size, L_.data(), D_.data(), dependence_);
+    const KktPattern& p = *ldl_.pattern;
+    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, K.row_size, ldl_.L.data(), ldl_.D.data(), dependence_);
     return dependence_.believable();
   }
 
   // As growth_of, without the rows dropped, of which D is infinite.
   double growth(const KktMatrix& K, std::vector<double>& scale) const {
-    const sparse::LdlSymbolic& s = pattern_->ldl;
+    const sparse::LdlSymbolic& s = ldl_.pattern->ldl;
     std::fill_n(scale.begin(), K.size(), 0.0);
     for (int j = 0; j < s.n; ++j)
-      for (int k = s.Lp[j]; std::isfinite(D_[j]) && k < s.Lp[j + 1]; ++k)
-        scale[s.Li[k]] += L_[k] * L_[k] * std::abs(D_[j]);
+      for (int k = s.Lp[j]; std::isfinite(ldl_.D[j]) && k < s.Lp[j + 1]; ++k)
+        scale[s.Li[k]] += ldl_.L[k] * ldl_.L[k] * std::abs(ldl_.D[j]);
     return std::max(1.0, internal::growth_of(K, scale.data()));
   }
 
-  std::shared_ptr<const KktPattern> pattern_;
-  const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: too large for one
-  std::vector<double> L_, D_;
+  internal::LdlNumbers ldl_;
   std::vector<double> pinned_;  // K, the rows dropped damped
   sparse::DependentRows dependence_;
   double growth_ = 1;

@@ -1,9 +1,9 @@
 #include <algorithm>
 
+#include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
-#include "panel_memory.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -16,72 +16,51 @@ class LdlFactor final : public Factor {
   Method method() const override { return method_; }
 
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
-    if (pattern_ != K.pattern) take(K.pattern);
-    if (scratch.scale.size() < D_.size()) scratch.scale.resize(D_.size());
+    if (ldl_.pattern != K.pattern) ldl_.take(K.pattern, method_ == Method::kSparseLdl);
+    if (scratch.scale.size() < ldl_.D.size()) scratch.scale.resize(ldl_.D.size());
     const double* Kx = K.values.data();
     double* scale = scratch.scale.data();
     double ratio = 0;
-    if (schedule_) {
-      sparse::panel_kernels().factor(*schedule_, Kx, L_.data(), D_.data(), scale);
-      ratio = sparse::smallest_pivot_ratio(K.size(), D_.data(), scale);
+    if (ldl_.schedule) {
+      sparse::panel_kernels().factor(*ldl_.schedule, Kx, ldl_.L.data(), ldl_.D.data(), scale);
+      ratio = sparse::smallest_pivot_ratio(K.size(), ldl_.D.data(), scale);
     } else {
-      if (sparse::ldl_factor(pattern_->K, pattern_->ldl, Kx, scratch.ldl, L_.data(), D_.data()) != K.size())
+      if (sparse::ldl_factor(ldl_.pattern->K, ldl_.pattern->ldl, Kx, scratch.ldl, ldl_.L.data(), ldl_.D.data()) !=
+          K.size())
         return Reason::kZeroPivot;
-      ratio = sparse::smallest_pivot_ratio(pattern_->K, pattern_->ldl, Kx, L_.data(), D_.data(), scale);
+      ratio = sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, Kx, ldl_.L.data(), ldl_.D.data(), scale);
     }
     growth_ = internal::growth_of(K, scale);
-    const Reason reason = internal::judge_pivots(*pattern_, D_.data(), ratio);
+    const Reason reason = internal::judge_pivots(*ldl_.pattern, ldl_.D.data(), ratio);
     // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }
 
-  void solve(double* x) override {
-    if (schedule_)
-      sparse::panel_kernels().solve_vector(*schedule_, L_.data(), D_.data(), x);
-    else
-      sparse::ldl_solve(pattern_->ldl, L_.data(), D_.data(), x);
-  }
-
+  void solve(double* x) override { ldl_.solve(x); }
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
-    const int* perm = pattern_->perm.data();
-    if (!schedule_)
-      return sparse::ldl_solve_panel(pattern_->ldl, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero);
-    sparse::panel_kernels().solve(*schedule_, L_.data(), D_.data(), perm, X, ld, first, cols, nonzero, work());
+    ldl_.solve_panel(X, ld, first, cols, nonzero);
   }
-  bool refines_panels() const override { return schedule_; }
+  bool refines_panels() const override { return ldl_.schedule; }
   void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
-    sparse::panel_kernels().solve_refined(*schedule_, pattern_->K, K.values.data(), L_.data(), D_.data(),
-                                          pattern_->perm.data(), X, ld, first, cols, nonzero, work());
+    sparse::panel_kernels().solve_refined(*ldl_.schedule, ldl_.pattern->K, K.values.data(), ldl_.L.data(),
+                                          ldl_.D.data(), ldl_.pattern->perm.data(), X, ld, first, cols, nonzero,
+                                          ldl_.work());
   }
   double panel_error(const KktMatrix& K) override {
-    double *of_factor = work(), *of_K = of_factor + D_.size();
-    sparse::ldl_row_sums(pattern_->K, K.values.data(), pattern_->ldl, L_.data(), D_.data(), of_factor, of_K);
-    return sparse::ldl_rounding(pattern_->ldl) * *std::max_element(of_factor, of_K) /
-           *std::max_element(of_K, of_K + D_.size());
+    double *of_factor = ldl_.work(), *of_K = of_factor + ldl_.D.size();
+    sparse::ldl_row_sums(ldl_.pattern->K, K.values.data(), ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), of_factor,
+                         of_K);
+    return sparse::ldl_rounding(ldl_.pattern->ldl) * *std::max_element(of_factor, of_K) /
+           *std::max_element(of_K, of_K + ldl_.D.size());
   }
 
   double growth() const override { return growth_; }
-  int rank() const override { return pattern_->nc; }
-  int nonzeros() const override { return pattern_->ldl.nonzeros() + pattern_->size(); }
+  int rank() const override { return ldl_.pattern->nc; }
+  int nonzeros() const override { return ldl_.nonzeros(); }
 
  private:
-  // For refinement too: a later state may need it, and must not allocate.
-  double* work() const {
-    return internal::panel_memory(schedule_ ? sparse::panel_kernels().work_size(*schedule_) : 2 * D_.size());
-  }
-  void take(const std::shared_ptr<const KktPattern>& pattern) {
-    pattern_ = nullptr;  // should memory run out
-    const sparse::LdlSchedule* schedule = method_ == Method::kSparseLdl ? &pattern->schedule() : nullptr;
-    L_.resize(pattern->ldl.nonzeros());
-    D_.resize(pattern->size());
-    schedule_ = schedule && schedule->compiled ? schedule : nullptr;
-    pattern_ = pattern;
-  }
-
   Method method_;
-  std::shared_ptr<const KktPattern> pattern_;
-  const sparse::LdlSchedule* schedule_ = nullptr;  // the pattern's; nullptr: by SuiteSparse
-  std::vector<double> L_, D_;
+  internal::LdlNumbers ldl_;
   double growth_ = 1;
 };
 

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "manycontact/kkt/pattern.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+
+namespace manycontact::internal {
+
+/// L and D of a pattern, and solves by them: by its compiled schedule where that is asked for and not too large.
+struct LdlNumbers {
+  std::shared_ptr<const KktPattern> pattern;
+  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's; nullptr: by sparse/ldl.hpp
+  std::vector<double> L, D;
+
+  void take(const std::shared_ptr<const KktPattern>& p, bool by_schedule) {
+    pattern = nullptr;  // should memory run out
+    const sparse::LdlSchedule* compiled = by_schedule ? &p->schedule() : nullptr;
+    L.resize(p->ldl.nonzeros());
+    D.resize(p->size());
+    schedule = compiled && compiled->compiled ? compiled : nullptr;
+    pattern = p;
+  }
+
+  void solve(double* x) const {
+    if (schedule)
+      sparse::panel_kernels().solve_vector(*schedule, L.data(), D.data(), x);
+    else
+      sparse::ldl_solve(pattern->ldl, L.data(), D.data(), x);
+  }
+  /// As Factor::solve_panel.
+  void solve_panel(double* X, int ld, int first, int cols, char* nonzero) const {
+    const int* perm = pattern->perm.data();
+    if (schedule)
+      sparse::panel_kernels().solve(*schedule, L.data(), D.data(), perm, X, ld, first, cols, nonzero, work());
+    else
+      sparse::ldl_solve_panel(pattern->ldl, L.data(), D.data(), perm, X, ld, first, cols, nonzero);
+  }
+
+  /// Memory of panels, which the factors of a thread share: it stays in the cache. For refinement too: a later state
+  /// may need it, and must not allocate.
+  double* work() const {
+    thread_local std::vector<double> memory;
+    const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();
+    if (memory.size() < size) memory.resize(size);
+    return memory.data();
+  }
+  int nonzeros() const { return pattern->ldl.nonzeros() + pattern->size(); }
+};
+
+}  // namespace manycontact::internal
