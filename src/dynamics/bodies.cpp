@@ -15,14 +15,12 @@ BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape) : parts(&shape->bo
   for (const Robot& robot : shape->scene().robots) kin.emplace_back(*robot.model);
   if (parts->cuts.empty()) return;
   held.resize(parts->cuts.size());
+  pull.resize(parts->cuts.size());
   for (const BodyPart& part : parts->parts)
-    if (part.shape == static_cast<int>(work.size())) work.emplace_back(part.pattern);
+    if (part.shape == static_cast<int>(shapes.size())) shapes.emplace_back(part.pattern);
 }
 
-BodyForm::Part::Part(const std::shared_ptr<const BodyPattern>& pattern) : factor(pattern), row(pattern->nc) {
-  factor.make_room();
-  solution.resize(*pattern);
-}
+BodyForm::Shape::Shape(std::shared_ptr<const BodyPattern> of) : pattern(std::move(of)) { ldl.resize(*pattern); }
 
 namespace internal {
 
@@ -95,7 +93,7 @@ Reason solve_whole(const Scene& scene, const SceneData& data, IslandWork& d, spa
   BodyForm& form = *d.bodies;
   evaluate_bodies(scene, data, d);
   form.in_parts = false;
-  return factorize_and_solve(form.factor, form.solution, refinement);
+  return factorize_and_solve(form.factor.system, form.factor.ldl, form.solution, refinement);
 }
 
 // Whether a row moves no coordinate by more than rounding: its E_kk is then noise, and has nothing to cancel with.
@@ -128,21 +126,20 @@ void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d) 
   }
 }
 
-Reason factorize_and_solve(BodyFactor& factor, BodySolve& solve, sparse::Refinement& refinement) {
-  if (has_vanishing_row(factor.system)) return Reason::kSmallPivot;
-  const Reason reason = factorize_bodies(factor.system, factor.ldl, &solve.b);
+Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& solve, sparse::Refinement& refinement) {
+  if (has_vanishing_row(system)) return Reason::kSmallPivot;
+  const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
-  refinement = solve_refined(factor.system, factor.ldl, solve, tolerance::kRefinementSteps, true);
+  refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);
   if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // NaN where x is not finite
   return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
 }
 
-void BodyAnswer::add(const BodyFactor& factor, const BodySolve& solve, const sparse::Refinement& r) {
+void BodyAnswer::add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& r) {
   const auto take = [](auto& largest, auto x) { largest = std::max(largest, x); };
-  nonzeros += factor.nonzeros();
+  nonzeros += factor_nonzeros;
   take(refinement.steps, r.steps);
   take(refinement.backward_error, r.backward_error), take(refinement.first, r.first);
-  const BodyResidual& left = solve.residual;
   take(dynamics, left.dynamics), take(dynamics_scale, left.dynamics_scale);
   take(contact, left.contact), take(contact_scale, left.contact_scale);
 }
@@ -172,7 +169,7 @@ bool solve_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, IslandR
   report.reason = solve_whole(scene, data, d, refinement);
   if (report.reason != Reason::kNone) return false;
   BodyAnswer answer;
-  answer.add(form.factor, form.solution, refinement);
+  answer.add(form.factor.nonzeros(), form.solution.residual, refinement);
   report_bodies(scene, answer, d, report);
   const BodyVectors& x = form.solution.x;
   each_velocity_block(scene, d.island,

@@ -1,6 +1,7 @@
 #pragma once
 // An island solved by sparse-bodies: what it needs beside and in place of the joint-space K.
 
+#include "lanes/parts.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/kkt/bodies/factor.hpp"
@@ -8,7 +9,7 @@
 
 namespace manycontact {
 
-/// A body whose rows say how it accelerates, once its own part is solved.
+/// A body whose rows say how it accelerates: what hangs below is solved beside its own part, not after it.
 struct HeldBody {
   Vec6<double> a;
   BodyHold hold;
@@ -20,17 +21,28 @@ struct BodyForm {
 
   // by solve
   std::vector<BodyKinematics<double>> kin;  // per robot of the island
-  // part by part, where held bodies cut the trees; memory of the part at hand, per shape
+  // part by part, where held bodies cut the trees; alike parts have one memory
   const BodyParts* parts;
-  struct Part {
-    explicit Part(const std::shared_ptr<const BodyPattern>& pattern);
-    BodyFactor factor;
+  struct Slot {
+    const BodyPart* part = nullptr;  // the one at hand
+    BodySystem system;
     BodySolve solution;
     std::vector<int> row;  // per row: its number among the scene's forces
   };
-  std::vector<Part> work;
-  std::vector<HeldBody> held;  // per cut
-  bool in_parts = false;       // the last solve went so: all below is another's until `complete_bodies`
+  struct Shape {
+    explicit Shape(std::shared_ptr<const BodyPattern> pattern);
+    std::shared_ptr<const BodyPattern> pattern;
+    BodyLdl ldl;                          // of a part alone
+    std::unique_ptr<lanes::Parts> lanes;  // null: its parts stand alone
+    std::vector<Slot> slots;              // as many as stand side by side
+    std::size_t filled = 0;
+    std::vector<lanes::Parts::Part> side_by_side;  // one per slot that is filled
+  };
+  std::vector<Shape> shapes;
+  const lanes::Level* level = nullptr;  // that `lanes` and `slots` are of
+  std::vector<HeldBody> held;           // per cut
+  std::vector<Vec6<double>> pull;       // per cut: of what hangs below
+  bool in_parts = false;                // the last solve went so: all below is another's until `complete_bodies`
   // as a whole
   BodyFactor factor;
   BodySolve solution;
@@ -47,8 +59,7 @@ namespace internal {
 inline bool has_bodies(const IslandWork& d) { return d.bodies != nullptr; }
 inline bool by_bodies(const IslandWork& d) { return d.bodies && d.factor == &d.bodies->factor; }
 
-/// As solve_by_bodies, each part while it is in the cache. False where the island is one part, or one has no sound
-/// answer.
+/// As solve_by_bodies, part by part. False where the island is one part, or one has no sound answer.
 bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report);
 
 /// The whole system with its solution, where parts answered the last solve. Where that has no sound pivots the joint
@@ -64,14 +75,14 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& 
 /// Before the first node: where the bases are; no joint-space terms are known.
 void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d);
 /// After the last: x of `solve`, refined. kNone: it is sound.
-Reason factorize_and_solve(BodyFactor& factor, BodySolve& solve, sparse::Refinement& refinement);
+Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& solve, sparse::Refinement& refinement);
 
 /// What is reported of systems solved: the worst and the largest of all.
 struct BodyAnswer {
   sparse::Refinement refinement;
   int nonzeros = 0;
   double dynamics = 0, dynamics_scale = 0, contact = 0, contact_scale = 0;
-  void add(const BodyFactor& factor, const BodySolve& solve, const sparse::Refinement& refinement);
+  void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 /// d.factor and the report of an answer.
 void report_bodies(const Scene& scene, const BodyAnswer& answer, IslandWork& d, IslandReport& report);

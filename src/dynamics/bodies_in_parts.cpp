@@ -1,5 +1,6 @@
-// An island by sparse-bodies where held bodies cut its trees (kkt/bodies/parts.hpp): each part is evaluated,
-// factorized, solved and judged before the next, in memory that all alike parts share.
+// An island by sparse-bodies where held bodies cut its trees (kkt/bodies/parts.hpp). The rows of a held body say how it
+// accelerates, so no part waits for another: each is evaluated, and as soon as so many alike parts are as stand side by
+// side, they are solved and judged. What they pull at held bodies is added at last.
 
 #include <algorithm>
 
@@ -26,9 +27,10 @@ void each_joint(const IslandWork& d, const BodyPart& part, Use&& use) {
 
 // The equations of a part, its bases moved as the body above is.
 void evaluate_part(const Scene& scene, const SceneData& data, const IslandWork& d, const BodyPart& part,
-                   BodyForm::Part& work) {
-  BodySystem& s = work.factor.system;
-  BodyVectors& b = work.solution.b;
+                   BodyForm::Slot& slot) {
+  BodySystem& s = slot.system;
+  BodyVectors& b = slot.solution.b;
+  slot.part = &part;
   s.S.setZero();  // alike parts may have joints of other types
   each_joint(d, part, [&](int i, std::size_t robot, int joint) {
     evaluate_node(scene, data, d, robot, joint, i, s.pattern->first_dof[i], s, b);
@@ -36,72 +38,123 @@ void evaluate_part(const Scene& scene, const SceneData& data, const IslandWork& 
   });
   int first = 0;
   for (int k : part.contact) {
+    const int contact = d.island.contacts[k], rows = scene.contacts[contact].rows();
     evaluate_rows(scene, data, d, k, first, s, b);
-    first += scene.contacts[d.island.contacts[k]].rows();
+    for (int i = 0; i < rows; ++i) slot.row[first + i] = data.f_offset[contact] + i;
+    first += rows;
   }
 }
 
+// What a held body's rows say, and give where something pulls at it. False: they depend on each other, or nearly.
+bool hold_body(const BodyForm::Slot& slot, const BodyCut& cut, HeldBody& held) {
+  if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
+  V6 g;
+  for (int k = 0; k < 6; ++k) {
+    g[k] = slot.solution.b.rows[cut.row[k]];
+    held.row[k] = slot.row[cut.row[k]];
+  }
+  held.a = held.hold.Q * solve_transposed(held.hold, g);  // G^T a = g, G = Q R
+  return true;
+}
+
 // Accelerations and forces of a part.
-void put_part(const Scene& scene, SceneData& data, const IslandWork& d, const BodyPart& part, BodyForm::Part& work) {
+void put_part(const Scene& scene, SceneData& data, const IslandWork& d, const BodyForm::Slot& slot) {
+  const BodyPart& part = *slot.part;
   const BodyPattern& p = *part.pattern;
-  const BodyVectors& x = work.solution.x;
+  const BodyVectors& x = slot.solution.x;
   each_joint(d, part, [&](int i, std::size_t k, int joint) {
     const Robot& robot = scene.robots[d.island.robots[k]];
     const int to = robot.idx_v + robot.model->joints[joint].idx_v;
     data.a.segment(to, p.ndof[i]) = x.joints.segment(p.first_dof[i], p.ndof[i]);
   });
-  int first = 0;
-  for (int c : part.contact) {
-    const int contact = d.island.contacts[c], rows = scene.contacts[contact].rows(), to = data.f_offset[contact];
-    data.f.segment(to, rows) = -x.rows.segment(first, rows);
-    for (int i = 0; i < rows; ++i) work.row[first++] = to + i;
-  }
+  for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// The rows of a held body give what its own part makes it need, without what hangs below. False: they depend on each
-// other, or nearly.
-bool hold_body(const BodyForm::Part& work, const BodyCut& cut, HeldBody& held) {
-  held.a = work.solution.x.motion[cut.node];
-  for (int k = 0; k < 6; ++k) held.row[k] = work.row[cut.row[k]];
-  return factorize_hold(work.factor.system, cut.node, cut.row, 6, held.hold);
-}
-
-// What hangs on a held body pulls at it: f of its rows changes. Returns what of the pull they do not hold.
-double pull_at(SceneData& data, const HeldBody& held, const BodyForm::Part& work) {
-  const BodyPattern& p = *work.factor.system.pattern;
-  V6 F = V6::Zero(), size = V6::Zero();
+// How a part pulls at the body that it hangs on. Returns what of that the body's rows do not hold, beside the terms it
+// is a sum of.
+double pull_of(const BodyForm::Slot& slot, const BodyHold& hold, V6& pull) {
+  const BodyPattern& p = *slot.part->pattern;
+  V6 size = V6::Zero();
+  pull.setZero();
   for (int i = 0; i < p.nodes; i = p.end[i]) {
-    const V6 f = force_from(work.solution.x.force[i], work.factor.system.r[i]);
-    F += f, size += f.cwiseAbs();
+    const V6 f = force_from(slot.solution.x.force[i], slot.system.r[i]);
+    pull += f, size += f.cwiseAbs();
   }
-  const V6 y = forces_of(held.hold, F), left = F - held.hold.Q * (held.hold.Q.transpose() * F).eval();
-  for (int k = 0; k < 6; ++k) data.f[held.row[k]] += y[k];  // f = -y
+  const V6 left = pull - hold.Q * (hold.Q.transpose() * pull).eval();
   const double worst = size.maxCoeff();
-  return worst > 0 ? left.cwiseAbs().maxCoeff() / worst : 0;
+  return worst > 0 ? left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst : 0;
+}
+
+// Slots, and lanes for them, of a level of instructions.
+void set_level(const lanes::Level* level, BodyForm& form) {
+  if (form.level == level && !form.shapes.front().slots.empty()) return;
+  form.level = level;
+  for (BodyForm::Shape& shape : form.shapes) {
+    const BodyPattern& p = *shape.pattern;
+    shape.lanes.reset();
+    if (level && lanes::PartPlan::fits(p)) {
+      auto plan = std::make_shared<const lanes::PartPlan>(shape.pattern);
+      if (plan->schedule.compiled) shape.lanes = level->make_parts(std::move(plan));
+    }
+    shape.slots.resize(shape.lanes ? static_cast<std::size_t>(level->width) : 1);
+    shape.side_by_side.reserve(shape.slots.size());
+    for (BodyForm::Slot& slot : shape.slots) {
+      slot.system.reset(shape.pattern);
+      slot.solution.resize(p);
+      slot.row.resize(p.nc);
+    }
+  }
+}
+
+// The parts in a shape's slots, side by side where they are sound so. False where one has no sound answer.
+bool solve_filled(const Scene& scene, SceneData& data, IslandWork& d, BodyForm::Shape& shape, BodyAnswer& answer) {
+  BodyForm& form = *d.bodies;
+  shape.side_by_side.clear();
+  for (std::size_t k = 0; k < shape.filled; ++k)
+    shape.side_by_side.push_back({&shape.slots[k].system, &shape.slots[k].solution, false, 0, {}});
+  if (shape.lanes && shape.filled > 0) shape.lanes->solve(shape.side_by_side);
+  for (std::size_t k = 0; k < shape.filled; ++k) {
+    BodyForm::Slot& slot = shape.slots[k];
+    auto& [system, solution, sound, factor_nonzeros, refinement] = shape.side_by_side[k];
+    if (!sound) {
+      if (factorize_and_solve(*system, shape.ldl, *solution, refinement) != Reason::kNone) return false;
+      factor_nonzeros = nonzeros(*shape.pattern, shape.ldl);
+    }
+    put_part(scene, data, d, slot);
+    if (const int above = slot.part->above; above >= 0) {
+      const double left = pull_of(slot, form.held[above].hold, form.pull[above]);
+      if (!(left <= tolerance::kConverged)) return false;
+      refinement.backward_error = std::max(refinement.backward_error, left);
+    }
+    answer.add(factor_nonzeros, solution->residual, refinement);
+  }
+  shape.filled = 0;
+  return true;
 }
 
 }  // namespace
 
 bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
   BodyForm& form = *d.bodies;
-  if (form.work.empty() || scene.damping > 0) return false;
+  if (form.shapes.empty() || scene.damping > 0) return false;
   form.in_parts = false;
+  set_level(data.workspace->lanes.level, form);
+  for (BodyForm::Shape& shape : form.shapes) shape.filled = 0;
   begin_evaluation(scene, data, d);
   BodyAnswer answer;
   for (const BodyPart& part : form.parts->parts) {
-    BodyForm::Part& work = form.work[part.shape];
-    evaluate_part(scene, data, d, part, work);
-    sparse::Refinement refinement;
-    if (factorize_and_solve(work.factor, work.solution, refinement) != Reason::kNone) return false;
-    put_part(scene, data, d, part, work);
+    BodyForm::Shape& shape = form.shapes[part.shape];
+    BodyForm::Slot& slot = shape.slots[shape.filled++];
+    evaluate_part(scene, data, d, part, slot);
     for (int c = part.first_cut; c < part.end_cut; ++c)
-      if (!hold_body(work, form.parts->cuts[c], form.held[c])) return false;
-    if (part.above >= 0) {
-      const double pull = pull_at(data, form.held[part.above], work);
-      if (!(pull <= tolerance::kConverged)) return false;
-      refinement.backward_error = std::max(refinement.backward_error, pull);
-    }
-    answer.add(work.factor, work.solution, refinement);
+      if (!hold_body(slot, form.parts->cuts[c], form.held[c])) return false;
+    if (shape.filled == shape.slots.size() && !solve_filled(scene, data, d, shape, answer)) return false;
+  }
+  for (BodyForm::Shape& shape : form.shapes)
+    if (!solve_filled(scene, data, d, shape, answer)) return false;
+  for (std::size_t c = 0; c < form.held.size(); ++c) {
+    const V6 y = forces_of(form.held[c].hold, form.pull[c]);
+    for (int k = 0; k < 6; ++k) data.f[form.held[c].row[k]] += y[k];  // f = -y
   }
   form.in_parts = true;
   report_bodies(scene, answer, d, report);

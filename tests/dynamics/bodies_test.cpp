@@ -129,6 +129,43 @@ TEST(Bodies, PartsOfChains) {
   EXPECT_LE(e.excess, 1) << e;
 }
 
+// What a part's numbers are does not depend on where it stands among others, nor on what they are: of a longer chain
+// the first links accelerate alike, to the last bit, and where links at its end move otherwise all parts before theirs
+// do.
+TEST(Bodies, PartsHaveTheirOwnBits) {
+  for (const Lanes level : lanes_here()) {
+    Options bodies = kBodies;
+    bodies.lanes = level;
+    ChainOptions options;
+    options.links = 230;  // 23 parts: some lanes stay empty
+    Chain c = make_chain(options);
+    SceneData x(c.scene, bodies);
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+    const VectorXd a = x.a, f = x.f;
+    const auto expect_same = [&](const SceneData& y, int parts) {
+      EXPECT_EQ(y.a.head(10 * parts), a.head(10 * parts)) << to_string(level);
+      EXPECT_EQ(y.f.head(6 * (parts - 1)), f.head(6 * (parts - 1))) << to_string(level);  // the next pulls at the last
+    };
+    for (const int links : {20, 70, 180}) {
+      Model model;
+      const std::vector<Joint>& joints = c.scene.robots[0].model->joints;
+      model.joints.assign(joints.begin(), joints.begin() + links);
+      Chain cut;
+      cut.scene.gravity = c.scene.gravity;
+      finalize(model);
+      add_robot(cut.scene, "chain", std::make_shared<const Model>(std::move(model)));
+      for (int k = 0; k < links / 10; ++k) add_contact(cut.scene, c.scene.contacts[k]);
+      SceneData y(cut.scene, bodies);
+      ASSERT_EQ(solve(cut.scene, c.q.head(links), c.v.head(links), c.u.head(links), y).status, Status::kOk);
+      expect_same(y, links / 10);
+    }
+    c.q[225] += 0.3, c.v[227] -= 2;
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+    expect_same(x, 22);
+    EXPECT_NE(x.a.tail(10), a.tail(10));
+  }
+}
+
 // Products by the recursion, and blocks by panels, beside those of sparse-ldl.
 TEST(Bodies, DerivativesAgreeWithSparseLdl) {
   std::mt19937 rng(2);
@@ -182,15 +219,21 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
     options.links = 200;
     options.type = type;
     const Chain c = make_chain(options);
-    SceneData x(c.scene, kBodies);
-    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
     const Truth<Quad> truth = truth_of(c, 0);
     ASSERT_TRUE(truth.regular[0]);
     // joint-space K's condition is 1e10; the bodies' own equations are near to it in no row
     const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
-    EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), 1e-11 * a.cwiseAbs().maxCoeff());
-    EXPECT_LE((x.f - f).cwiseAbs().maxCoeff(), 1e-11 * f.cwiseAbs().maxCoeff());
-    expect_within_bounds(c, x, a, f);
+    std::vector<Lanes> levels = lanes_here();
+    levels.push_back(Lanes::kOff);
+    for (const Lanes level : levels) {
+      Options bodies = kBodies;
+      bodies.lanes = level;
+      SceneData x(c.scene, bodies);
+      ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+      EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), 1e-11 * a.cwiseAbs().maxCoeff()) << to_string(level);
+      EXPECT_LE((x.f - f).cwiseAbs().maxCoeff(), 1e-11 * f.cwiseAbs().maxCoeff()) << to_string(level);
+      expect_within_bounds(c, x, a, f);
+    }
   }
 }
 

@@ -39,24 +39,25 @@ struct Inertia {  // mass, first moment, inertia about the origin
   }
   /// The same inertia in axes turned by R, about the same origin.
   Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
-  /// The same inertia in frame a, given in frame b, with aMb. No centre of mass is formed, so m = 0 is harmless.
-  Inertia transformed(const SE3<S>& aMb) const {
-    Inertia out = turned(aMb.R);
-    const Vec3<S> Rh = out.h;
-    const Vec3<S>& p = aMb.p;
-    out.h = add_scaled(Rh, m, p);
-    // I_a = R I R^T - ([p][Rh] + [Rh][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
-    const Vec3<S>& t = out.h;  // Rh + m p
-    const S d = dot(p, Rh) + dot(p, t);
+  /// The same inertia about a point from which this origin is seen at p. No centre of mass is formed, so m = 0 is
+  /// harmless.
+  Inertia seen_at(const Vec3<S>& p) const {
+    Inertia out = *this;
+    out.h = add_scaled(h, m, p);
+    // I - ([p][h] + [h][p]) - m [p]^2,  [a][b] = b a^T - (a.b) 1
+    const Vec3<S>& t = out.h;  // h + m p
+    const S d = dot(p, h) + dot(p, t);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j <= i; ++j) {
-        out.I(i, j) = multiply_add(S(-p[i]), Rh[j], multiply_add(S(-t[i]), p[j], out.I(i, j)));
+        out.I(i, j) = multiply_add(S(-p[i]), h[j], multiply_add(S(-t[i]), p[j], out.I(i, j)));
         out.I(j, i) = out.I(i, j);
       }
       out.I(i, i) += d;
     }
     return out;
   }
+  /// The same inertia in frame a, given in frame b, with aMb.
+  Inertia transformed(const SE3<S>& aMb) const { return turned(aMb.R).seen_at(aMb.p); }
   template <class T>
   Inertia<T> cast() const {
     return {T(m), h.template cast<T>(), I.template cast<T>()};

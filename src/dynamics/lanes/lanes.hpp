@@ -166,6 +166,8 @@ class ContactTerms {
 
 struct CutRobot;  // lanes/cut.hpp
 class CutRobots;
+struct PartPlan;  // lanes/parts.hpp
+class Parts;
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
@@ -179,6 +181,7 @@ struct Level {
   std::unique_ptr<ContactTerms> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                  const ContactSupport& support);
   std::unique_ptr<CutRobots> (*make_cut)(std::shared_ptr<const CutRobot> robot);
+  std::unique_ptr<Parts> (*make_parts)(std::shared_ptr<const PartPlan> plan);
 };
 
 /// All levels of this build that run here, the widest first.

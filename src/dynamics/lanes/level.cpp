@@ -14,6 +14,7 @@
 #include "derivatives.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "parts_side_by_side.hpp"
 #include "side_by_side.hpp"
 #include "terms.hpp"
 
@@ -174,6 +175,15 @@ class LevelCutRobots final : public CutRobots {
   std::optional<CutSideBySide<Pack<MANYCONTACT_LANES>>> together_;
 };
 
+class LevelParts final : public Parts {
+ public:
+  explicit LevelParts(std::shared_ptr<const PartPlan> plan) : work_(std::move(plan)) {}
+  void solve(std::span<Part> parts) override { work_.solve(parts); }
+
+ private:
+  PartsSideBySide<Pack<MANYCONTACT_LANES>> work_;
+};
+
 std::unique_ptr<CutRobots> make_cut(std::shared_ptr<const CutRobot> robot) {
   return std::make_unique<LevelCutRobots>(std::move(robot));
 }
@@ -184,10 +194,14 @@ std::unique_ptr<ContactTerms> make_contacts(const Scene& scene, const Contact& c
   return std::make_unique<LevelContacts>(scene, contact, support);
 }
 
+std::unique_ptr<Parts> make_parts(std::shared_ptr<const PartPlan> plan) {
+  return std::make_unique<LevelParts>(std::move(plan));
+}
+
 }  // namespace
 
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_robots,
-                                            make_contacts,          make_cut};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make,      make_robots,
+                                            make_contacts,          make_cut,          make_parts};
 
 }  // namespace manycontact::lanes

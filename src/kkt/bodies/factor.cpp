@@ -71,8 +71,7 @@ void BodyFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
   }
 }
 
-int BodyFactor::nonzeros() const {
-  const BodyPattern& p = *system.pattern;
+int nonzeros(const BodyPattern& p, const BodyLdl& ldl) {
   double count = 0;  // P, U, D of a body; G, H, W of its rows, and L
   for (int i = 0; i < p.nodes; ++i) {
     const double n = p.ndof[i], m = ldl.count[i];

@@ -19,6 +19,9 @@ struct BodySolve {
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                  bool lifted = false);
 
+/// Numbers kept of a factor, as Factor::nonzeros.
+int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
+
 /// Its vectors and panels are in the island's order: there is no K, and no order of elimination to permute to.
 class BodyFactor final : public Factor {
  public:
@@ -38,7 +41,7 @@ class BodyFactor final : public Factor {
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
   int own_refinements() const override { return 1; }
   int rank() const override { return system.pattern->nc; }
-  int nonzeros() const override;
+  int nonzeros() const override { return manycontact::nonzeros(*system.pattern, ldl); }
   double growth() const override { return ldl.growth; }
 
  private:

@@ -1,0 +1,252 @@
+#pragma once
+// Parts in the lanes of S = Pack<W>, W of one shape side by side.
+
+#include <limits>
+
+#include "judge.hpp"
+#include "manycontact/algorithm/body_kinematics.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "parts.hpp"
+#include "terms.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class PartsSideBySide {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+  using Part = Parts::Part;
+
+  explicit PartsSideBySide(std::shared_ptr<const PartPlan> plan);
+  void solve(std::span<Part> parts);
+
+ private:
+  void load(std::span<const Part> parts);
+  void assemble_inertia();
+  Mask assemble_rows();
+  void act();
+  S backward_error();
+  void add_correction(Mask open);
+  void store(std::span<Part> parts);
+
+  std::shared_ptr<const PartPlan> plan_;
+  const BodyPattern& p_;
+  // the part's numbers, BodySystem's and b
+  std::vector<Vec3<S>> r_;
+  Mat6X<S> S_, GA_, GB_;
+  std::vector<Inertia<S>> Y_, Yc_;
+  std::vector<Vec6<S>> c_, h_;
+  std::vector<S> armature_, tau_, g_;
+  // the solution: x = [qdd; y] in K's order, a and f of the bodies
+  std::vector<S> K_, L_, D_, terms_, x_, step_;
+  std::vector<Vec6<S>> a_, f_;
+  std::vector<S> b_, left_, scale_;  // b, b - K x in K's order, and the sizes of its terms
+  Mask usable_;
+  S steps_, error_, first_error_;
+};
+
+template <class S>
+PartsSideBySide<S>::PartsSideBySide(std::shared_ptr<const PartPlan> plan)
+    : plan_(std::move(plan)),
+      p_(*plan_->pattern),
+      r_(p_.nodes),
+      S_(6, p_.nv),
+      GA_(6, p_.nc),
+      GB_(6, p_.nc),
+      Y_(p_.nodes),
+      Yc_(p_.nodes),
+      c_(p_.nodes),
+      h_(p_.nodes),
+      armature_(p_.nv),
+      tau_(p_.nv),
+      g_(p_.nc),
+      K_(plan_->K.nonzeros(), S(0)),
+      L_(plan_->factor_nonzeros),
+      D_(plan_->K.n),
+      terms_(plan_->K.n),
+      x_(plan_->K.n),
+      step_(plan_->K.n),
+      a_(p_.nodes),
+      f_(p_.nodes),
+      b_(plan_->K.n),
+      left_(plan_->K.n),
+      scale_(plan_->K.n) {}
+
+template <class S>
+void PartsSideBySide<S>::solve(std::span<Part> parts) {
+  load(parts);
+  assemble_inertia();
+  usable_ = assemble_rows();
+  sparse::ldl_scheduled_factor(plan_->schedule, K_.data(), L_.data(), D_.data(), terms_.data());
+  usable_ = usable_ & believable_pivots<S>(p_.nv, D_, terms_.data());
+
+  std::fill(x_.begin(), x_.end(), S(0));
+  act();
+  b_ = left_;
+  add_correction(usable_);
+  error_ = first_error_ = backward_error();
+  steps_ = S(0);
+  Mask open = usable_ & (error_ > S(tolerance::kRefined));
+  for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
+    add_correction(open);
+    steps_ += select(open, S(1), S(0));
+    const S before = error_;
+    error_ = backward_error();
+    open = open & (error_ < S(0.5) * before) & (error_ > S(tolerance::kRefined));
+  }
+  usable_ = usable_ & (error_ <= S(tolerance::kConverged));
+  store(parts);
+}
+
+template <class S>
+void PartsSideBySide<S>::load(std::span<const Part> parts) {
+  const double* from[8];
+  const auto load = [&](int count, S* to, auto&& at) {
+    if (count > 0) load_arrays(side_by_side(parts, from, [&](const Part& part) { return at(part); }), count, to);
+  };
+  const auto system = [&](int count, S* to, auto&& at) {
+    load(count, to, [&](const Part& p) { return at(*p.system); });
+  };
+  const auto given = [&](int count, S* to, auto&& at) {
+    load(count, to, [&](const Part& p) { return at(p.solution->b); });
+  };
+  static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
+  system(3 * p_.nodes, r_.front().data(), [](const BodySystem& s) { return s.r.front().data(); });
+  system(6 * p_.nv, S_.data(), [](const BodySystem& s) { return s.S.data(); });
+  system(13 * p_.nodes, &Y_.front().m, [](const BodySystem& s) { return &s.Y.front().m; });
+  system(p_.nv, armature_.data(), [](const BodySystem& s) { return s.armature.data(); });
+  system(6 * p_.nc, GA_.data(), [](const BodySystem& s) { return s.GA.data(); });
+  system(6 * p_.nc, GB_.data(), [](const BodySystem& s) { return s.GB.data(); });
+  given(6 * p_.nodes, c_.front().data(), [](const BodyVectors& b) { return b.motion.front().data(); });
+  given(6 * p_.nodes, h_.front().data(), [](const BodyVectors& b) { return b.force.front().data(); });
+  given(p_.nv, tau_.data(), [](const BodyVectors& b) { return b.joints.data(); });
+  given(p_.nc, g_.data(), [](const BodyVectors& b) { return b.rows.data(); });
+}
+
+/// M in K: of a coordinate k and those above it, M_kj = S_j^T F_k, F_k = Yc S_k moved up.
+template <class S>
+void PartsSideBySide<S>::assemble_inertia() {
+  const int* slot = plan_->M_slot.data();
+  Yc_ = Y_;
+  for (int i = p_.nodes - 1; i >= 0; --i) {
+    const int first = p_.first_dof[i];
+    for (int k = first; k < first + p_.ndof[i]; ++k) {
+      Vec6<S> F = Yc_[i] * S_.col(k);
+      for (int j = first; j <= k; ++j) K_[*slot++] = dot(S_.col(j), F);
+      K_[slot[-1]] += armature_[k];
+      for (int node = i; p_.parent[node] >= 0;) {
+        F = force_from(F, r_[node]);
+        node = p_.parent[node];
+        for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) K_[*slot++] = dot(S_.col(j), F);
+      }
+    }
+    if (p_.parent[i] >= 0) Yc_[p_.parent[i]] += Yc_[i].seen_at(r_[i]);
+  }
+}
+
+/// J in K. True where every row moves some coordinate by more than rounding: pivots do not show that.
+template <class S>
+typename S::Mask PartsSideBySide<S>::assemble_rows() {
+  constexpr double kMoves = 1e-3;
+  const int* slot = plan_->J_slot.data();
+  Mask all_move = S(0) <= S(0);
+  for (int row = 0; row < p_.nc; ++row) {
+    Mask moves = S(0) < S(0);
+    const auto climb = [&](int node, Vec6<S> G) {
+      for (; node != plan_->meeting[row]; node = p_.parent[node]) {
+        for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
+          const S J = dot(S_.col(j), G);
+          K_[*slot++] = J;
+          if (moves.all()) continue;
+          const S size = dot(S_.col(j).cwiseAbs(), G.cwiseAbs());
+          moves.bits = moves.bits | ((abs(J) > S(kMoves) * size) & (size > S(0))).bits;
+        }
+        G = force_from(G, r_[node]);
+      }
+    };
+    climb(p_.A[row], GA_.col(row));
+    climb(p_.B[row], GB_.col(row));
+    all_move = all_move & moves;
+  }
+  return all_move;
+}
+
+/// a of the bodies from qdd, f of the joints from a and y, and what that leaves of the equations of joints and rows: b
+/// where x is zero.
+template <class S>
+void PartsSideBySide<S>::act() {
+  for (int i = 0; i < p_.nodes; ++i) {
+    a_[i] = c_[i];
+    if (const int parent = p_.parent[i]; parent >= 0) a_[i] += motion_at(a_[parent], r_[i]);
+    for (int k = p_.first_dof[i]; k < p_.first_dof[i] + p_.ndof[i]; ++k) a_[i] += S_.col(k) * x_[plan_->place(k)];
+    f_[i] = h_[i] + Y_[i] * a_[i];
+  }
+  for (int row = 0; row < p_.nc; ++row) {
+    const int at = plan_->place_of_row(row);
+    left_[at] = g_[row];
+    const auto end = [&](int node, const auto& G) {
+      if (node < 0) return;
+      left_[at] -= dot(G, a_[node]);
+      f_[node] += G * x_[at];
+    };
+    end(p_.A[row], GA_.col(row));
+    end(p_.B[row], GB_.col(row));
+  }
+  for (int i = p_.nodes - 1; i >= 0; --i) {
+    for (int k = p_.first_dof[i]; k < p_.first_dof[i] + p_.ndof[i]; ++k) {
+      const int at = plan_->place(k);
+      left_[at] = tau_[k] - dot(S_.col(k), f_[i]) - armature_[k] * x_[at];
+    }
+    if (p_.parent[i] >= 0) f_[p_.parent[i]] += force_from(f_[i], r_[i]);
+  }
+}
+
+/// r = b - K x, and how large it is beside |b| + |K| |x|; NaN where any is.
+template <class S>
+S PartsSideBySide<S>::backward_error() {
+  sparse::ldl_scheduled_residual(plan_->K, K_.data(), x_.data(), b_.data(), left_.data(), scale_.data());
+  return componentwise_error<S>(left_, scale_.data());
+}
+
+/// x += K^-1 r in the lanes that are open.
+template <class S>
+void PartsSideBySide<S>::add_correction(Mask open) {
+  step_ = left_;
+  sparse::ldl_scheduled_solve(plan_->schedule, L_.data(), D_.data(), step_.data());
+  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += select(open, step_[k], S(0));
+}
+
+template <class S>
+void PartsSideBySide<S>::store(std::span<Part> parts) {
+  const auto largest = [&](int first, int count, S& r, S& scale) {
+    FourLargest<S> of_r, of_scale;
+    in_four(static_cast<std::size_t>(count), [&](std::size_t k, int c) {
+      of_r.take(c, abs(left_[first + k]));
+      of_scale.take(c, scale_[first + k]);
+    });
+    r = of_r.total(), scale = of_scale.total();
+  };
+  S dynamics, dynamics_scale, contact, contact_scale;
+  largest(0, p_.nv, dynamics, dynamics_scale);
+  largest(p_.nv, p_.nc, contact, contact_scale);
+  act();  // f of the bases
+  for (std::size_t l = 0; l < parts.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    Part& part = parts[l];
+    part.sound = usable_[lane];
+    if (!part.sound) continue;
+    part.factor_nonzeros = plan_->factor_nonzeros + plan_->K.n;
+    part.refinement = {static_cast<int>(steps_[lane]), error_[lane], first_error_[lane]};
+    BodySolve& out = *part.solution;
+    for (int k = 0; k < p_.nv; ++k) out.x.joints[k] = x_[plan_->place(k)][lane];
+    for (int k = 0; k < p_.nc; ++k) out.x.rows[k] = x_[plan_->place_of_row(k)][lane];
+    for (int i = 0; i < p_.nodes; i = p_.end[i])
+      for (int k = 0; k < 6; ++k) out.x.force[i][k] = f_[i][k][lane];
+    out.residual.dynamics = dynamics[lane], out.residual.dynamics_scale = dynamics_scale[lane];
+    out.residual.contact = contact[lane], out.residual.contact_scale = contact_scale[lane];
+  }
+}
+
+}  // namespace manycontact::lanes
