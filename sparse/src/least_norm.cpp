@@ -84,7 +84,7 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
 Eigen::VectorXd by_decomposition(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(rows, cols);
   for (const auto& a : A) dense(a.row(), a.col()) += a.value();
-  return dense.completeOrthogonalDecomposition().solve(b);
+  return least_norm_solution(dense, b);
 }
 
 // A block of A that shares neither rows nor columns with the rest.
@@ -115,6 +115,10 @@ std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {
 }
 
 }  // namespace
+
+Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.completeOrthogonalDecomposition().solve(b);
+}
 
 Eigen::VectorXd least_norm_solution(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(cols);

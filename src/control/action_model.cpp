@@ -1,9 +1,10 @@
 #include "manycontact/control/action_model.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <ostream>
 #include <stdexcept>
+
+#include "manycontact/sparse/least_norm.hpp"
 
 namespace manycontact {
 
@@ -84,7 +85,7 @@ void ActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const Co
     calc(data, x, u);
     calcDiff(data, x, u);
     state_->diff(x, data->xnext, dx);
-    const Eigen::VectorXd du = data->Fu.completeOrthogonalDecomposition().solve(dx);
+    const Eigen::VectorXd du = sparse::least_norm_solution(data->Fu, dx);
     u -= du;
     if (du.norm() <= tol) break;
   }

@@ -1,9 +1,9 @@
 // In quadruple precision: velocities and accelerations by differences, the laws of mechanics, and double's true errors.
 
-#include <Eigen/LU>
 
 #include "algorithm/shapes.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -159,9 +159,7 @@ TEST_P(InQuad, TrueErrorsOfDouble) {
       error_of(torques<double>(s, s.q, s.v, s.qdd, s.gravity, s.fext), torques<Quad>(s, q, v, qdd, s.gravity, fext)),
       kAllowed);
 
-  const Eigen::MatrixXd Md = M.cast<double>();
-  const double condition =
-      Md.cwiseAbs().colwise().sum().maxCoeff() * Md.inverse().cwiseAbs().colwise().sum().maxCoeff();
+  const double condition = condition_1(M.cast<double>());
   EXPECT_LE(error_of(accelerations<double>(s, s.q, s.v, s.tau, s.gravity, s.fext),
                      accelerations<Quad>(s, q, v, tau, s.gravity, fext)),
             std::max(1e-12, 10 * kEps * condition));

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
 #include <numeric>
 
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -45,7 +45,7 @@ std::string point(const std::string& name, const std::string& frame, const std::
 // By singular values; the contacts' J is computed from the scene, not from the data.
 int rank_of(const Eigen::MatrixXd& J) {
   if (J.size() == 0) return 0;
-  const Eigen::VectorXd s = J.jacobiSvd().singularValues();
+  const Eigen::VectorXd s = Svd(J).sigma;
   return static_cast<int>((s.array() > 1e-9 * s[0]).count());
 }
 

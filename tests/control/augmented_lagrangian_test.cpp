@@ -1,10 +1,10 @@
 // Constrained problems: against the dense solution of the whole horizon, on nonlinear ones by their optimality
 // conditions, and where there is no solution.
 
-#include <Eigen/QR>
 
 #include "control/nodes.hpp"
 #include "support/allocations.hpp"
+#include "support/dense.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -67,7 +67,7 @@ Eigen::VectorXd dense_solution(ShootingProblem& problem) {
   K.topRightCorner(nz, nc) = C.transpose();
   Eigen::VectorXd b(nz + nc);
   b << -g, c;
-  return K.colPivHouseholderQr().solve(b).head(nz);
+  return least_norm(K, b).col(0).head(nz);
 }
 
 Eigen::VectorXd stacked(const SolverAbstract& solver) {

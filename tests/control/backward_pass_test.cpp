@@ -1,6 +1,6 @@
 // The backward pass: the structure of symplectic Euler against dense matrices, and against the formulas of ddp.hpp.
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "control/nodes.hpp"
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "spatial/compare.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 
 namespace manycontact::test {
@@ -25,7 +26,7 @@ Eigen::VectorXd by_enumeration(const Eigen::MatrixXd& H, const Eigen::VectorXd& 
     }
     if (!free.empty()) {
       const Eigen::VectorXd g = q + H * x;
-      x(free) = -H(free, free).llt().solve(g(free)).eval();
+      x(free) = -solved(H(free, free), g(free));
     }
     if ((x.array() < lb.array()).any() || (x.array() > ub.array()).any()) continue;
     const double value = 0.5 * x.dot(H * x) + q.dot(x);
@@ -68,7 +69,7 @@ TEST(BoxQP, EndsWhereNoStepIsAccepted) {
   BoxQP qp(4, 100, 0.1, 0, 0);
   qp.solve(H, q, -far, far, Eigen::VectorXd::Zero(4));
   EXPECT_LT(qp.get_iter(), 10u);
-  EXPECT_LT(difference_of(qp.get_solution().x, H.llt().solve(-q).eval()), 1e-10);
+  EXPECT_LT(difference_of(qp.get_solution().x, Eigen::VectorXd(solved(H, -q))), 1e-10);
 }
 
 TEST(BoxQP, SaysWhenTheMatrixIsNotPositive) {

@@ -1,11 +1,11 @@
 // DDP, FDDP and their box editions: against the dense solution of the whole horizon, on nonlinear problems, and where
 // numbers fail them.
 
-#include <Eigen/LU>
 #include <sstream>
 
 #include "control/nodes.hpp"
 #include "support/allocations.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -45,7 +45,7 @@ Eigen::VectorXd dense_solution(ShootingProblem& problem) {
     b.segment(c, nx) = m.get_f();
   }
   K.topRightCorner(nz, nc) = K.bottomLeftCorner(nc, nz).transpose();
-  return K.partialPivLu().solve(b).head(nz);
+  return solved(K, b).col(0).head(nz);
 }
 
 Eigen::VectorXd stacked(const SolverAbstract& solver) {
@@ -291,7 +291,7 @@ TEST(Solvers, MultipliersAreTheLeastSquaresOnes) {
     C.block((t + 1) * nx, t * n + nx, nx, nu) = d.Fu;
     g.segment(t * n + nx, nu) = d.Lu;
   }
-  const Eigen::VectorXd truth = (C * C.transpose()).ldlt().solve(-C * g);
+  const Eigen::VectorXd truth = solved(C * C.transpose(), -C * g);
   EXPECT_LT(error_of(own, truth), 1e-9);
 }
 

@@ -2,9 +2,9 @@
 // contacts agree, and of the least-squares accelerations where they contradict each other. The truth ranks by the same
 // tolerance.
 
-#include <Eigen/QR>
 
 #include "derivatives/judge.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -26,11 +26,8 @@ void move_joints(SceneFile& file, std::mt19937& rng) {
 // Velocities that all contacts allow.
 void move_within_the_contacts(SceneFile& file, std::mt19937& rng) {
   const Eigen::MatrixXd J = contact_jacobian(file.scene, file.q);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
-  cod.setThreshold(1e-9);
-  cod.compute(J);
   const Eigen::VectorXd v = random_vector(file.scene.nv, rng, 0.3);
-  file.v = v - cod.solve(J * v);
+  file.v = v - least_norm(J, J * v, 1e-9);
 }
 
 // At rest, with the joints elsewhere, and moving with the contacts.

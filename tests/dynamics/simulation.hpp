@@ -2,12 +2,12 @@
 // Classical Runge-Kutta of fourth order on q, v with the quaternions' own derivative, so that the order is kept on
 // every joint; energy and momentum of the bodies from their velocities, without M.
 
-#include <Eigen/QR>
 #include <functional>
 
 #include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 
 namespace manycontact::test {
@@ -75,7 +75,7 @@ inline Mechanics mechanics(const Scene& scene, const Eigen::VectorXd& q, const E
 inline Eigen::VectorXd consistent(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   const Eigen::MatrixXd J = contact_jacobian(scene, q);
   if (J.rows() == 0) return v;
-  return v - J.completeOrthogonalDecomposition().solve(J * v);
+  return v - least_norm(J, J * v);
 }
 
 /// A scene under way, with constant torques. `work`: what they have done since the start.

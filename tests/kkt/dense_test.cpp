@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
 
 #include "kkt/island_numbers.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -53,10 +53,10 @@ void expect_true(const Solved& s) {
 void expect_optimal(const Solved& s) {
   ASSERT_TRUE(s.kkt.regular);
   const MatrixXd& J = s.kkt.J;
-  const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const int rank = static_cast<int>((svd.singularValues().array() > 1e-9 * svd.singularValues()[0]).count());
+  const Svd svd(J);
+  const int rank = static_cast<int>((svd.sigma.array() > 1e-9 * svd.sigma[0]).count());
   EXPECT_EQ(s.kkt.rank, rank);
-  const MatrixXd null_JT = svd.matrixU().rightCols(J.rows() - rank), null_J = svd.matrixV().rightCols(J.cols() - rank);
+  const MatrixXd null_JT = svd.U.rightCols(J.rows() - rank), null_J = svd.V.rightCols(J.cols() - rank);
   const double size1 = size_of(s.b1) + size_of(MatrixXd(s.kkt.M * s.a)), size2 = size_of(s.b2) + size_of(s.a);
   EXPECT_LE(size_of(s.residual1()), kTight * size1);                                          // J^T f = M a - b1
   EXPECT_LE(size_of(MatrixXd(J.transpose() * s.residual2())), kTight * size2);                // least squares
@@ -178,7 +178,7 @@ struct SingularInertia {
 
   explicit SingularInertia(std::mt19937& rng) {
     const MatrixXd B = random_vector(48, rng).reshaped(8, 6);
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(B).householderQ();
+    const MatrixXd Q = Svd(B).U;
     VectorXd lambda = VectorXd::Constant(8, 2);
     lambda[7] = 0;
     M = Q * lambda.asDiagonal() * Q.transpose();

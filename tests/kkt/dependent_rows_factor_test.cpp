@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 
 #include "kkt/island_numbers.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/matrix.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -47,8 +47,7 @@ struct Matrices {
 
 // Of K without its null space.
 double condition_of(const IslandNumbers& n) {
-  const VectorXd sizes =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(n.K(0), Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs();
+  const VectorXd sizes = eigenvalues(n.K(0)).cwiseAbs();
   double least = sizes.maxCoeff();
   for (double size : sizes)
     if (size > 1e-12 * sizes.maxCoeff()) least = std::min(least, size);

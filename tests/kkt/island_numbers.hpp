@@ -82,10 +82,6 @@ inline std::deque<IslandNumbers> islands_of(const RandomScene& s) {
   return out;
 }
 
-inline double condition_1(const Eigen::MatrixXd& A) {
-  return A.cwiseAbs().colwise().sum().maxCoeff() * A.inverse().cwiseAbs().colwise().sum().maxCoeff();
-}
-
 /// Scenes to try: their seed says which.
 inline RandomScene kkt_scene(unsigned seed, int redundant = 0, int contradicting = 0) {
   std::mt19937 rng(seed);

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <memory>
 
@@ -12,6 +11,7 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
 #include "support/allocations.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
 #include "random_problem.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -41,7 +41,7 @@ void fill(lq::Group& g, const std::vector<int>& ends, const Sizes& n, bool termi
   MatrixXd inputs = MatrixXd::Zero(nv, n.controls + nw);  // of M a
   inputs.bottomLeftCorner(n.controls, n.controls).setIdentity();
   inputs.rightCols(nw) = J.transpose();
-  const MatrixXd a_v = M.llt().solve(inputs), a_x = M.llt().solve(random(nv, 2 * nv, rng));
+  const MatrixXd a_v = solved(M, inputs), a_x = solved(M, random(nv, 2 * nv, rng));
   g.A.setIdentity();
   g.A.topRightCorner(nv, nv).diagonal().setConstant(h);
   g.A.bottomRows(nv) += h * a_x;

@@ -12,6 +12,7 @@
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -195,13 +196,13 @@ TEST(LdlSchedule, FirstColumnsAlone) {
       for (int k = symbolic.Lp[j]; k < symbolic.Lp[j + 1]; ++k)
         S(symbolic.Li[k] - columns, j - columns) = S(j - columns, symbolic.Li[k] - columns) = f.L[k];
     const Eigen::MatrixXd H = A.dense.topLeftCorner(columns, columns), G = A.dense.bottomLeftCorner(left, columns);
-    const Eigen::MatrixXd expected = A.dense.bottomRightCorner(left, left) - G * H.llt().solve(G.transpose());
+    const Eigen::MatrixXd expected = A.dense.bottomRightCorner(left, left) - G * solved(H, G.transpose());
     EXPECT_LE(difference_of(S, expected), 1e-13 * size_of(A.dense));
 
-    const Eigen::VectorXd b = random_matrix(n, 1, rng), answer = A.dense.llt().solve(b);
+    const Eigen::VectorXd b = random_matrix(n, 1, rng), answer = solved(A.dense, b);
     Eigen::VectorXd x = b;
     sparse::ldl_scheduled_forward<double>(schedule, f.L.data(), x.data());
-    x.tail(left) = S.llt().solve(x.tail(left).eval());
+    x.tail(left) = solved(S, x.tail(left));
     sparse::ldl_scheduled_backward(schedule, f.L.data(), f.D.data(), x.data());
     EXPECT_LE(difference_of(x, answer), 1e-12 * size_of(answer));
   }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "spatial/compare.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // K = [M J^T; J 0] with rows of J that depend on others by construction.
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <ostream>
 #include <string>
 

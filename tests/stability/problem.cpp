@@ -1,10 +1,10 @@
 #include "stability/problem.hpp"
 
-#include <Eigen/QR>
 #include <numbers>
 
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -157,10 +157,7 @@ Problem turned(Problem p) {
 void move_within_contacts(Problem& p, double size) {
   move(p, size);
   const Eigen::MatrixXd J = contact_jacobian(p.scene, p.q);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
-  cod.setThreshold(1e-9);
-  cod.compute(J);
-  p.v -= cod.solve(J * p.v);
+  p.v -= least_norm(J, J * p.v, 1e-9);
 }
 
 void bend(Problem& p, const std::string& joint, double angle) {

@@ -1,12 +1,13 @@
 #pragma once
 // M, J, tau_b, a0 of a whole scene as dense matrices, to hold answers against without any method of the library.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "spatial/compare.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 
@@ -56,11 +57,8 @@ struct Terms {
   /// How far f is from the least norm: the part of it that J^T does not see, relative.
   double least_norm_error(const Eigen::VectorXd& f) const {
     if (f.size() == 0) return 0;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
-    cod.setThreshold(1e-9);
-    cod.compute(J.transpose());
     const double size = size_of(f);
-    return size == 0 ? 0 : size_of(f - cod.solve(J.transpose() * f)) / size;
+    return size == 0 ? 0 : size_of(f - least_norm(J.transpose(), J.transpose() * f, 1e-9).col(0)) / size;
   }
   /// [a; -f] by LU of K.
   Eigen::VectorXd solve_by_lu() const {
@@ -69,7 +67,7 @@ struct Terms {
     K << M, J.transpose(), J, -damping * Eigen::MatrixXd::Identity(nc, nc);
     Eigen::VectorXd b(nv + nc);
     b << tau_b, -a0;
-    return K.partialPivLu().solve(b);
+    return solved(K, b);
   }
 };
 

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <fstream>
 #include <map>
 #include <random>
@@ -17,6 +16,7 @@
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "task/task_of.hpp"
@@ -185,8 +185,7 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
   // SolverFDDP does not refine: its own error grows with the condition of Quu.
   double condition = 1;
   for (const Eigen::MatrixXd& Quu : dense.get_Quu()) {
-    const Eigen::VectorXd values =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Quu, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd values = eigenvalues(Quu);
     condition = std::max(condition, values.maxCoeff() / values.minCoeff());
   }
   const double tolerance = std::max(1e-9, kEps * condition);
