@@ -26,6 +26,7 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
     if (!q.segment(robot.idx_q, model.nq).allFinite() || !v.segment(robot.idx_v, model.nv).allFinite() ||
         !tau.segment(robot.idx_v, model.nv).allFinite())
       return Reason::kNotFinite;
+    if (model.nq == model.nv) continue;  // no quaternion
     for (const Joint& joint : model.joints)
       if (joint.type == JointType::kFloating &&
           std::abs(q.segment<4>(robot.idx_q + joint.idx_q + 3).norm() - 1) > tolerance::kQuaternion)
