@@ -78,7 +78,7 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(TruthOf);
 
 TEST(Truth, RandomScenes) {
   print_header();
-  int loops = 0, joined = 0, gains = 0, of_type[4] = {}, in_frame[3] = {};
+  int loops = 0, joined = 0, gains = 0, of_type[5] = {}, in_frame[3] = {};
   for (int seed = 1; seed <= 12; ++seed) {
     std::mt19937 rng(100 + seed);
     SceneOptions options;
@@ -95,8 +95,8 @@ TEST(Truth, RandomScenes) {
     }
   }
   // The random scenes are as varied as they are meant to be.
-  for (int count :
-       {loops, joined, gains, of_type[0], of_type[1], of_type[2], of_type[3], in_frame[0], in_frame[1], in_frame[2]})
+  for (int count : {loops, joined, gains, of_type[0], of_type[1], of_type[2], of_type[3], of_type[4], in_frame[0],
+                    in_frame[1], in_frame[2]})
     EXPECT_GE(count, 3);
 }
 
