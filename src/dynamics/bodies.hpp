@@ -21,7 +21,7 @@ struct BodyForm {
 
   // by solve
   std::vector<BodyKinematics<double>> kin;  // per robot of the island
-  // part by part, where held bodies cut the trees; alike parts have one memory
+  // part by part, where held bodies cut the trees; alike parts share what they are solved by
   const BodyParts* parts;
   struct Slot {
     const BodyPart* part = nullptr;  // the one at hand
@@ -39,10 +39,10 @@ struct BodyForm {
     std::vector<lanes::Parts::Part> side_by_side;  // one per slot that is filled
   };
   std::vector<Shape> shapes;
-  const lanes::Level* level = nullptr;  // that `lanes` and `slots` are of
-  std::vector<HeldBody> held;           // per cut
-  std::vector<Vec6<double>> pull;       // per cut: of what hangs below
-  bool in_parts = false;                // the last solve went so: all below is another's until `complete_bodies`
+  bool has_slots = false;          // and lanes
+  std::vector<HeldBody> held;      // per cut
+  std::vector<Vec6<double>> pull;  // per cut: of what hangs below
+  bool in_parts = false;           // the last solve went so: all below is another's until `complete_bodies`
   // as a whole
   BodyFactor factor;
   BodySolve solution;

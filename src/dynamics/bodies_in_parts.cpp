@@ -82,13 +82,12 @@ double pull_of(const BodyForm::Slot& slot, const BodyHold& hold, V6& pull) {
   }
   const V6 left = pull - hold.Q * (hold.Q.transpose() * pull).eval();
   const double worst = size.maxCoeff();
-  return worst > 0 ? left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst : 0;
+  return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Slots, and lanes for them, of a level of instructions.
-void set_level(const lanes::Level* level, BodyForm& form) {
-  if (form.level == level && !form.shapes.front().slots.empty()) return;
-  form.level = level;
+// Slots, and lanes for them; level: of the instructions, nullptr: none.
+void make_slots(const lanes::Level* level, BodyForm& form) {
+  if (form.has_slots) return;
   for (BodyForm::Shape& shape : form.shapes) {
     const BodyPattern& p = *shape.pattern;
     shape.lanes.reset();
@@ -104,6 +103,7 @@ void set_level(const lanes::Level* level, BodyForm& form) {
       slot.row.resize(p.nc);
     }
   }
+  form.has_slots = true;
 }
 
 // The parts in a shape's slots, side by side where they are sound so. False where one has no sound answer.
@@ -138,7 +138,7 @@ bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandRe
   BodyForm& form = *d.bodies;
   if (form.shapes.empty() || scene.damping > 0) return false;
   form.in_parts = false;
-  set_level(data.workspace->lanes.level, form);
+  make_slots(data.workspace->lanes.level, form);
   for (BodyForm::Shape& shape : form.shapes) shape.filled = 0;
   begin_evaluation(scene, data, d);
   BodyAnswer answer;

@@ -7,6 +7,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "support/chains.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
@@ -76,6 +77,29 @@ TEST(Vanishing, APointMassOnTheJointsAxisHasNoInertiaAboutIt) {
       (void)solve(scene, q, v, u, data);
       EXPECT_EQ(data.report.status, Status::kFailed) << way.name;
       EXPECT_EQ(data.report.islands[0].reason, Reason::kSingularInertia) << way.name;
+    }
+  }
+}
+
+// Nor where held bodies cut a tree into parts, the last of which has that joint.
+TEST(Vanishing, APointMassOnTheLastJointsAxisOfAHeldChain) {
+  for (int seed = 0; seed < 20; ++seed) {
+    ChainOptions options;
+    options.links = 35;
+    Chain c = make_chain(options);
+    Model model = *c.scene.robots[0].model;
+    Joint& last = model.joints.back();
+    last.inertia = Inertia<double>::from_com(2, 0.3 * last.axis, Mat3<double>::Zero());
+    c.scene.robots[0].model = std::make_shared<const Model>(std::move(model));
+    std::mt19937 rng(seed);
+    c.q = random_vector(35, rng);
+    for (const Lanes level : kLanes) {
+      Options bodies{Method::kSparseBodies, {}};
+      bodies.lanes = level;
+      SceneData data(c.scene, bodies);
+      (void)solve(c.scene, c.q, c.v, c.u, data);
+      EXPECT_EQ(data.report.status, Status::kFailed) << seed << ' ' << to_string(level);
+      EXPECT_EQ(data.report.islands[0].reason, Reason::kSingularInertia) << seed << ' ' << to_string(level);
     }
   }
 }

@@ -1,7 +1,7 @@
 #pragma once
 // Parts of deep trees (kkt/bodies/parts.hpp) in SIMD lanes. A part between two held bodies is short, so there it is
-// solved in joint space: K = [M J^T; J 0] of its coordinates is small, its order never changes, and parts of one shape
-// stand side by side. What is judged are the part's own equations, body by body (kkt/bodies/system.hpp).
+// solved and judged in joint space: K = [M J^T; J 0] of its coordinates is small, its order never changes, and parts of
+// one shape stand side by side.
 
 #include <memory>
 #include <span>

@@ -1,8 +1,7 @@
 #pragma once
 // Parts in the lanes of S = Pack<W>, W of one shape side by side.
 
-#include <limits>
-
+#include "../drop_rounding.hpp"
 #include "judge.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
@@ -135,7 +134,8 @@ void PartsSideBySide<S>::assemble_inertia() {
     for (int k = first; k < first + p_.ndof[i]; ++k) {
       Vec6<S> F = Yc_[i] * S_.col(k);
       for (int j = first; j <= k; ++j) K_[*slot++] = dot(S_.col(j), F);
-      K_[slot[-1]] += armature_[k];
+      S& own = K_[slot[-1]];
+      own = internal::without_rounding<S>(own + armature_[k], S_.col(k), Yc_[i]);
       for (int node = i; p_.parent[node] >= 0;) {
         F = force_from(F, r_[node]);
         node = p_.parent[node];

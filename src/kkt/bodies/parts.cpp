@@ -113,8 +113,9 @@ BodyParts split_bodies(const Island& island, const BodyPattern& whole) {
   std::vector<std::shared_ptr<const BodyPattern>> patterns;
   for (BodyPart& part : out.parts) {
     BodyPattern p = pattern_of(whole, island, at, part);
-    std::vector<int> key = p.parent;
-    for (const std::vector<int>* list : {&p.ndof, &p.A, &p.B}) key.insert(key.end(), list->begin(), list->end());
+    std::vector<int> key{p.nodes};  // which says where each list ends
+    for (const std::vector<int>* list : {&p.parent, &p.ndof, &p.A, &p.B})
+      key.insert(key.end(), list->begin(), list->end());
     const auto [found, is_new] = shapes.try_emplace(std::move(key), static_cast<int>(patterns.size()));
     if (is_new) {
       p.complete_analysis();
