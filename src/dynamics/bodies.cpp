@@ -11,16 +11,30 @@
 
 namespace manycontact {
 
-BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape) : parts(&shape->body_parts()), factor(shape->bodies()) {
+BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape, const lanes::Level* level)
+    : parts(&shape->body_parts()), factor(shape->bodies()) {
   for (const Robot& robot : shape->scene().robots) kin.emplace_back(*robot.model);
   if (parts->cuts.empty()) return;
   held.resize(parts->cuts.size());
   pull.resize(parts->cuts.size());
   for (const BodyPart& part : parts->parts)
-    if (part.shape == static_cast<int>(shapes.size())) shapes.emplace_back(part.pattern);
+    if (part.shape == static_cast<int>(shapes.size())) shapes.emplace_back(part.pattern, level);
 }
 
-BodyForm::Shape::Shape(std::shared_ptr<const BodyPattern> of) : pattern(std::move(of)) { ldl.resize(*pattern); }
+BodyForm::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::Level* level) : pattern(std::move(of)) {
+  ldl.resize(*pattern);
+  if (level && lanes::PartPlan::fits(*pattern)) {
+    auto plan = std::make_shared<const lanes::PartPlan>(pattern);
+    if (plan->schedule.compiled) lanes = level->make_parts(std::move(plan));
+  }
+  slots.resize(lanes ? static_cast<std::size_t>(level->width) : 1);
+  side_by_side.reserve(slots.size());
+  for (Slot& slot : slots) {
+    slot.system.reset(pattern);
+    slot.solution.resize(*pattern);
+    slot.row.resize(pattern->nc);
+  }
+}
 
 namespace internal {
 
@@ -106,7 +120,7 @@ bool has_vanishing_row(const BodySystem& s) {
       for (int k = p.first_dof[node]; k < p.first_dof[node] + p.ndof[node]; ++k) {
         largest = std::max(largest, std::abs(G.dot(s.S.col(k))));
         size = std::max(size, G.cwiseAbs().dot(s.S.col(k).cwiseAbs()));
-        if (largest > 1e-3 * size && largest > 0) return true;
+        if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
       }
     return largest > tolerance::kRank * size;
   };

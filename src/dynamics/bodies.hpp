@@ -17,7 +17,8 @@ struct HeldBody {
 };
 
 struct BodyForm {
-  explicit BodyForm(const std::shared_ptr<IslandShape>& shape);
+  /// level: of the instructions for parts in lanes, nullptr: parts stand alone.
+  BodyForm(const std::shared_ptr<IslandShape>& shape, const lanes::Level* level);
 
   // by solve
   std::vector<BodyKinematics<double>> kin;  // per robot of the island
@@ -30,7 +31,7 @@ struct BodyForm {
     std::vector<int> row;  // per row: its number among the scene's forces
   };
   struct Shape {
-    explicit Shape(std::shared_ptr<const BodyPattern> pattern);
+    Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
     BodyLdl ldl;                          // of a part alone
     std::unique_ptr<lanes::Parts> lanes;  // null: its parts stand alone
@@ -39,7 +40,6 @@ struct BodyForm {
     std::vector<lanes::Parts::Part> side_by_side;  // one per slot that is filled
   };
   std::vector<Shape> shapes;
-  bool has_slots = false;          // and lanes
   std::vector<HeldBody> held;      // per cut
   std::vector<Vec6<double>> pull;  // per cut: of what hangs below
   bool in_parts = false;           // the last solve went so: all below is another's until `complete_bodies`

@@ -85,27 +85,6 @@ double pull_of(const BodyForm::Slot& slot, const BodyHold& hold, V6& pull) {
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Slots, and lanes for them; level: of the instructions, nullptr: none.
-void make_slots(const lanes::Level* level, BodyForm& form) {
-  if (form.has_slots) return;
-  for (BodyForm::Shape& shape : form.shapes) {
-    const BodyPattern& p = *shape.pattern;
-    shape.lanes.reset();
-    if (level && lanes::PartPlan::fits(p)) {
-      auto plan = std::make_shared<const lanes::PartPlan>(shape.pattern);
-      if (plan->schedule.compiled) shape.lanes = level->make_parts(std::move(plan));
-    }
-    shape.slots.resize(shape.lanes ? static_cast<std::size_t>(level->width) : 1);
-    shape.side_by_side.reserve(shape.slots.size());
-    for (BodyForm::Slot& slot : shape.slots) {
-      slot.system.reset(shape.pattern);
-      slot.solution.resize(p);
-      slot.row.resize(p.nc);
-    }
-  }
-  form.has_slots = true;
-}
-
 // The parts in a shape's slots, side by side where they are sound so. False where one has no sound answer.
 bool solve_filled(const Scene& scene, SceneData& data, IslandWork& d, BodyForm::Shape& shape, BodyAnswer& answer) {
   BodyForm& form = *d.bodies;
@@ -138,7 +117,6 @@ bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandRe
   BodyForm& form = *d.bodies;
   if (form.shapes.empty() || scene.damping > 0) return false;
   form.in_parts = false;
-  make_slots(data.workspace->lanes.level, form);
   for (BodyForm::Shape& shape : form.shapes) shape.filled = 0;
   begin_evaluation(scene, data, d);
   BodyAnswer answer;

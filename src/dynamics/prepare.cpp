@@ -16,7 +16,7 @@ namespace manycontact {
 IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
     : shape(std::move(s)), choice(choose(*shape, options)) {
   if (choice.method == Method::kSparseBodies) {
-    bodies = std::make_unique<BodyForm>(shape);
+    bodies = std::make_unique<BodyForm>(shape, lanes::level_of(options.lanes));
     return;
   }
   K.reset(shape->pattern(choice.order));

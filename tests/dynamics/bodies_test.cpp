@@ -134,8 +134,7 @@ TEST(Bodies, PartsOfChains) {
 // do.
 TEST(Bodies, PartsHaveTheirOwnBits) {
   for (const Lanes level : lanes_here()) {
-    Options bodies = kBodies;
-    bodies.lanes = level;
+    const Options bodies{Method::kSparseBodies, {}, level};
     ChainOptions options;
     options.links = 230;  // 23 parts: some lanes stay empty
     Chain c = make_chain(options);
@@ -226,8 +225,7 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
     std::vector<Lanes> levels = lanes_here();
     levels.push_back(Lanes::kOff);
     for (const Lanes level : levels) {
-      Options bodies = kBodies;
-      bodies.lanes = level;
+      const Options bodies{Method::kSparseBodies, {}, level};
       SceneData x(c.scene, bodies);
       ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
       EXPECT_LE((x.a - a).cwiseAbs().maxCoeff(), 1e-11 * a.cwiseAbs().maxCoeff()) << to_string(level);

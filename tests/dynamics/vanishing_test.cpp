@@ -94,8 +94,7 @@ TEST(Vanishing, APointMassOnTheLastJointsAxisOfAHeldChain) {
     std::mt19937 rng(seed);
     c.q = random_vector(35, rng);
     for (const Lanes level : kLanes) {
-      Options bodies{Method::kSparseBodies, {}};
-      bodies.lanes = level;
+      const Options bodies{Method::kSparseBodies, {}, level};
       SceneData data(c.scene, bodies);
       (void)solve(c.scene, c.q, c.v, c.u, data);
       EXPECT_EQ(data.report.status, Status::kFailed) << seed << ' ' << to_string(level);

@@ -79,16 +79,42 @@ S componentwise_error(std::span<const S> r, const S* scale) {
   return error.total() + sum.total() * S(0);
 }
 
+/// sparse/refine.hpp of several at once, each as if it stood alone.
+template <class S>
+struct Refinement {
+  S steps = S(0), error, first;  // corrections made; backward errors, the last and that before the first step
+
+  /// correct(open): x += A^-1 r where the lane is open; returns the error of all.
+  template <class Correct>
+  Refinement(typename S::Mask usable, S error_of_x, Correct&& correct) : error(error_of_x), first(error_of_x) {
+    typename S::Mask open = usable & (error > S(tolerance::kRefined));
+    for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
+      const S before = error;
+      error = correct(open);
+      steps += select(open, S(1), S(0));
+      open = open & (error < S(0.5) * before) & (error > S(tolerance::kRefined));
+    }
+  }
+};
+
 /// The largest residual of some rows, and the largest size of the terms it is left of.
 template <class S>
 struct Largest {
   S r, scale;
 
-  Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size) {
+  Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
+      : Largest(
+            least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
+  /// Of the first `count` rows.
+  Largest(S least_scale, std::size_t count, const S* residual, const S* size)
+      : Largest(
+            least_scale, count, [](std::size_t k) { return k; }, residual, size) {}
+  template <class Row>
+  Largest(S least_scale, std::size_t count, Row&& row, const S* residual, const S* size) {
     FourLargest<S> of_r, of_scale;
-    in_four(rows.size(), [&](std::size_t k, int c) {
-      of_r.take(c, abs(residual[rows[k]]));
-      of_scale.take(c, size[rows[k]]);
+    in_four(count, [&](std::size_t k, int c) {
+      of_r.take(c, abs(residual[row(k)]));
+      of_scale.take(c, size[row(k)]);
     });
     r = of_r.total(), scale = larger(of_scale.total(), least_scale);
   }

@@ -36,7 +36,7 @@ PartPlan::PartPlan(std::shared_ptr<const BodyPattern> of) : pattern(std::move(of
   const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K);
   schedule = sparse::compile_ldl(K, symbolic);
   factor_nonzeros = symbolic.nonzeros();
-  for (const auto& [row, col] : M) M_slot.push_back(K.slot(std::min(row, col), std::max(row, col)));
+  for (const auto& [row, col] : M) M_slot.push_back(K.slot(row, col));
   for (const auto& [row, col] : J) J_slot.push_back(K.slot(row, col));
 }
 

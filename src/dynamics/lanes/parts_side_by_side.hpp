@@ -14,7 +14,6 @@ namespace manycontact::lanes {
 template <class S>
 class PartsSideBySide {
  public:
-  static constexpr int W = S::width;
   using Mask = typename S::Mask;
   using Part = Parts::Part;
 
@@ -26,9 +25,8 @@ class PartsSideBySide {
   void assemble_inertia();
   Mask assemble_rows();
   void act();
-  S backward_error();
-  void add_correction(Mask open);
-  void store(std::span<Part> parts);
+  S correct(Mask open);
+  void store(const Refinement<S>& refined, std::span<Part> parts);
 
   std::shared_ptr<const PartPlan> plan_;
   const BodyPattern& p_;
@@ -43,7 +41,6 @@ class PartsSideBySide {
   std::vector<Vec6<S>> a_, f_;
   std::vector<S> b_, left_, scale_;  // b, b - K x in K's order, and the sizes of its terms
   Mask usable_;
-  S steps_, error_, first_error_;
 };
 
 template <class S>
@@ -84,19 +81,9 @@ void PartsSideBySide<S>::solve(std::span<Part> parts) {
   std::fill(x_.begin(), x_.end(), S(0));
   act();
   b_ = left_;
-  add_correction(usable_);
-  error_ = first_error_ = backward_error();
-  steps_ = S(0);
-  Mask open = usable_ & (error_ > S(tolerance::kRefined));
-  for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
-    add_correction(open);
-    steps_ += select(open, S(1), S(0));
-    const S before = error_;
-    error_ = backward_error();
-    open = open & (error_ < S(0.5) * before) & (error_ > S(tolerance::kRefined));
-  }
-  usable_ = usable_ & (error_ <= S(tolerance::kConverged));
-  store(parts);
+  const Refinement<S> refined(usable_, correct(usable_), [&](Mask open) { return correct(open); });
+  usable_ = usable_ & (refined.error <= S(tolerance::kConverged));
+  store(refined, parts);
 }
 
 template <class S>
@@ -149,7 +136,6 @@ void PartsSideBySide<S>::assemble_inertia() {
 /// J in K. True where every row moves some coordinate by more than rounding: pivots do not show that.
 template <class S>
 typename S::Mask PartsSideBySide<S>::assemble_rows() {
-  constexpr double kMoves = 1e-3;
   const int* slot = plan_->J_slot.data();
   Mask all_move = S(0) <= S(0);
   for (int row = 0; row < p_.nc; ++row) {
@@ -161,7 +147,7 @@ typename S::Mask PartsSideBySide<S>::assemble_rows() {
           K_[*slot++] = J;
           if (moves.all()) continue;
           const S size = dot(S_.col(j).cwiseAbs(), G.cwiseAbs());
-          moves.bits = moves.bits | ((abs(J) > S(kMoves) * size) & (size > S(0))).bits;
+          moves.bits = moves.bits | ((abs(J) > S(tolerance::kPlainlyMoves) * size) & (size > S(0))).bits;
         }
         G = force_from(G, r_[node]);
       }
@@ -203,34 +189,21 @@ void PartsSideBySide<S>::act() {
   }
 }
 
-/// r = b - K x, and how large it is beside |b| + |K| |x|; NaN where any is.
+/// x += K^-1 r in the lanes that are open; r = b - K x, and how large it is beside |b| + |K| |x|; NaN where any is.
 template <class S>
-S PartsSideBySide<S>::backward_error() {
+S PartsSideBySide<S>::correct(Mask open) {
+  step_ = left_;
+  sparse::ldl_scheduled_solve(plan_->schedule, L_.data(), D_.data(), step_.data());
+  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += select(open, step_[k], S(0));
   sparse::ldl_scheduled_residual(plan_->K, K_.data(), x_.data(), b_.data(), left_.data(), scale_.data());
   return componentwise_error<S>(left_, scale_.data());
 }
 
-/// x += K^-1 r in the lanes that are open.
 template <class S>
-void PartsSideBySide<S>::add_correction(Mask open) {
-  step_ = left_;
-  sparse::ldl_scheduled_solve(plan_->schedule, L_.data(), D_.data(), step_.data());
-  for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += select(open, step_[k], S(0));
-}
-
-template <class S>
-void PartsSideBySide<S>::store(std::span<Part> parts) {
-  const auto largest = [&](int first, int count, S& r, S& scale) {
-    FourLargest<S> of_r, of_scale;
-    in_four(static_cast<std::size_t>(count), [&](std::size_t k, int c) {
-      of_r.take(c, abs(left_[first + k]));
-      of_scale.take(c, scale_[first + k]);
-    });
-    r = of_r.total(), scale = of_scale.total();
-  };
-  S dynamics, dynamics_scale, contact, contact_scale;
-  largest(0, p_.nv, dynamics, dynamics_scale);
-  largest(p_.nv, p_.nc, contact, contact_scale);
+void PartsSideBySide<S>::store(const Refinement<S>& refined, std::span<Part> parts) {
+  const std::size_t nv = static_cast<std::size_t>(p_.nv), nc = static_cast<std::size_t>(p_.nc);
+  const Largest<S> dynamics(0, nv, left_.data(), scale_.data());
+  const Largest<S> contact(0, nc, left_.data() + nv, scale_.data() + nv);
   act();  // f of the bases
   for (std::size_t l = 0; l < parts.size(); ++l) {
     const int lane = static_cast<int>(l);
@@ -238,14 +211,14 @@ void PartsSideBySide<S>::store(std::span<Part> parts) {
     part.sound = usable_[lane];
     if (!part.sound) continue;
     part.factor_nonzeros = plan_->factor_nonzeros + plan_->K.n;
-    part.refinement = {static_cast<int>(steps_[lane]), error_[lane], first_error_[lane]};
+    part.refinement = {static_cast<int>(refined.steps[lane]), refined.error[lane], refined.first[lane]};
     BodySolve& out = *part.solution;
     for (int k = 0; k < p_.nv; ++k) out.x.joints[k] = x_[plan_->place(k)][lane];
     for (int k = 0; k < p_.nc; ++k) out.x.rows[k] = x_[plan_->place_of_row(k)][lane];
     for (int i = 0; i < p_.nodes; i = p_.end[i])
       for (int k = 0; k < 6; ++k) out.x.force[i][k] = f_[i][k][lane];
-    out.residual.dynamics = dynamics[lane], out.residual.dynamics_scale = dynamics_scale[lane];
-    out.residual.contact = contact[lane], out.residual.contact_scale = contact_scale[lane];
+    out.residual.dynamics = dynamics.r[lane], out.residual.dynamics_scale = dynamics.scale[lane];
+    out.residual.contact = contact.r[lane], out.residual.contact_scale = contact.scale[lane];
   }
 }
 

@@ -444,16 +444,8 @@ template <class S>
 void SideBySide<S>::refine() {
   x_ = b_;
   apply_inverse(x_);
-  steps_ = S(0);
-  backward_error_ = first_error_ = residual();
-  Mask open = usable_ & (backward_error_ > S(tolerance::kRefined));
-  for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
-    const Mask same_sizes = correct(open);
-    steps_ += select(open, S(1), S(0));
-    const S before = backward_error_;
-    backward_error_ = residual(same_sizes);
-    open = open & (backward_error_ < S(0.5) * before) & (backward_error_ > S(tolerance::kRefined));
-  }
+  const Refinement<S> refined(usable_, residual(), [&](Mask open) { return residual(correct(open)); });
+  steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
 }
 

@@ -38,6 +38,11 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 /// Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 1e-3;
 
+/// Of an entry of J, beside the sizes of the products it is a sum of: more, and its row plainly moves that coordinate;
+/// no other needs to be looked at.
+/// Used by: rows of J that vanish, in sparse-bodies.
+inline constexpr double kPlainlyMoves = 1e-3;
+
 /// Of a row's length, what stands across the rows before it on the same held body: less, and that body's rows are left
 /// in the system as any other's. Orthogonal to 1e-14 by one pass of Gram and Schmidt.
 /// Used by: held bodies of sparse-bodies.
