@@ -95,15 +95,20 @@ TEST(Bodies, PartsAgreeWithTheOracle) {
   for (int trial = 0; trial < 60; ++trial) {
     const RandomScene s = held_scene(rng);
     cuts += cuts_of(s.scene);
-    Both x(s.scene, s.q, s.v, s.u);
-    EXPECT_EQ(x.bodies.report.status, x.dense.report.status) << trial;
-    sound += x.bodies.report.status == Status::kOk;
-    const Errors e = errors<double>(s.scene, x.bodies, x.dense.a, x.dense.f, conditions(s.scene, x.dense));
-    EXPECT_LE(e.excess, 1) << trial << ": " << e;
-    for (const IslandReport& island : x.bodies.report.islands)  // the ladder's may be least squares
-      if (island.method == Method::kSparseBodies) {
-        EXPECT_LE(island.backward_error, 1e-14) << trial;
-      }
+    SceneData dense(s.scene, {Method::kDense, {}});
+    (void)solve(s.scene, s.q, s.v, s.u, dense);
+    sound += dense.report.status == Status::kOk;
+    for (const Lanes level : lanes_here()) {
+      SceneData bodies(s.scene, {Method::kSparseBodies, {}, level});
+      (void)solve(s.scene, s.q, s.v, s.u, bodies);
+      EXPECT_EQ(bodies.report.status, dense.report.status) << trial << to_string(level);
+      const Errors e = errors<double>(s.scene, bodies, dense.a, dense.f, conditions(s.scene, dense));
+      EXPECT_LE(e.excess, 1) << trial << to_string(level) << ": " << e;
+      for (const IslandReport& island : bodies.report.islands)  // the ladder's may be least squares
+        if (island.method == Method::kSparseBodies) {
+          EXPECT_LE(island.backward_error, 1e-14) << trial << to_string(level);
+        }
+    }
   }
   EXPECT_GE(cuts, 60);
   EXPECT_GE(sound, 15);
@@ -162,6 +167,52 @@ TEST(Bodies, PartsHaveTheirOwnBits) {
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
     expect_same(x, 22);
     EXPECT_NE(x.a.tail(10), a.tail(10));
+  }
+}
+
+// Two branches on one base: links [0, cut) of a chain held at every tenth, and those from there on, the one or the
+// other first.
+Chain two_branches(const Chain& c, int cut, bool tail_first) {
+  const std::vector<Joint>& joints = c.scene.robots[0].model->joints;
+  const int links = static_cast<int>(joints.size()), shift = tail_first ? links - cut : 0;
+  const auto place = [&](int link) { return (link + shift) % links; };
+  Model model;
+  model.joints.resize(joints.size());
+  Chain out;
+  out.scene.gravity = c.scene.gravity;
+  out.q.resize(links), out.v.resize(links), out.u.resize(links);
+  for (int i = 0; i < links; ++i) {
+    Joint& joint = model.joints[place(i)] = joints[i];
+    joint.parent = i == 0 || i == cut ? -1 : place(i - 1);
+    out.q[place(i)] = c.q[i], out.v[place(i)] = c.v[i], out.u[place(i)] = c.u[i];
+  }
+  finalize(model);
+  add_robot(out.scene, "branches", std::make_shared<const Model>(std::move(model)));
+  const int contacts = links / 10, first = tail_first ? cut / 10 : 0;
+  for (int k = 0; k < contacts; ++k) {
+    Contact contact = c.scene.contacts[(k + first) % contacts];
+    contact.A.joint = place(contact.A.joint);
+    add_contact(out.scene, contact);
+  }
+  return out;
+}
+
+// Nor does it depend on the lane: the same parts, three or seven lanes on. What hangs on the base is one part, of both
+// branches in their order, and pulls at the first body held of each.
+TEST(Bodies, PartsHaveTheirOwnBitsInEveryLane) {
+  ChainOptions options;
+  options.links = 100;
+  const int cut = 30, rest = options.links - cut;
+  const Chain c = make_chain(options), one = two_branches(c, cut, false), other = two_branches(c, cut, true);
+  for (const Lanes level : lanes_here()) {
+    SceneData x(one.scene, {Method::kSparseBodies, {}, level}), y(other.scene, {Method::kSparseBodies, {}, level});
+    ASSERT_EQ(solve(one.scene, one.q, one.v, one.u, x).status, Status::kOk);
+    ASSERT_EQ(solve(other.scene, other.q, other.v, other.u, y).status, Status::kOk);
+    const int n = cut - 10, m = rest - 10;
+    EXPECT_EQ(x.a.segment(10, n), y.a.tail(n)) << to_string(level);
+    EXPECT_EQ(x.a.tail(m), y.a.segment(10, m)) << to_string(level);
+    EXPECT_EQ(x.f.segment(6, 6 * n / 10), y.f.tail(6 * n / 10)) << to_string(level);
+    EXPECT_EQ(x.f.tail(6 * m / 10), y.f.segment(6, 6 * m / 10)) << to_string(level);
   }
 }
 
