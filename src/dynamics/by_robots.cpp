@@ -23,7 +23,9 @@ ByRobots::ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> j, S
     for (int c : r.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
         r.row.push_back(island.nv + island.row_offset[c] + i);
+    for (int k : r.joining) r.join.push_back(joining->row[k]);
   }
+  for (int k : joining->perm) eliminated.push_back(joining->row[k]);
 }
 
 namespace internal {
@@ -65,20 +67,27 @@ void lay_out_columns(const Island& island, const IslandDerivatives& out, std::si
   r.ld = sparse::padded(at);
 }
 
-// A column of each robot's own, of q, v and u by turns.
+// Columns of robots' own, of q, v and u by turns; each meets the factors of all of them. Sixteen at most: they are
+// judged one after the other.
 void choose_sample(ByRobots& by) {
   by.sample.column.clear();
-  for (std::size_t k = 0; k < by.robots.size(); ++k) {
+  for (ByRobots::OfRobot& r : by.robots) r.sampled.clear();
+  const std::size_t step = (by.robots.size() + 15) / 16;
+  for (std::size_t k = 0; k < by.robots.size(); k += step) {
     const std::vector<ByRobots::Columns>& columns = by.robots[k].columns;
     if (columns.empty()) continue;
-    const ByRobots::Columns& block = columns[k % columns.size()];
-    by.sample.column.push_back(block.in_X + static_cast<int>(7 * k) % block.count);
+    const ByRobots::Columns& block = columns[k / step % columns.size()];
+    const int column = block.in_X + static_cast<int>(7 * k) % block.count;
+    for (ByRobots::OfRobot& r : by.robots)
+      for (const ByRobots::Columns& c : r.columns)
+        if (c.in_X <= column && column < c.in_X + c.count)
+          r.sampled.push_back({static_cast<int>(by.sample.column.size()), c.in_P + column - c.in_X, 1});
+    by.sample.column.push_back(column);
   }
 }
 
-void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRobots& by) {
+void take_memory(const IslandWork& d, std::size_t threads, ByRobots& by) {
   const std::size_t rows = by.joining->row.size(), n = d.island.size();
-  std::size_t most_joining = 0, most_own = 0;  // rows of a robot
   for (ByRobots::OfRobot& r : by.robots) {
     if (!r.factor) r.factor = make_ldl_factor(Method::kSparseLdl);
     r.J.resize(r.contacts.size());
@@ -87,25 +96,22 @@ void take_memory(const IslandWork& d, std::size_t ld, std::size_t threads, ByRob
     r.H.assign(static_cast<std::size_t>(r.padded()) * r.ld, 0.0);
     r.T.assign(r.joining.size() * sparse::padded(r.size()), 0.0);
     r.nonzero.resize(r.size());
-    most_own = std::max<std::size_t>(most_own, r.size() - r.K.nv());
-    most_joining = std::max(most_joining, r.joining.size());
   }
   by.Sx.resize(by.joining->S.nonzeros());
   by.L.resize(by.joining->symbolic.nonzeros());
   by.D.resize(rows);
   by.scale.resize(rows);
-  by.Y.resize(rows * ld);
   by.buffers.resize(threads);
   for (ByRobots::Buffers& b : by.buffers) {
     b.work.resize(sparse::panel_kernels().work_size(by.joining->schedule));
     b.nonzero.resize(rows);
-    b.Yr.resize(most_joining * ld);
-    b.forces.resize(most_own * ld);
+    b.x.resize(n);
     b.r.resize(n);
     b.scale.resize(n);
   }
+  by.sample.X.resize(n, sparse::padded(by.sample.column.size()));
+  by.sample.X.setZero();
   by.sample.b.resize(n * by.sample.column.size());
-  by.sample.x.resize(n * by.sample.column.size());
   by.sample.error.resize(by.sample.column.size());
 }
 
@@ -122,7 +128,7 @@ void prepare_by_robots(IslandWork& d, const IslandDerivatives& out, Workspace& w
   choose_sample(by);
   const double ld = static_cast<double>(out.X.cols());
   by.cheaper = by.compiled && out.cols > 0 && cost_by_robots(by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
-  if (by.cheaper) take_memory(d, out.X.cols(), w.threads.size(), by);
+  if (by.cheaper) take_memory(d, w.threads.size(), by);
   by.request = out.request;
   by.laid_out = true;
 }

@@ -4,8 +4,9 @@
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows join
-// the robot, in place of a solve with the island's factor.
+// Forces come out with their own sign, -X; so -Y stands in the joining rows of the panel, and the products take it
+// there. A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows
+// join the robot, in place of a solve with the island's factor.
 
 #include "joining.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -15,7 +16,8 @@ namespace manycontact {
 
 /// Of an island's shape, and for one request at a time.
 struct ByRobots {
-  static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
+  static constexpr int kChunk = 192;                // columns of X worked at a time, which stay in the cache
+  static constexpr std::size_t kCached = 32 << 20;  // bytes: a larger X is in no cache when it is read
 
   /// shapes: where the patterns of the K_r are met again.
   ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> joining, ShapeCache& shapes);
@@ -25,9 +27,10 @@ struct ByRobots {
   };
   struct OfRobot : Joining::OfRobot {
     explicit OfRobot(const Joining::OfRobot& r) : Joining::OfRobot(r) {}
-    std::vector<int> row;  // per row of K_r: the island's row; constant
+    std::vector<int> row, join;  // per row of K_r and of G_r: the island's row; constant
     // for the request
     std::vector<Columns> columns;  // where B_r is not zero
+    std::vector<Columns> sampled;  // those of the sample, in its panel
     int ld = 0;                    // of P and H
     // numbers
     KktMatrix K;
@@ -36,7 +39,7 @@ struct ByRobots {
     std::vector<double> G;      // G_r^T, nv x padded
     std::vector<double> P;      // [G_r^T, B_r], then [T_r, K_r^-1 B_r]
     std::vector<double> H;      // G_r P
-    std::vector<double> T;      // -T_r^T where accelerations come out, T_r^T where forces do; by rows of G_r, padded
+    std::vector<double> T;      // T_r^T where accelerations come out, -T_r^T where forces do; by rows of G_r, padded
     std::vector<char> nonzero;  // a flag per row of K_r
     bool sound = false;         // K_r's pivots are
 
@@ -51,18 +54,17 @@ struct ByRobots {
   DerivativeRequest request;
   bool cheaper = false;  // than the island's factor, for that
 
+  std::vector<int> eliminated;  // per joining row, in the order of S: the island's row
   std::vector<double> Sx, L, D, scale;
-  std::vector<double> Y;  // a row per joining row, as wide as X
-  struct {                // a column of each robot's, to be judged with the island's K, in its order
-    std::vector<int> column;
-    std::vector<double> b, x, error;
+  struct Sample {             // a column of each robot's, to be judged with the island's K
+    std::vector<int> column;  // of X
+    AlignedPanel X;
+    std::vector<double> b, error;  // b: in K's order, column after column
   } sample;
-  struct Buffers {               // of a thread
-    std::vector<double> work;    // of a solve with S
-    std::vector<char> nonzero;   // of S
-    std::vector<double> Yr;      // Y's rows on a robot, as wide as X
-    std::vector<double> forces;  // of the contacts on a robot alone, likewise
-    std::vector<double> r, scale;
+  struct Buffers {              // of a thread
+    std::vector<double> work;   // of a solve with S
+    std::vector<char> nonzero;  // of S
+    std::vector<double> x, r, scale;
   };
   std::vector<Buffers> buffers;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "by_robots.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
@@ -14,37 +15,54 @@ namespace manycontact::internal {
 namespace {
 
 using OfRobot = ByRobots::OfRobot;
-using Panel = IslandDerivatives::Panel;
+using Columns = std::vector<ByRobots::Columns>;
 
-// use(row, first column, count) wherever right-hand sides may stand in X.
-template <class Use>
-void each_rhs(const ByRobots& by, Use&& use) {
+bool has_own(const Columns& columns, int first, int cols) {
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const ByRobots::Columns& c) { return c.in_X < first + cols && first < c.in_X + c.count; });
+}
+
+// Flags the joining rows, in the order of S, that right-hand sides in these columns reach. columns_of(r): in the panel.
+template <class ColumnsOf>
+void find_reach(const ByRobots& by, ColumnsOf&& columns_of, int first, int cols, std::vector<char>& nonzero) {
+  std::fill(nonzero.begin(), nonzero.end(), 0);
   for (const OfRobot& r : by.robots)
-    for (const ByRobots::Columns& c : r.columns) {
-      for (int row : r.row) use(row, c.in_X, c.count);
-      for (int k : r.joining) use(by.joining->row[k], c.in_X, c.count);
-    }
+    if (has_own(columns_of(r), first, cols))
+      for (int k : r.joining) nonzero[by.joining->place[k]] = 1;
+  sparse::ldl_scheduled_reach(by.joining->schedule, nonzero.data());
 }
 
-void sample_rhs(const IslandWork& d, const Panel& X, ByRobots& by) {
-  const int* iperm = d.K.pattern->iperm.data();
-  std::fill(by.sample.b.begin(), by.sample.b.end(), 0.0);
-  each_rhs(by, [&](int row, int first, int count) {
-    for (std::size_t s = 0; s < by.sample.column.size(); ++s)
-      if (const int c = by.sample.column[s]; c >= first && c < first + count)
-        by.sample.b[s * d.island.size() + iperm[row]] = X(row, c);
-  });
-}
+const Columns& columns_in_X(const OfRobot& r) { return r.columns; }
+const Columns& columns_in_sample(const OfRobot& r) { return r.sampled; }
 
-// Columns first ... first+cols-1 of the answer [da; df] among the sample.
-void sample_answer(const IslandWork& d, const Panel& X, int first, int cols, ByRobots& by) {
-  const int* iperm = d.K.pattern->iperm.data();
-  for (std::size_t s = 0; s < by.sample.column.size(); ++s) {
-    const int c = by.sample.column[s];
-    if (c < first || c >= first + cols) continue;
-    double* x = by.sample.x.data() + s * d.island.size();
-    for (int row = 0; row < d.island.size(); ++row) x[iperm[row]] = row < d.island.nv ? X(row, c) : -X(row, c);
+// Zeros wherever right-hand sides may stand, and in the joining rows wherever they reach.
+void clear_rhs(const ByRobots& by, std::vector<char>& nonzero, AlignedPanel& X) {
+  const int ld = static_cast<int>(X.cols());
+  for (const OfRobot& r : by.robots)
+    for (const ByRobots::Columns& c : r.columns)
+      for (int row : r.row) std::fill_n(&X(row, c.in_X), c.count, 0.0);
+  for (int first = 0; first < ld; first += ByRobots::kChunk) {
+    const int cols = std::min(ByRobots::kChunk, ld - first);
+    find_reach(by, columns_in_X, first, cols, nonzero);
+    for (std::size_t k = 0; k < nonzero.size(); ++k)
+      if (nonzero[k]) std::fill_n(&X(by.eliminated[k], first), cols, 0.0);
   }
+}
+
+// The sample of B in K's order, column after column.
+void sample_rhs(const IslandWork& d, const AlignedPanel& X, ByRobots& by) {
+  const int* iperm = d.K.pattern->iperm.data();
+  ByRobots::Sample& sample = by.sample;
+  std::fill(sample.b.begin(), sample.b.end(), 0.0);
+  for (const OfRobot& r : by.robots)
+    for (const ByRobots::Columns& c : r.sampled) {
+      const int s = c.in_X;
+      const auto take = [&](int row) {
+        sample.b[static_cast<std::size_t>(s) * d.island.size() + iperm[row]] = X(row, sample.column[s]);
+      };
+      std::for_each(r.row.begin(), r.row.end(), take);
+      std::for_each(r.join.begin(), r.join.end(), take);
+    }
 }
 
 // K_r's factor; false where its pivots are not sound.
@@ -72,7 +90,7 @@ void gather_joining(const IslandWork& d, std::size_t k, OfRobot& r) {
 }
 
 // P = K_r^-1 [G_r^T, B_r], refined once, H = G_r P and T. B stands in X.
-void solve_robot(const Panel& X, OfRobot& r) {
+void solve_robot(const AlignedPanel& X, OfRobot& r) {
   const int nv = r.K.nv(), joining = static_cast<int>(r.joining.size());
   for (int i = 0; i < r.size(); ++i) {
     double* p = r.P.data() + static_cast<std::ptrdiff_t>(i) * r.ld;
@@ -87,7 +105,7 @@ void solve_robot(const Panel& X, OfRobot& r) {
   for (int i = 0; i < r.size(); ++i)
     for (int j = 0; j < joining; ++j)
       r.T[static_cast<std::ptrdiff_t>(j) * ldT + i] =
-          (i < nv ? -1 : 1) * r.P[static_cast<std::ptrdiff_t>(i) * r.ld + j];
+          (i < nv ? 1 : -1) * r.P[static_cast<std::ptrdiff_t>(i) * r.ld + j];
 }
 
 // S = sum_r G_r T_r + delta I and its factor; false where its pivots are not sound.
@@ -114,73 +132,71 @@ double growth(const IslandWork& d, const ByRobots& by) {
   return std::max(most, terms / diagonal);
 }
 
-// Y <- sum_r G_r K_r^-1 B_r - B_joining.
-void joining_rhs(const Panel& X, ByRobots& by) {
-  const std::ptrdiff_t ld = X.cols();
-  std::fill(by.Y.begin(), by.Y.end(), 0.0);
-  for (const OfRobot& r : by.robots)
-    for (const ByRobots::Columns& c : r.columns)
-      for (int k : r.joining)
-        for (int j = c.in_X; j < c.in_X + c.count; ++j) by.Y[k * ld + j] = -X(by.joining->row[k], j);
+// -S Y into the joining rows, which hold B: B_joining - sum_r G_r K_r^-1 B_r.
+void joining_rhs(const ByRobots& by, AlignedPanel& X) {
   for (const OfRobot& r : by.robots)
     for (std::size_t i = 0; i < r.joining.size(); ++i) {
       const double* h = r.H.data() + i * r.ld;
-      double* to = by.Y.data() + r.joining[i] * ld;
+      double* x = &X(r.join[i], 0);
       for (const ByRobots::Columns& c : r.columns)
-        for (int j = 0; j < c.count; ++j) to[c.in_X + j] += h[c.in_P + j];
+        for (int j = 0; j < c.count; ++j) x[c.in_X + j] -= h[c.in_P + j];
     }
 }
 
-void solve_joining(ByRobots& by, ByRobots::Buffers& buffers, int ld, int first, int cols) {
-  std::fill(buffers.nonzero.begin(), buffers.nonzero.end(), 1);
-  sparse::panel_kernels().solve(by.joining->schedule, by.L.data(), by.D.data(), by.joining->perm.data(), by.Y.data(),
-                                ld, first, cols, buffers.nonzero.data(), buffers.work.data());
-}
-
-// Adds K_r^-1 B_r, times `sign`, to columns first ... first+cols-1 of row i: x.
-void add_own(const OfRobot& r, int i, double sign, int first, int cols, double* x) {
-  const double* p = r.P.data() + static_cast<std::ptrdiff_t>(i) * r.ld;
-  for (const ByRobots::Columns& c : r.columns) {
+// Adds K_r^-1 B_r to columns first ... first+cols-1 of a robot's rows of [da; df].
+void add_own(const OfRobot& r, const Columns& columns, int first, int cols, double* X, std::ptrdiff_t ld) {
+  for (const ByRobots::Columns& c : columns) {
     const int begin = std::max(c.in_X, first), end = std::min(c.in_X + c.count, first + cols);
-    for (int j = begin; j < end; ++j) x[j - first] += sign * p[c.in_P + j - c.in_X];
+    for (int i = 0; begin < end && i < r.size(); ++i) {
+      const double *p = r.P.data() + static_cast<std::ptrdiff_t>(i) * r.ld + c.in_P - c.in_X,
+                   sign = i < r.K.nv() ? 1 : -1;
+      double* x = X + r.row[i] * ld;
+      for (int j = begin; j < end; ++j) x[j] += sign * p[j];
+    }
   }
 }
 
-// A chunk of columns of a robot's rows of [da; df]. Accelerations stand together in X, forces contact by contact.
-void write_robot(const OfRobot& r, const ByRobots& by, ByRobots::Buffers& buffers, int first, int cols, Panel& X) {
-  const int ld = static_cast<int>(X.cols()), ldT = sparse::padded(r.size());
-  const int joining = static_cast<int>(r.joining.size()), nv = r.K.nv();
-  const auto at = [&](std::vector<double>& x, int i) { return x.data() + static_cast<std::ptrdiff_t>(i) * ld + first; };
-  for (int j = 0; j < joining; ++j)
-    std::copy_n(by.Y.data() + static_cast<std::ptrdiff_t>(r.joining[j]) * ld + first, cols, at(buffers.Yr, j));
-  const auto product = sparse::panel_kernels().product;
-  product(r.T.data(), ldT, at(buffers.Yr, 0), joining, nv, cols, ld, &X(r.row[0], first));
-  for (int i = 0; i < nv; ++i) add_own(r, i, 1, first, cols, &X(r.row[i], first));
-  if (r.size() == nv) return;
-  product(r.T.data() + nv, ldT, at(buffers.Yr, 0), joining, r.size() - nv, cols, ld, at(buffers.forces, 0));
-  for (int i = nv; i < r.size(); ++i) {
-    add_own(r, i, -1, first, cols, at(buffers.forces, i - nv));
-    std::copy_n(at(buffers.forces, i - nv), cols, &X(r.row[i], first));
+// Columns first ... first+cols-1 of [da; df] from what joining_rhs left in the joining rows: -Y there, and
+// K_r^-1 B_r - T_r Y in each robot's, K_r^-1 B_r where columns_of(r) says.
+template <class ColumnsOf>
+void answer(const ByRobots& by, ColumnsOf&& columns_of, int first, int cols, double* X, int ld, bool past_caches,
+            ByRobots::Buffers& buffers) {
+  const sparse::PanelKernels& kernels = sparse::panel_kernels();
+  find_reach(by, columns_of, first, cols, buffers.nonzero);
+  kernels.solve(by.joining->schedule, by.L.data(), by.D.data(), by.eliminated.data(), X, ld, first, cols,
+                buffers.nonzero.data(), buffers.work.data());
+  for (const OfRobot& r : by.robots) {
+    const Columns& columns = columns_of(r);
+    const bool own = has_own(columns, first, cols);
+    kernels.product_of_rows(r.T.data(), sparse::padded(r.size()), X + first, r.join.data(),
+                            static_cast<int>(r.join.size()), X + first, r.row.data(), r.size(), cols, ld,
+                            past_caches && !own);
+    if (own) add_own(r, columns, first, cols, X, ld);
   }
-}
-
-void write_joining(const ByRobots& by, int first, int cols, Panel& X) {
-  for (int k = 0; k < by.joining->rows(); ++k)
-    for (int j = first; j < first + cols; ++j) X(by.joining->row[k], j) = -by.Y[k * X.cols() + j];
 }
 
 // Whether every column of the sample has a componentwise backward error, with the island's K, of no more than half of
 // what derivatives are allowed.
-bool sample_is_good(const IslandWork& d, Workspace& w, ByRobots& by) {
+bool sample_is_good(const IslandWork& d, const AlignedPanel& X, Workspace& w, ByRobots& by) {
+  ByRobots::Sample& sample = by.sample;
+  const int count = static_cast<int>(sample.column.size());
+  for (int row : by.joining->row) std::fill_n(&sample.X(row, 0), sample.X.cols(), 0.0);
+  for (const OfRobot& r : by.robots)
+    for (const ByRobots::Columns& c : r.sampled)
+      for (int row : r.join) sample.X(row, c.in_X) = X(row, sample.column[c.in_X]);
+  const int ld = static_cast<int>(sample.X.cols());
+  answer(by, columns_in_sample, 0, ld, sample.X.data(), ld, false, by.buffers.front());
   const sparse::UpperCsc& pattern = d.K.pattern->K;
-  const std::size_t n = pattern.n;
-  each_item(w, by.sample.column.size(), [&](std::size_t s, ThreadWork& thread) {
+  const int* iperm = d.K.pattern->iperm.data();
+  each_item(w, count, [&](std::size_t s, ThreadWork& thread) {
     ByRobots::Buffers& buffers = by.buffers[thread.number];
-    sparse::panel_kernels().residual_vector(pattern, d.K.values.data(), by.sample.x.data() + s * n,
-                                            by.sample.b.data() + s * n, buffers.r.data(), buffers.scale.data());
-    by.sample.error[s] = sparse::componentwise_backward_error(buffers.r, buffers.scale);
+    for (int row = 0; row < d.island.size(); ++row)
+      buffers.x[iperm[row]] = row < d.island.nv ? sample.X(row, s) : -sample.X(row, s);
+    sparse::panel_kernels().residual_vector(pattern, d.K.values.data(), buffers.x.data(),
+                                            sample.b.data() + s * pattern.n, buffers.r.data(), buffers.scale.data());
+    sample.error[s] = sparse::componentwise_backward_error(buffers.r, buffers.scale);
   });
-  return std::all_of(by.sample.error.begin(), by.sample.error.end(),
+  return std::all_of(sample.error.begin(), sample.error.end(),
                      [](double error) { return error <= tolerance::kPanelRefined; });
 }
 
@@ -190,32 +206,31 @@ bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d,
   Workspace& w = *data.workspace;
   if (!goes_by_robots(d)) return false;
   ByRobots& by = *d.by_robots;
+  AlignedPanel& X = out.X;
 
-  each_rhs(by, [&](int row, int first, int count) { std::fill_n(&out.X(row, first), count, 0.0); });
+  clear_rhs(by, by.buffers.front().nonzero, X);
   derivative_rhs(scene, *w.linearisation, data.v, d, out);
-  sample_rhs(d, out.X, by);
+  sample_rhs(d, X, by);
   each_item(w, by.robots.size(), [&](std::size_t k, ThreadWork& thread) {
     OfRobot& r = by.robots[k];
     r.sound = factorize_robot(d, k, r, thread.scratch);
     if (!r.sound) return;
     gather_joining(d, k, r);
-    solve_robot(out.X, r);
+    solve_robot(X, r);
   });
   if (!std::all_of(by.robots.begin(), by.robots.end(), [](const OfRobot& r) { return r.sound; })) return false;
   if (!factorize_joining(d, by)) return false;
   if (!(growth(d, by) * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
-  joining_rhs(out.X, by);
+  joining_rhs(by, X);
+  if (!sample_is_good(d, X, w, by)) return false;
 
-  const int ld = static_cast<int>(out.X.cols());
+  const int ld = static_cast<int>(X.cols());
+  const bool past_caches = sizeof(double) * X.size() > ByRobots::kCached;
   each_item(w, (ld + ByRobots::kChunk - 1) / ByRobots::kChunk, [&](std::size_t chunk, ThreadWork& thread) {
     const int first = static_cast<int>(chunk) * ByRobots::kChunk, cols = std::min(ByRobots::kChunk, ld - first);
-    ByRobots::Buffers& buffers = by.buffers[thread.number];
-    solve_joining(by, buffers, ld, first, cols);
-    for (const OfRobot& r : by.robots) write_robot(r, by, buffers, first, cols, out.X);
-    write_joining(by, first, cols, out.X);
-    sample_answer(d, out.X, first, cols, by);
+    answer(by, columns_in_X, first, cols, X.data(), ld, past_caches, by.buffers[thread.number]);
   });
-  return sample_is_good(d, w, by);
+  return true;
 }
 
 }  // namespace manycontact::internal

@@ -10,7 +10,7 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen:
                     IslandDerivatives& out) {
   const Island& island = d.island;
   const DerivativeRequest& request = out.request;
-  IslandDerivatives::Panel& X = out.X;
+  AlignedPanel& X = out.X;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Model& model = *scene.robots[island.robots[k]].model;
     const RneaDerivatives& rnea = terms.of(island.robots[k]).rnea;

@@ -12,7 +12,7 @@ namespace manycontact::python {
 /// What numpy arrays on an island's panel keep alive: the data while these have the panel, then the panel itself.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
-  IslandDerivatives::Panel panel;
+  AlignedPanel panel;
 };
 
 class Data {

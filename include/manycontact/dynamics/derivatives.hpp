@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "manycontact/spatial/scalar.hpp"
+#include "manycontact/dynamics/aligned_panel.hpp"
 
 namespace manycontact {
 
@@ -27,8 +27,8 @@ struct Stamp {
 /// order: robots ascending, contacts ascending. q on the tangent space. The views throw std::logic_error when the scene
 /// was solved again, or its contacts were switched, since they were computed.
 struct IslandDerivatives {
-  using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Panel X;  // row stride a multiple of 8; columns past the last are zero. Read it through the views
+  using Panel = AlignedPanel::Matrix;
+  AlignedPanel X;  // row stride a multiple of 8; columns past the last are zero. Read it through the views
   int nv = 0, nc = 0, nu = 0;
   int q_first = 0, v_first = 0, u_first = 0, cols = 0;
   DerivativeRequest request;
@@ -45,7 +45,7 @@ struct IslandDerivatives {
   void check() const;
 
  private:
-  Eigen::Block<const Panel> block(int row, int col, int rows, int columns) const {
+  Eigen::Block<const AlignedPanel::View> block(int row, int col, int rows, int columns) const {
     check();
     return X.block(row, col, rows, columns);
   }

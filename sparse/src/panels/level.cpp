@@ -164,42 +164,60 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
 // Rows of H at a time, and columns: as many as registers hold.
 constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
 
+// Rows a stride apart, and rows that stand anywhere.
+struct Strided {
+  std::ptrdiff_t ld;
+  std::ptrdiff_t operator()(int i) const { return i * ld; }
+};
+struct Indexed {
+  const int* row;
+  std::ptrdiff_t ld;
+  std::ptrdiff_t operator()(int i) const { return row[i] * ld; }
+};
+
 // M x N of H.
-template <int M, int N>
-inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, int depth, std::ptrdiff_t ld,
-                         double* H) {
+template <int M, int N, class Rows>
+inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, double* H, Rows to,
+                         bool past_caches) {
   const double zeros[N] = {};
   Tile<double, N> t[M];
   for (int a = 0; a < M; ++a) t[a] = Tile<double, N>::load(zeros);
-  for (int k = 0; k < depth; ++k, L += ldl, R += ld) {
+  for (int k = 0; k < depth; ++k, L += ldl) {
+    const double* r = R + from(k);
 #pragma GCC unroll 8
-    for (int a = 0; a < M; ++a) t[a].add(L[a], R);
+    for (int a = 0; a < M; ++a) t[a].add(L[a], r);
   }
-  for (int a = 0; a < M; ++a) t[a].store(H + a * ld);
+  for (int a = 0; a < M; ++a)
+    if (past_caches)
+      t[a].stream(H + to(a));
+    else
+      t[a].store(H + to(a));
 }
 
 // M rows of H.
-template <int M>
-inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, int depth, int cols, std::ptrdiff_t ld,
-                         double* H) {
+template <int M, class Rows>
+inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, int cols,
+                         double* H, Rows to, bool past_caches = false) {
   const int end = (cols + 7) / 8 * 8;
   int j = 0;
-  for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, depth, ld, H + j);
-  for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, depth, ld, H + j);
-  for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, depth, ld, H + j);
+  for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, from, depth, H + j, to, past_caches);
+  for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, from, depth, H + j, to, past_caches);
+  for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, from, depth, H + j, to, past_caches);
 }
 
 void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
   for (int i = 0; i < (cols + 7) / 8 * 8; i += kHigh) {
     const int j = i / 8 * 8;  // blocks of eight rows from their diagonal on
-    product_rows<kHigh>(L + i, ld, R + j, depth, cols - j, ld, H + static_cast<std::ptrdiff_t>(i) * ld + j);
+    const Strided rows{ld};
+    product_rows<kHigh>(L + i, ld, R + j, rows, depth, cols - j, H + rows(i) + j, rows);
   }
 }
 
 // The last rows are done again with some before them: fewer at a time would wait for each other.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
   const auto rows_from = [&](int i, auto high) {
-    product_rows<high.value>(L + i, ldl, R, depth, cols, ld, H + static_cast<std::ptrdiff_t>(i) * ld);
+    const Strided strided{ld};
+    product_rows<high.value>(L + i, ldl, R, strided, depth, cols, H + strided(i), strided);
   };
   if (rows >= kHigh) {
     for (int i = 0; i + kHigh <= rows; i += kHigh) rows_from(i, kernel::Size<kHigh>{});
@@ -207,6 +225,15 @@ void product(const double* L, int ldl, const double* R, int depth, int rows, int
   } else {
     for (int i = 0; i < rows; ++i) rows_from(i, kernel::Size<1>{});
   }
+}
+
+// No row is done again: it may be on its way to memory.
+void product_of_rows(const double* L, int ldl, const double* R, const int* from, int depth, double* H, const int* to,
+                     int rows, int cols, int ld, bool past_caches) {
+  kernel::in_chunks<kHigh>(0, rows, [&](int i, auto high) {
+    product_rows<high.value>(L + i, ldl, R, Indexed{from, ld}, depth, cols, H, Indexed{to + i, ld}, past_caches);
+  });
+  if (past_caches) kernel::finish_streams();
 }
 
 // f(first, number) for the columns, 4 registers of them at a time.
@@ -257,6 +284,7 @@ const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
                                                    panel_residual,
                                                    upper_product,
                                                    product,
+                                                   product_of_rows,
                                                    lower_solve,
                                                    upper_solve};
 

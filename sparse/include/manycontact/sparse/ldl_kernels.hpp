@@ -8,7 +8,7 @@
 //
 // Compiled for several instruction levels too: templates only, plain memory, no other library.
 
-#ifdef __FMA__
+#ifdef __SSE2__
 #include <immintrin.h>
 #endif
 
@@ -124,6 +124,22 @@ requires(N > 1) struct Tile<double, N> {
   void store(double* x) const {
     for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
   }
+  /// Past the caches, to an address that is a multiple of a register's size. Other threads see it by finish_streams.
+  void stream(double* x) const {
+#ifdef __SSE2__
+    for (int k = 0; k < kVectors; ++k) {
+      if constexpr (kWidth == 2) _mm_stream_pd(x + kWidth * k, (__m128d)v[k]);
+#ifdef __AVX__
+      if constexpr (kWidth == 4) _mm256_stream_pd(x + kWidth * k, (__m256d)v[k]);
+#endif
+#ifdef __AVX512F__
+      if constexpr (kWidth == 8) _mm512_stream_pd(x + kWidth * k, (__m512d)v[k]);
+#endif
+    }
+#else
+    store(x);
+#endif
+  }
   void add(double l, const double* x) {
     const Vector s = all(l);
     for (int k = 0; k < kVectors; ++k) v[k] = fused(s, at(x, k), v[k]);
@@ -141,6 +157,12 @@ requires(N > 1) struct Tile<double, N> {
     return t;
   }
 };
+
+inline void finish_streams() {
+#ifdef __SSE2__
+  _mm_sfence();
+#endif
+}
 
 /// Asks for what stands `ahead` values further, of matrices that do not stay in the caches from one sweep to the next;
 /// nothing where that is zero.
