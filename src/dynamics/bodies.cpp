@@ -225,11 +225,15 @@ void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
   }
 }
 
-void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function) {
-  if (!by_bodies(d) || data.workspace->robots[d.island.robots.front()].known) return;
+void check_joint_space(const IslandWork& d, const char* function, const char* instead) {
   if (joint_space_size(*d.shape) > kMostJointSpace)
     throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +
-                            " velocities are too many, ask for products (jvp, vjp)");
+                            " velocities are too many" + instead);
+}
+
+void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function) {
+  if (!by_bodies(d) || data.workspace->robots[d.island.robots.front()].known) return;
+  check_joint_space(d, function, ", ask for products (jvp, vjp)");
   make_joint_space(scene, *data.workspace, d);
   evaluate(scene, data.workspace->q, data.v, *data.workspace, d.island);
 }

@@ -96,8 +96,11 @@ const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& 
 
 /// Memory for the joint-space K of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
-/// Joint-space terms of an island at the last solve, where sparse-bodies answered that without them. Throws
-/// std::length_error, in the name of `function`, where they are more than kMostJointSpace.
+/// Throws std::length_error, in the name of `function`, where that has more than kMostJointSpace numbers. instead: what
+/// to ask for.
+void check_joint_space(const IslandWork& d, const char* function, const char* instead);
+/// Joint-space terms of an island at the last solve, where sparse-bodies answered that without them. Throws as
+/// check_joint_space.
 void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function);
 
 /// report.error_acceleration and error_forces, as estimate_errors has them.

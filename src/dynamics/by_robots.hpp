@@ -16,8 +16,7 @@ namespace manycontact {
 
 /// Of an island's shape, and for one request at a time.
 struct ByRobots {
-  static constexpr int kChunk = 192;                // columns of X worked at a time, which stay in the cache
-  static constexpr std::size_t kCached = 32 << 20;  // bytes: a larger X is in no cache when it is read
+  static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
 
   /// shapes: where the patterns of the K_r are met again.
   ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> joining, ShapeCache& shapes);

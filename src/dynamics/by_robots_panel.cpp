@@ -225,7 +225,7 @@ bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d,
   if (!sample_is_good(d, X, w, by)) return false;
 
   const int ld = static_cast<int>(X.cols());
-  const bool past_caches = sizeof(double) * X.size() > ByRobots::kCached;
+  const bool past_caches = sizeof(double) * X.size() > kCached;
   each_item(w, (ld + ByRobots::kChunk - 1) / ByRobots::kChunk, [&](std::size_t chunk, ThreadWork& thread) {
     const int first = static_cast<int>(chunk) * ByRobots::kChunk, cols = std::min(ByRobots::kChunk, ld - first);
     answer(by, columns_in_X, first, cols, X.data(), ld, past_caches, by.buffers[thread.number]);

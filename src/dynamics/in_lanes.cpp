@@ -84,11 +84,14 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
 
 void differentiate_in_lanes(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
+  std::size_t bytes = 0;
+  for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
+  const bool past_caches = bytes > kCached;
   each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
     const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
     const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                    data.a.data(), data.f.data(), data.f_offset, first.request,
-                                   first.q_first, first.v_first, first.u_first};
+                                   first.q_first, first.v_first, first.u_first, past_caches};
     thread.panels.clear();
     for (int i : numbers) {
       IslandDerivatives& out = w.derivatives.islands[i];

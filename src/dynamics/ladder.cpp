@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
@@ -62,11 +63,11 @@ bool contradictory(const KktPattern& p, const KktVectors& v, double drift) {
   double left = 0, Ja = 0, a0 = 0;
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
-    left = std::max(left, std::abs(v.r[at]));
+    left = sparse::larger_or_nan(left, std::abs(v.r[at]));
     Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
     a0 = std::max(a0, std::abs(v.b[at]));
   }
-  return left > tolerance::kContradiction * (Ja + a0) && left > tolerance::kDriftRounding * drift;
+  return !(left <= tolerance::kContradiction * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
 }
 
 // report.dependent_rows, numbered as data.f has them.
@@ -101,8 +102,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.refinement_steps = own + refinement.steps;
   if (!all_finite(d.v.x))
     return all_finite(d.K.values) && all_finite(d.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
-  // the oracle's answer is the best there is
-  if (rung.way != Way::kDense && !(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
+  const bool least_squares = rung.way == Way::kDense && factor.rank() < d.island.nc;  // contradictions leave a residual
+  if (!least_squares && !(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
 
   d.factor = &factor;
   d.first_error = refinement.first;

@@ -99,13 +99,15 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   Switching& s = w.switching;
   loosen(scene, data, w, s, all);
   s.next.clear();
-  for (std::unique_ptr<IslandWork>& island : w.islands) {
+  s.old.clear();
+  s.old.swap(w.islands);  // should memory run out, there are none
+  for (std::unique_ptr<IslandWork>& island : s.old) {
     if (s.loose[island->island.robots.front()])
       shelve(w, std::move(island));
     else
       s.next.push_back(std::move(island));
   }
-  w.islands.clear();
+  s.old.clear();
   const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
   for (std::size_t k = 0; k < count; ++k) {
     s.next.push_back(take(scene, w, s.groups[k]));

@@ -101,10 +101,10 @@ struct ProductWork {
 
 /// Scratch of prepare.
 struct Switching {
-  std::vector<char> loose;                        // per robot: its island changes
-  std::vector<int> sets, group;                   // per robot: union-find; number of its root's group
-  std::vector<Island> groups;                     // of the loose robots
-  std::vector<std::unique_ptr<IslandWork>> next;  // the islands to be
+  std::vector<char> loose;                             // per robot: its island changes
+  std::vector<int> sets, group;                        // per robot: union-find; number of its root's group
+  std::vector<Island> groups;                          // of the loose robots
+  std::vector<std::unique_ptr<IslandWork>> old, next;  // the islands that were, and those to be
 };
 
 /// Scratch of one thread, for one island after the other.

@@ -5,7 +5,8 @@ namespace manycontact {
 
 // Products with the derivatives of (a, f) = solve(q, v, u) at the last solve, through solves with its factor and tree
 // recursions; no derivative matrix is formed, the cost is that of a few solves. (Islands with dependent contact rows
-// are the exception: theirs are formed.) q on the tangent space. The results of failed islands are NaN. Throw
+// are the exception: theirs are formed.) q on the tangent space. The results of failed islands are NaN, and those
+// of a deep tree that was solved in parts where the whole tree's factor is not sound. Throw
 // std::invalid_argument on a wrong size or data of another scene, std::logic_error before a solve and when contacts
 // were switched after it.
 

@@ -50,11 +50,16 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
       << (s.repeat > 1 ? " (median of " + std::to_string(s.repeat) + ")" : "")
       << "; the largest entry of each (per rad, m, rad/s, m/s, N m, N)\n";
   Largest a[3], f[3];
+  std::size_t unknown = 0;  // islands without, though solved
   const DerivativeData& dd = derivatives(s.data);
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     if (s.data.report.islands[i].status == Status::kFailed) continue;
     const Names n = names_of(s.file.scene, island_of(s.data, i));
     const IslandDerivatives& d = dd.islands[i];
+    if (d.X.hasNaN()) {
+      ++unknown;
+      continue;
+    }
     a[0].look(d.da_dq(), n.v, n.v);
     a[1].look(d.da_dv(), n.v, n.v);
     a[2].look(d.da_du(), n.v, n.u);
@@ -68,10 +73,13 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     if (!a[k].row.empty()) table.add({std::string("da/") + by[k], number(a[k].value, 4), a[k].row, a[k].column});
   for (int k = 0; k < 3; ++k)
     if (!f[k].row.empty()) table.add({std::string("df/") + by[k], number(f[k].value, 4), f[k].row, f[k].column});
-  if (table.empty())
-    out << "  none: every island failed\n";
-  else
+  if (!table.empty())
     table.print(out);
+  else if (unknown == 0)
+    out << "  none: every island failed\n";
+  if (unknown > 0)
+    out << "  not known (NaN) of " << unknown << (unknown == 1 ? " island" : " islands")
+        << " that were solved: the equations of derivatives could not be solved as well\n";
 }
 
 }  // namespace manycontact::cli

@@ -69,7 +69,7 @@ class CutRobots {
   /// x += K^-1 r with the border's answer y, r = b - K x, and r's part of the border.
   virtual void correct(std::span<Robot> robots, double* memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
-  virtual void store(const Job& job, std::span<const Robot> robots, double* memory) const = 0;
+  virtual void store(const Job& job, std::span<const Robot> robots, double* memory) = 0;
 };
 
 }  // namespace manycontact::lanes

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "../derivative_columns.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 #include "side_by_side.hpp"
 
 namespace manycontact::lanes {
@@ -24,7 +25,7 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
     for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
     plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
   }
-  solve_panels(panels, plain);
+  solve_panels(panels, plain, job.past_caches);
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
 }
@@ -144,7 +145,7 @@ typename S::Mask SideBySide<S>::accurate_unrefined() {
 
 /// [da; df] = K^-1 B of the lanes that are plain, one after the other: what one needs stays in the first cache.
 template <class S>
-void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
+void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches) {
   for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
   sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
   spread_lanes(L_.data(), L_.size(), Lx_.data(), L_.size());
@@ -156,8 +157,20 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain) {
     // Many panels are not in the caches: they are written from one end to the other.
     double* X = W == 1 ? panels[l].X : answer_.data();
     for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c, l, X, panels[l].ld);
-    if (W > 1) std::copy(answer_.begin(), answer_.end(), panels[l].X);
+    if (W > 1) write(panels[l].X, past_caches);
   }
+  if (past_caches) sparse::kernel::finish_streams();
+}
+
+/// The answer, whose rows are multiples of eight numbers, to X, which starts at a cache line.
+template <class S>
+void SideBySide<S>::write(double* X, bool past_caches) const {
+  using Line = sparse::kernel::Tile<double, 8>;
+  if (!past_caches) {
+    std::copy(answer_.begin(), answer_.end(), X);
+    return;
+  }
+  for (std::size_t k = 0; k < answer_.size(); k += 8) Line::load(answer_.data() + k).stream(X + k);
 }
 
 template <class S>

@@ -39,11 +39,12 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   FourSums<S> sum;  // finite numbers times zero are zero
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
+  constexpr double k = tolerance::kQuaternion;
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
     const S norm2 = q.template segment<4>(joint.idx_q + 3).squaredNorm();
-    usable = usable & (abs(norm2 - S(1)) <= S(tolerance::kQuaternion));
+    usable = usable & (abs(norm2 - S(1)) <= S(2 * k - k * k));  // then | |q| - 1 | <= k
   }
   return usable;
 }

@@ -38,6 +38,7 @@ struct DerivativeJob {
   const std::vector<int>& f_offset;
   DerivativeRequest request;
   int q_first, v_first, u_first;
+  bool past_caches;  // panels, together more than these hold, are not to go through them
 };
 
 /// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, du to da, df;

@@ -53,126 +53,113 @@ namespace manycontact::lanes {
 
 namespace {
 
+// Work of one robot, island or contact; once widened, of as many as fit side by side. The arguments are those of Work.
+template <template <class> class Work>
+class AloneOrTogether {
+ public:
+  template <class... Arguments>
+  explicit AloneOrTogether(const Arguments&... arguments) : alone_(arguments...) {}
+  template <class... Arguments>
+  void widen(const Arguments&... arguments) {
+    if (!together_) together_.emplace(arguments...);
+  }
+  /// use(work) on the one for so many.
+  template <class Use>
+  void of(std::size_t count, Use&& use) {
+    if (count == 1)
+      use(alone_);
+    else
+      use(*together_);
+  }
+  const Work<Pack<1>>& alone() const { return alone_; }
+
+ private:
+  Work<Pack<1>> alone_;
+  std::optional<Work<Pack<MANYCONTACT_LANES>>> together_;
+};
+
 class LevelKernel final : public Kernel {
  public:
   LevelKernel(const Scene& scene, const Island& island, const IslandSupport& support,
-              std::shared_ptr<const KktPattern> pattern)
-      : alone_(scene, island, support, pattern) {}
+              const std::shared_ptr<const KktPattern>& pattern)
+      : work_(scene, island, support, pattern) {}
   void widen(const Scene& scene, const Island& island, const IslandSupport& support,
              std::shared_ptr<const KktPattern> pattern) override {
-    if (!together_) together_.emplace(scene, island, support, std::move(pattern));
+    work_.widen(scene, island, support, pattern);
   }
   void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) override {
-    with(islands, [&](auto& robots) { robots.solve(job, islands, answers); });
+    work_.of(islands.size(), [&](auto& robots) { robots.solve(job, islands, answers); });
   }
   void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
                      std::span<const Panel> panels) override {
-    with(islands, [&](auto& robots) { robots.differentiate(job, islands, panels); });
+    work_.of(islands.size(), [&](auto& robots) { robots.differentiate(job, islands, panels); });
   }
   void jvp(const ProductJob& job, std::span<const Island* const> islands) override {
-    with(islands, [&](auto& robots) { robots.jvp(job, islands); });
+    work_.of(islands.size(), [&](auto& robots) { robots.jvp(job, islands); });
   }
   void vjp(const ProductJob& job, std::span<const Island* const> islands) override {
-    with(islands, [&](auto& robots) { robots.vjp(job, islands); });
+    work_.of(islands.size(), [&](auto& robots) { robots.vjp(job, islands); });
   }
 
  private:
-  template <class Work>
-  void with(std::span<const Island* const> islands, Work&& work) {
-    if (islands.size() == 1)
-      work(alone_);
-    else
-      work(*together_);
-  }
-
-  SideBySide<Pack<1>> alone_;
-  std::optional<SideBySide<Pack<MANYCONTACT_LANES>>> together_;
+  AloneOrTogether<SideBySide> work_;
 };
-
-std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const IslandSupport& support,
-                             std::shared_ptr<const KktPattern> pattern) {
-  return std::make_unique<LevelKernel>(scene, island, support, std::move(pattern));
-}
 
 class LevelRobots final : public RobotTerms {
  public:
-  explicit LevelRobots(std::shared_ptr<const Model> model) : model_(std::move(model)), alone_(model_) {}
-  void widen() override {
-    if (!together_) together_.emplace(model_);
-  }
+  explicit LevelRobots(std::shared_ptr<const Model> model) : model_(std::move(model)), work_(model_) {}
+  void widen() override { work_.widen(model_); }
   void evaluate(const Vec3<double>& gravity, std::span<Robot> robots) override {
-    if (robots.size() == 1)
-      alone_.evaluate(gravity, robots);
-    else
-      together_->evaluate(gravity, robots);
+    work_.of(robots.size(), [&](auto& work) { work.evaluate(gravity, robots); });
   }
 
  private:
   std::shared_ptr<const Model> model_;
-  RobotTermsOf<Pack<1>> alone_;
-  std::optional<RobotTermsOf<Pack<MANYCONTACT_LANES>>> together_;
+  AloneOrTogether<RobotTermsOf> work_;
 };
 
 class LevelContacts final : public ContactTerms {
  public:
   LevelContacts(const Scene& scene, const Contact& contact, const ContactSupport& support)
-      : alone_(scene, contact, support) {}
+      : work_(scene, contact, support) {}
   void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) override {
-    if (!together_) together_.emplace(scene, contact, support);
+    work_.widen(scene, contact, support);
   }
   void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) override {
-    if (rows.size() == 1)
-      alone_.evaluate(gravity, contact, rows);
-    else
-      together_->evaluate(gravity, contact, rows);
+    work_.of(rows.size(), [&](auto& work) { work.evaluate(gravity, contact, rows); });
   }
   void evaluate(const Vec3<double>& gravity, std::span<JoiningRows> rows) override {
-    if (rows.size() == 1)
-      alone_.evaluate(gravity, rows);
-    else
-      together_->evaluate(gravity, rows);
+    work_.of(rows.size(), [&](auto& work) { work.evaluate(gravity, rows); });
   }
 
  private:
-  ContactTermsOf<Pack<1>> alone_;
-  std::optional<ContactTermsOf<Pack<MANYCONTACT_LANES>>> together_;
+  AloneOrTogether<ContactTermsOf> work_;
 };
 
 class LevelCutRobots final : public CutRobots {
  public:
-  explicit LevelCutRobots(std::shared_ptr<const CutRobot> cut) : cut_(std::move(cut)), alone_(cut_) {}
-  void widen() override {
-    if (!together_) together_.emplace(cut_);
-  }
-  std::size_t memory(bool one) const override { return one ? alone_.memory() : MANYCONTACT_LANES * alone_.memory(); }
+  explicit LevelCutRobots(std::shared_ptr<const CutRobot> cut) : cut_(std::move(cut)), work_(cut_) {}
+  void widen() override { work_.widen(cut_); }
+  std::size_t memory(bool one) const override { return (one ? 1 : MANYCONTACT_LANES) * work_.alone().memory(); }
   void evaluate(const Job& job, std::span<Robot> robots, double* memory) override {
-    with(*this, robots, [&](auto& work) { work.evaluate(job, robots, memory); });
+    work_.of(robots.size(), [&](auto& work) { work.evaluate(job, robots, memory); });
   }
   void factor(std::span<Robot> robots, double* memory) override {
-    with(*this, robots, [&](auto& work) { work.factor(robots, memory); });
+    work_.of(robots.size(), [&](auto& work) { work.factor(robots, memory); });
   }
   void load(const Job& job, std::span<const Robot> robots, double* memory) override {
-    with(*this, robots, [&](auto& work) { work.load(job, robots, memory); });
+    work_.of(robots.size(), [&](auto& work) { work.load(job, robots, memory); });
   }
   void correct(std::span<Robot> robots, double* memory) override {
-    with(*this, robots, [&](auto& work) { work.correct(robots, memory); });
+    work_.of(robots.size(), [&](auto& work) { work.correct(robots, memory); });
   }
-  void store(const Job& job, std::span<const Robot> robots, double* memory) const override {
-    with(*this, robots, [&](auto& work) { work.store(job, robots, memory); });
+  void store(const Job& job, std::span<const Robot> robots, double* memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.store(job, robots, memory); });
   }
 
  private:
-  template <class Self, class Robots, class Work>
-  static void with(Self& self, Robots robots, Work&& work) {
-    if (robots.size() == 1)
-      work(self.alone_);
-    else
-      work(*self.together_);
-  }
-
   std::shared_ptr<const CutRobot> cut_;
-  CutSideBySide<Pack<1>> alone_;
-  std::optional<CutSideBySide<Pack<MANYCONTACT_LANES>>> together_;
+  AloneOrTogether<CutSideBySide> work_;
 };
 
 class LevelParts final : public Parts {
@@ -184,6 +171,10 @@ class LevelParts final : public Parts {
   PartsSideBySide<Pack<MANYCONTACT_LANES>> work_;
 };
 
+std::unique_ptr<Kernel> make(const Scene& scene, const Island& island, const IslandSupport& support,
+                             std::shared_ptr<const KktPattern> pattern) {
+  return std::make_unique<LevelKernel>(scene, island, support, pattern);
+}
 std::unique_ptr<CutRobots> make_cut(std::shared_ptr<const CutRobot> robot) {
   return std::make_unique<LevelCutRobots>(std::move(robot));
 }

@@ -131,7 +131,8 @@ class SideBySide {
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   Mask accurate_unrefined();
-  void solve_panels(std::span<const Panel> panels, Mask plain);
+  void solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches);
+  void write(double* X, bool past_caches) const;
   template <int N = kColumns>
   void solve_chunk(std::size_t chunk, std::size_t lane, double* X, int ld);
   template <int N>

@@ -1,6 +1,7 @@
 #include "manycontact/kkt/bodies/factor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "manycontact/sparse/tolerances.hpp"
@@ -63,8 +64,8 @@ void BodyFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
     const auto at = [&](int k) -> double& { return X[static_cast<std::ptrdiff_t>(k) * ld + c]; };
     for (int k = 0; k < p.nv; ++k) work_.b.joints[k] = at(k);
     for (int k = 0; k < p.nc; ++k) work_.b.rows[k] = at(p.nv + k);
-    (void)solve_refined(system, ldl, work_, 1);
-    const bool found = normwise(work_.residual) <= tolerance::kConverged;
+    const sparse::Refinement refinement = solve_refined(system, ldl, work_, 1);
+    const bool found = std::isfinite(refinement.backward_error) && normwise(work_.residual) <= tolerance::kConverged;
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int k = 0; k < p.nv; ++k) at(k) = found ? work_.x.joints[k] : nan;
     for (int k = 0; k < p.nc; ++k) at(p.nv + k) = found ? work_.x.rows[k] : nan;

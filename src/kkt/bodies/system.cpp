@@ -94,7 +94,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   }
 }
 
-// Keeps what is not finite for `sum_` to tell.
+// Passes over NaN, which `sum_` tells.
 void take_largest(double& largest, double x) {
   if (x > largest) largest = x;
 }

@@ -118,6 +118,8 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_cholmod_factor(std::move(shape));
     case Method::kSparseSupernodal:
       return make_schur_factor(std::move(shape));
+    case Method::kSparseBodies:  // in joint space: another answers where bodies cannot
+      return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);
   }

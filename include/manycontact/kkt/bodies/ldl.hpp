@@ -66,7 +66,6 @@ struct BodyLdl {  // block LDL from leaves to root
 
   // scratch
   std::vector<int> place;  // per row: where it stands at the node at hand
-  std::vector<double> swap;
 
   void resize(const BodyPattern& pattern);
 };

@@ -39,7 +39,7 @@ struct DependentRows {
   std::vector<double> gram;
 
   // scratch
-  std::vector<double> inverse, x, residual, panel, null_part, t;
+  std::vector<double> inverse, x, residual, panel, t;
   std::vector<int> owner;
 };
 

@@ -92,11 +92,6 @@ inline constexpr double kConverged = 1e-12;
 /// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, lanes.
 inline constexpr double kRefinePanel = 5e-14;
 
-/// dense-schur: a relative residual beyond which the factor holds nothing, and refining it would only make dependent
-/// contacts look solved. Between it and kConverged, refinement gains.
-inline constexpr double kHopeless = 1e-9;
-inline constexpr int kDenseSchurSteps = 2;
-
 /// dense-schur, derivatives: normwise residuals at which refinement stops, half of the 1000 eps allowed; up to
 /// kConverged they are believed. Derivatives robot by robot: componentwise backward errors that are believed.
 inline constexpr double kPanelRefined = 1e-13;
