@@ -35,7 +35,9 @@ class KeepLeast : public benchmark::BenchmarkReporter {
       const double time = r.run_name.time_type.empty() ? r.GetAdjustedCPUTime() : r.GetAdjustedRealTime();
       const double us = 1e6 * time / benchmark::GetTimeUnitMultiplier(r.time_unit);
       if (!least.name.empty() && us >= least.us) continue;
-      least = {r.run_name.str(), us};
+      benchmark::BenchmarkName full = r.run_name;
+      if (full.time_type == "manual_time") full.time_type.clear();
+      least = {full.str(), us};
       label = r.report_label;
       for (const auto& [name, value] : r.counters) {
         if (name == "bytes") least.bytes = value;

@@ -16,14 +16,17 @@ struct Solve : Loaded {
   SceneData data;
 };
 
+// After a solve each: what that left for them to do is theirs.
 struct Derivatives : Solve {
   using Solve::Solve;
+  void begin() override { Solve::run(); }
   void run() override { (void)differentiate(s.scene, data); }
 };
 
 struct Products : Solve {
   explicit Products(const Posed& scene)
       : Solve(scene), wa(scene.v), wf(data.f), wq(scene.v), wv(scene.v), wu(scene.u) {}
+  void begin() override { Solve::run(); }
   void run() override { vjp(s.scene, data, wa, wf, wq, wv, wu); }
   Eigen::VectorXd wa, wf, wq, wv, wu;
 };

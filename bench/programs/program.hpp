@@ -13,6 +13,8 @@ namespace manycontact::bench {
 /// A scene in a program's own terms, at its state.
 struct Loaded {
   virtual ~Loaded() = default;
+  /// What run starts from, each time anew; not timed.
+  virtual void begin() {}
   virtual void run() = 0;
   /// Accelerations in manycontact's coordinates, after run; empty where the task has none.
   virtual Eigen::VectorXd accelerations() { return {}; }

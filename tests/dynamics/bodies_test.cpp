@@ -356,6 +356,46 @@ TEST(Bodies, AutoTakesThemForDeepTreesAlone) {
   EXPECT_EQ(choice_of(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
 }
 
+// P stays symmetric along them, or it would not stay positive.
+TEST(Bodies, AnswerTenThousandLinksHeldByFewRows) {
+  for (const ContactType type : {ContactType::k1D, ContactType::k3D, ContactType::k6D})
+    for (const int held_every : {30, 300, 3000})
+      for (const double extent : {0.2, 1.0}) {
+        ChainOptions options;
+        options.links = 10000;
+        options.type = type;
+        options.held_every = held_every;
+        options.extent = extent;
+        const Chain c = make_chain(options);
+        SceneData x(c.scene, kBodies);
+        EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk) << held_every << ", " << extent;
+        EXPECT_LE(x.report.backward_error, 1e-14) << held_every << ", " << extent;
+      }
+}
+
+// Loops that nothing holds in the world: each leaves less of those that are eliminated after it.
+TEST(Bodies, AnswerLoopsAlongThousandsOfLinks) {
+  for (const int links : {300, 3000})
+    for (const int loop_every : {20, 60})
+      for (const double extent : {0.2, 1.0}) {
+        ChainOptions options;
+        options.links = links;
+        options.held_every = 0;
+        options.loop_every = loop_every;
+        options.extent = extent;
+        const Chain c = make_chain(options);
+        SceneData x(c.scene, kBodies);
+        ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk) << links << ", " << loop_every;
+        EXPECT_EQ(x.report.islands[0].method, Method::kSparseBodies);
+        EXPECT_LE(x.report.backward_error, 1e-14);
+        if (links > 300) continue;
+        SceneData y(c.scene, {Method::kSparseLdl, {}});
+        ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, y).status, Status::kOk);
+        const Errors e = errors<double>(c.scene, x, y.a, y.f, conditions(c.scene, y));
+        EXPECT_LE(e.excess, 1) << loop_every << ", " << extent << ": " << e;
+      }
+}
+
 TEST(Bodies, DependentRowsAreLeftToTheLadder) {
   for (const int links : {60, 20000}) {
     ChainOptions options;
@@ -388,7 +428,8 @@ TEST(Bodies, AllocateNothingInSteadyState) {
       vjp(c.scene, x, a, f, q, v, u);
     };
     work();
-    ASSERT_EQ(x.report.islands[0].method, Method::kSparseBodies);
+    ASSERT_EQ(x.report.islands[0].method, Method::kSparseBodies)
+        << held_every << ": " << to_string(x.report.islands[0].reason);
     EXPECT_EQ(allocations(work), 0u);
   }
 #endif

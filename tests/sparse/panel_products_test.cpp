@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <numeric>
 
+#include "manycontact/dynamics/aligned_panel.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "spatial/compare.hpp"
 #include "support/random.hpp"
@@ -38,6 +41,48 @@ TEST(Product, EqualsTheDenseOne) {
           EXPECT_TRUE(H.row(rows).array().isNaN().all()) << "the row below";
         }
       }
+}
+
+// Rows that stand anywhere, of one panel, in no order; what is beside them stays.
+TEST(ProductOfRows, EqualsTheDenseOne) {
+  std::mt19937 rng(68);
+  for (int rows : {1, 3, 8, 15, 50})
+    for (int cols : {8, 24, 40, 192}) {
+      constexpr int kDepth = 12, kFirst = 16;
+      const int ld = cols + 40, ldl = rows + 1;
+      std::vector<int> place(rows + kDepth + 5);
+      std::iota(place.begin(), place.end(), 0);
+      std::shuffle(place.begin(), place.end(), rng);
+      const int *from = place.data(), *to = from + kDepth;
+      const Panel L = poisoned(kDepth, ldl, rows, rng);
+      Panel given = Panel::Constant(static_cast<Eigen::Index>(place.size()), ld, NAN), r(kDepth, cols);
+      for (int k = 0; k < kDepth; ++k) {
+        r.row(k) = random_vector(cols, rng).transpose();
+        given.row(from[k]).segment(kFirst, cols) = r.row(k);
+      }
+      const Eigen::MatrixXd l = L.leftCols(rows), exact = l.transpose() * r;
+      const Eigen::MatrixXd scale = l.cwiseAbs().transpose() * r.cwiseAbs();
+      for (const sparse::PanelKernels* level : sparse::panel_levels())
+        for (const bool past_caches : {false, true}) {
+          SCOPED_TRACE(testing::Message() << level->name << ", " << rows << " by " << cols << ", " << past_caches);
+          AlignedPanel X;
+          X.resize(given.rows(), ld);
+          static_cast<AlignedPanel::View&>(X) = given;
+          double* x = X.data() + kFirst;
+          level->product_of_rows(L.data(), ldl, x, from, kDepth, x, to, rows, cols, ld, past_caches);
+          for (int i = 0; i < rows; ++i) {
+            EXPECT_TRUE(((X.row(to[i]).segment(kFirst, cols) - exact.row(i)).array().abs() <=
+                         kDepth * kEps * scale.row(i).array())
+                            .all());
+            X.row(to[i]).segment(kFirst, cols).setConstant(NAN);
+          }
+          for (int k = 0; k < kDepth; ++k) {
+            EXPECT_TRUE(X.row(from[k]).segment(kFirst, cols) == r.row(k));
+            X.row(from[k]).segment(kFirst, cols).setConstant(NAN);
+          }
+          EXPECT_TRUE(X.array().isNaN().all());
+        }
+    }
 }
 
 // |L x - b| <= n eps |L| |x|, Higham, Accuracy and Stability of Numerical Algorithms, theorem 8.5.

@@ -14,11 +14,14 @@ class AlignedPanel : public Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eig
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using View = Eigen::Map<Matrix>;
 
+  /// Of no rows.
   AlignedPanel() : View(nullptr, 0, 0) {}
+  /// A copy, in memory of its own.
   AlignedPanel(const AlignedPanel& other) : AlignedPanel() {
     resize(other.rows(), other.cols());
     View::operator=(other);
   }
+  /// The other is left with no rows.
   AlignedPanel(AlignedPanel&& other) noexcept : AlignedPanel() { swap(other); }
   AlignedPanel& operator=(AlignedPanel other) noexcept {
     swap(other);

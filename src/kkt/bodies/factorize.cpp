@@ -30,7 +30,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   base_row.resize(s.most_at_base);
   base_E.resize(static_cast<std::size_t>(s.most_at_base) * s.most_at_base);
   hold.resize(s.own_first.size() - 1);
-  reach.resize(s.nc);
+  for (auto* x : {&reach, &least_inertia, &most_inertia}) x->resize(s.nc);
   place.assign(s.nc, -1);
 }
 
@@ -137,8 +137,6 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
     const double moved = S.col(k).cwiseAbs2().dot(size) + system.armature[first + k];
     D(k, k) += system.armature[first + k];
     if (!(D(k, k) > std::max(tolerance::kPivotLeft * moved, tolerance::kVanishing))) return false;
-    d.least_inertia = std::min(d.least_inertia, D(k, k));
-    d.most_inertia = std::max(d.most_inertia, D(k, k));
   }
   if constexpr (N == 1) {
     Dinv(0, 0) = 1 / D(0, 0);
@@ -152,6 +150,7 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   }
   const Eigen::Matrix<double, 6, N> UD = U * Dinv;
   P.noalias() = d.P[i] - UD * U.transpose();
+  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // what is not symmetric grows along thousands of links
   if (at.m == 0) return true;
   Eigen::Map<Eigen::Matrix<double, N, Eigen::Dynamic>> W(at.W, N, at.m);
   for (int k = 0; k < at.m; ++k) {
@@ -164,6 +163,8 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
     const double own = WD.dot(W.col(k));
     at.e(k, k) += own;
     d.reach[at.row[k]] += own;
+    d.least_inertia[at.row[k]] = std::min(d.least_inertia[at.row[k]], D.diagonal().minCoeff());
+    d.most_inertia[at.row[k]] = std::max(d.most_inertia[at.row[k]], D.diagonal().maxCoeff());
   }
   return true;
 }
@@ -189,10 +190,10 @@ double compliance(const V6& G, const V6& inverse) {
 }
 
 // Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
-// rounding of what they took away grows with its square; what joints gave it grows with the spread of their inertias.
-double least_left(const BodyLdl& d) {
-  const double spread = d.most_inertia / d.least_inertia;
-  return std::min(tolerance::kPivotLeft * std::max(d.growth * d.growth, spread), 1e-5);
+// rounding of what they took away grows with its square; what joints gave the row, with the spread of their inertias.
+double least_left(const BodyLdl& d, int row) {
+  const double spread = d.most_inertia[row] / d.least_inertia[row];
+  return std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft, 1e-5);
 }
 
 // Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
@@ -206,7 +207,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (!s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > least_left(d) * d.reach[at.row[k]];
+      const bool left = E > least_left(d, at.row[k]) * d.reach[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
@@ -252,7 +253,7 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
     double most = -1;
     for (int k = done; k < at.m; ++k)
       if (const double ratio = at.e(k, k) / d.reach[at.row[k]]; ratio > most) most = ratio, best = k;
-    if (!(most > least_left(d))) return false;
+    if (!(most > least_left(d, at.row[best]))) return false;
     std::swap(at.row[done], at.row[best]);
     for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
     for (int k = 0; k < at.m; ++k) std::swap(at.e(k, done), at.e(k, best));
@@ -312,8 +313,8 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
   std::fill(d.reach.begin(), d.reach.end(), system.delta);
   std::fill(d.place.begin(), d.place.end(), -1);
   d.growth = 1;
-  d.least_inertia = std::numeric_limits<double>::infinity();
-  d.most_inertia = 0;
+  std::fill(d.least_inertia.begin(), d.least_inertia.end(), std::numeric_limits<double>::infinity());
+  std::fill(d.most_inertia.begin(), d.most_inertia.end(), 0.0);
   for (int i = s.nodes - 1; i >= 0; --i) {
     if (s.end[i] == i + 1) set(system.Y[i], d.P[i]);
     V6 size = diagonal_of(system.Y[i]);

@@ -58,7 +58,7 @@ struct BodyLdl {  // block LDL from leaves to root
   std::vector<double> reach;       // per row: sum of what joints gave E_kk
   std::vector<BodyHold> hold;      // per hold of the pattern
   double growth = 1;               // of P
-  double least_inertia = 0, most_inertia = 0;  // of joints, rows held before them included
+  std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, rows held before included
 
   // by solve_bodies
   std::vector<Vec6<double>> p;  // per node
