@@ -28,10 +28,12 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
   std::vector<double> w;
+  // what underflows is rounded to multiples of eps times the smallest normal number
+  const auto rounding = [c](double scale) { return c * std::max(scale, std::numeric_limits<double>::min()); };
   w.reserve(12 * static_cast<std::size_t>(p.nodes) + p.nv + p.nc);
   for (int i = 0; i < p.nodes; ++i) {
-    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.motion[i][k]) + c * left.body_scale[i][k / 3]);
-    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.force[i][k]) + c * left.body_scale[i][2 + k / 3]);
+    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.motion[i][k]) + rounding(left.body_scale[i][k / 3]));
+    for (int k = 0; k < 6; ++k) w.push_back(std::abs(left.r.force[i][k]) + rounding(left.body_scale[i][2 + k / 3]));
   }
   for (std::size_t k = 0, i = 0; k < form.kin.size(); ++k)
     for (const V6& v : form.kin[k].v) {
@@ -39,14 +41,14 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }
-  for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + c * left.joint_scale[k]);
+  for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + rounding(left.joint_scale[k]));
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[d.island.contacts[k]];
     const ContactData<double>& rows = work.contacts[d.island.contacts[k]];
     const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
     for (int i = 0; i < contact.rows(); ++i) {
       const int row = d.island.row_offset[k] + i;
-      w.push_back(std::abs(left.r.rows[row]) + c * (left.row_scale[row] + v * (v + std::abs(contact.beta))));
+      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + v * (v + std::abs(contact.beta))));
     }
   }
   return w;

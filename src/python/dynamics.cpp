@@ -444,8 +444,8 @@ void add_derivatives(py::module_& m) {
         return std::make_tuple(std::move(wq), std::move(wv), std::move(wu));
       },
       py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"),
-      "(wq, wv, wu) = (wa, wf) times the derivatives at the last solve; wa: (nv), wf: (rows of f). About half a "
-      "solve.");
+      "(wq, wv, wu) = (wa, wf) times the derivatives at the last solve; wa: (nv), wf: (rows of f). No matrix is "
+      "formed.");
 }
 
 // ---- views ---------------------------------------------------------------------------------------------------------
