@@ -220,8 +220,9 @@ void CutSideBySide<S>::factor(std::span<Robot> robots, double* memory) {
   }
   sparse::ldl_scheduled_factor(cut_->schedule, numbers(n.K), numbers(n.L), numbers(n.D), numbers(terms_.data()));
   const std::size_t rows = static_cast<std::size_t>(cut_->rows());
-  const Mask good = believable_pivots<S>(model_.nv, {n.D, rows}, terms_.data());
-  const Growth<S> growth(rows, terms_.data(), [&](std::size_t k) { return n.K[p.K.p[k + 1] - 1]; });
+  const auto diagonal = [&](std::size_t k) { return n.K[p.K.p[k + 1] - 1]; };
+  const Mask good = believable_pivots<S>(model_.nv, {n.D, rows}, terms_.data(), diagonal);
+  const Growth<S> growth(rows, terms_.data(), diagonal);
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = robots[l].sound && good[lane];

@@ -49,10 +49,9 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// nv of the pivots are positive, the others negative, and none was lost in cancellation. terms: of each
-/// (ldl_scheduled_factor).
-template <class S>
-typename S::Mask believable_pivots(int nv, std::span<const S> D, const S* terms) {
+/// As judge_pivots (kkt/factor/pivots.hpp). terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
+template <class S, class Diagonal>
+typename S::Mask believable_pivots(int nv, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
   const S largest(std::numeric_limits<double>::max());
   FourSums<S> positive;
   typename S::Mask good = S(0) <= largest;
@@ -60,7 +59,7 @@ typename S::Mask believable_pivots(int nv, std::span<const S> D, const S* terms)
     positive.of[c] += select(D[k] > S(0), S(1), S(0));
     const S size = abs(D[k]);
     good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * terms[k]) &
-           (terms[k] <= largest);
+           (terms[k] <= largest) & (select(D[k] > S(0), diagonal(k), terms[k]) >= S(tolerance::kPivotLeft) * terms[k]);
   });
   return good & (positive.total() >= S(nv)) & (positive.total() <= S(nv));
 }

@@ -76,7 +76,8 @@ void PartsSideBySide<S>::solve(std::span<Part> parts) {
   assemble_inertia();
   usable_ = assemble_rows();
   sparse::ldl_scheduled_factor(plan_->schedule, K_.data(), L_.data(), D_.data(), terms_.data());
-  usable_ = usable_ & believable_pivots<S>(p_.nv, D_, terms_.data());
+  usable_ = usable_ &
+            believable_pivots<S>(p_.nv, D_, terms_.data(), [&](std::size_t k) { return K_[plan_->K.p[k + 1] - 1]; });
 
   std::fill(x_.begin(), x_.end(), S(0));
   act();

@@ -283,7 +283,8 @@ void SideBySide<S>::solve(const Job& job, std::span<const Island* const> islands
   if (job.wanted) add_wanted(job, islands);
   factor();
   usable_ = usable_ & believable_rows(scene, first, scene.damping) &
-            believable_pivots<S>(model_->nv, D_, pivot_terms_.data());
+            believable_pivots<S>(model_->nv, D_, pivot_terms_.data(),
+                                 [&](std::size_t k) { return K_[pattern_->K.p[k + 1] - 1]; });
   refine();
   store(job, islands, answers);
 }
