@@ -91,6 +91,7 @@ Run set_up(const Arguments& arguments, const Team& team) {
   run.islands = arguments.has("--islands");
   if (run.islands && options.method == Method::kDenseSchur)
     throw UsageError("method dense-schur takes the scene as one system, --islands cannot split it");
+  check_files(arguments, {path, states}, {"--out"});
   const SceneFile file = load_scene(path);
   run.name = file.scene.name;
   run.part = run.islands ? part_of(file.scene, team.rank(), team.size()) : part_of(file.scene, 0, 1);

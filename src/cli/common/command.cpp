@@ -1,5 +1,6 @@
 #include "command.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -18,6 +19,29 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 void check_writable(const std::string& path, const std::string& option) {
   if (path != "-" && !std::ofstream(path, std::ios::app))
     throw InputError(path, 1, "cannot be written, expected a file that " + option + " may create");
+}
+
+void check_files(const Arguments& arguments, const std::vector<std::string>& read,
+                 const std::vector<std::string>& written) {
+  namespace fs = std::filesystem;
+  const auto one_file = [](const std::string& a, const std::string& b) {
+    std::error_code error;
+    const fs::path at = fs::weakly_canonical(a, error), other = fs::weakly_canonical(b, error);
+    if (a == "-" || b == "-" || error) return false;
+    const bool there = fs::exists(at, error);
+    return !there || !fs::exists(other, error) ? at == other
+                                               : fs::is_regular_file(at, error) && fs::equivalent(at, other, error);
+  };
+  for (std::size_t k = 0; k < written.size(); ++k) {
+    const auto file = arguments.value(written[k]);
+    if (!file) continue;
+    for (const std::string& input : read)
+      if (one_file(*file, input))
+        throw UsageError(written[k] + " would be written over '" + input + "', which is read");
+    for (std::size_t j = 0; j < k; ++j)
+      if (const auto other = arguments.value(written[j]); other && one_file(*file, *other))
+        throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
+  }
 }
 
 std::string usage(const Command& command) {

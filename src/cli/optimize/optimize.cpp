@@ -75,12 +75,13 @@ std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskF
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
-  const int threads = arguments.integer("--threads", 1, 1000000, 0);
+  const int threads = arguments.integer("--threads", 1, 4096, 0);
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
   if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
 
+  check_files(arguments, {path}, {"--out", "--json", "--view"});
   const TaskFile task = read_task(path);
   const TaskSolver chosen = solver.value_or(task.solver);
   TaskProblem problem = make_problem(task, chosen);

@@ -233,6 +233,9 @@ int run_simulate(const Arguments& arguments) {
   const double damping = arguments.positive("--damping", 0);
   const auto out = arguments.value("--out");
   if (!out) throw UsageError("option --out is missing");
+  check_files(arguments,
+              {path, arguments.value("--torques").value_or("-"), arguments.value("--reference").value_or("-")},
+              {"--out", "--forces", "--json", "--view"});
 
   SceneFile file = load_scene(path);
   if (gains) set_gains(file.scene, *gains);

@@ -92,6 +92,7 @@ int run_solve(const Arguments& arguments) {
   options.threads = arguments.integer("--threads", 1, 4096, 1);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
 
+  check_files(arguments, {path}, {"--json"});
   const SceneFile file = load_scene(path);
   if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));

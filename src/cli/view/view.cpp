@@ -30,6 +30,7 @@ int run_view(const Arguments& arguments) {
   if (rate > kMostRate) throw UsageError("--rate is more than 1000 frames per second");
   const auto out = arguments.value("--out");
   if (!out) throw UsageError("option --out is missing");
+  check_files(arguments, {path, trajectory.value_or("-"), forces.value_or("-")}, {"--out"});
 
   const SceneFile file = trajectory ? read_scene(path) : load_scene(path);
   Recording recording(file.scene, rate);
