@@ -38,9 +38,13 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
     for (const std::string& input : read)
       if (one_file(*file, input))
         throw UsageError(written[k] + " would be written over '" + input + "', which is read");
-    for (std::size_t j = 0; j < k; ++j)
-      if (const auto other = arguments.value(written[j]); other && one_file(*file, *other))
+    for (std::size_t j = 0; j < k; ++j) {
+      const auto other = arguments.value(written[j]);
+      if (other && *file == "-" && *other == "-")
+        throw UsageError(written[j] + " and " + written[k] + " are both standard output");
+      if (other && one_file(*file, *other))
         throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
+    }
   }
 }
 

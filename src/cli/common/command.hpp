@@ -43,7 +43,8 @@ std::string scene_operand(const Arguments& arguments, const std::string& name = 
 
 /// Before hours of work: the file that an option names can be written, or is standard output (-). Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
-/// UsageError where one of the options `written` names a file that is read, or the file of another one.
+/// UsageError where one of the options `written` names a file that is read, or the file, or standard output, of
+/// another one.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written);
 

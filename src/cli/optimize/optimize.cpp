@@ -79,9 +79,8 @@ int run_optimize(const Arguments& arguments) {
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
-  if (json && *json == "-" && *out == "-") throw UsageError("--out and --json are both standard output");
-
   check_files(arguments, {path}, {"--out", "--json", "--view"});
+
   const TaskFile task = read_task(path);
   const TaskSolver chosen = solver.value_or(task.solver);
   TaskProblem problem = make_problem(task, chosen);
