@@ -34,9 +34,8 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 
 /// Of a contact row's pivot, beside what the row would have if its body were free: E_kk / sum_j (G_kj^2 / P_jj). A row
 /// is eliminated once joints below have given it that much; the body's inertia then grows by at most the inverse. The
-/// more a body grows, the less is left of the rows after: loops along a chain of thousands of links want it low, rows
-/// that wait for more joints cost time.
-/// Used by: the factor of sparse-bodies.
+/// more it grows, the less is left of the rows after, so loops along a chain of thousands of links want rows to wait
+/// for more joints; rows that wait cost time. Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding of such a pivot beside all that joints gave it, times what makes it grow (factorize_bodies): 450 eps.
 /// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same.
