@@ -17,6 +17,7 @@ namespace manycontact::internal {
 namespace {
 
 using CutMember = CutIsland::Robot;
+using Memory = lanes::CutRobots::Memory;
 
 // Robots alike, as many as stand side by side.
 void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, CutIsland& cut) {
@@ -31,11 +32,9 @@ void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, C
     ++cut.batches.back().count;
   }
   const auto shared = [](const CutIsland::Batch& batch) {
-    return sparse::padded(batch.group->kernels.front()->memory(batch.count == 1));
+    return sparse::padded(batch.group->kernels.front()->width(batch.count == 1) * batch.group->robot->memory_size());
   };
-  const auto of_each = [](const lanes::CutRobot& robot) {
-    return sparse::padded(lanes::Border::size(robot.border) + robot.joins_size());
-  };
+  const auto of_each = [](const lanes::CutRobot& robot) { return sparse::padded(lanes::Border::size(robot.border)); };
   for (CutIsland::Batch& batch : cut.batches) {
     batch.at = size;
     size += shared(batch) + batch.count * of_each(*batch.group->robot);
@@ -43,14 +42,16 @@ void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, C
   cut.memory.reserve(size);
   for (const CutIsland::Batch& batch : cut.batches) {
     const lanes::CutRobot& robot = *batch.group->robot;
-    double* at = cut.memory.data() + batch.at + shared(batch);
-    for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(robot)) {
+    double *at = cut.memory.data() + batch.at + shared(batch),
+           *joins =
+               cut.memory.data() + batch.at + batch.group->kernels.front()->width(batch.count == 1) * robot.kept_size();
+    for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(robot), joins += robot.joins_size()) {
       CutMember& member = cut.members[k];
       member.number = d.island.robots[cut.order[k]];
       w.robots[member.number].known = false;
       member.contacts = cut.robots[cut.order[k]].contacts.data();
       member.border = {at, robot.border};
-      member.joins = at + lanes::Border::size(robot.border);
+      member.joins = joins;
     }
   }
 }
@@ -72,10 +73,14 @@ void form_contact_batches(const Scene& scene, const Workspace& w, CutIsland& cut
 template <class Step>
 void each_batch(Workspace& w, CutIsland& cut, Step&& step) {
   cut.back = !cut.back;
-  each_item(w, cut.batches.size(), [&](std::size_t k, ThreadWork& thread) {
-    const CutIsland::Batch& batch = cut.batches[cut.back ? cut.batches.size() - 1 - k : k];
+  const std::size_t count = cut.batches.size();
+  const auto item = [&](std::size_t k) -> const CutIsland::Batch& { return cut.batches[cut.back ? count - 1 - k : k]; };
+  each_item(w, count, [&](std::size_t k, ThreadWork& thread) {
+    const CutIsland::Batch& batch = item(k);
+    const std::size_t next = k + w.threads.size();  // of the same thread
+    double* memory = cut.memory.data();
     step(*batch.group->kernels[thread.number], std::span(cut.members).subspan(batch.first, batch.count),
-         cut.memory.data() + batch.at);
+         Memory{memory + batch.at, memory + (next < count ? item(next) : batch).at});
   });
 }
 
@@ -230,8 +235,8 @@ void report_cut(const Scene& scene, const CutIsland& cut, const sparse::Refineme
 
 // The answer, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, CutIsland& cut) {
-  each_batch(w, cut, [&](lanes::CutRobots& kernel, std::span<CutMember> robots, double* memory) {
-    kernel.store(job, robots, memory);
+  each_batch(w, cut, [&](lanes::CutRobots& kernel, std::span<CutMember> robots, Memory memory) {
+    kernel.store(job, robots, memory.at);
   });
   for (const CutIsland::Joint& joint : cut.contacts)
     for (int i = 0; i < joint.rows; ++i) job.f[job.f_offset[joint.contact] + i] = -cut.y[joint.row + i];
@@ -243,7 +248,7 @@ sparse::Refinement solve_refined_cut(Workspace& w, double damping, int max_steps
   cut.r = cut.b;
   const auto correct = [&] {  // x += K^-1 r
     solve_joining(cut);
-    each_batch(w, cut, [](lanes::CutRobots& kernel, std::span<CutMember> robots, double* memory) {
+    each_batch(w, cut, [](lanes::CutRobots& kernel, std::span<CutMember> robots, Memory memory) {
       kernel.correct(robots, memory);
     });
     joining_residual(damping, cut);
@@ -260,14 +265,13 @@ bool solve_cut_island(const lanes::Job& job, SceneData& data, IslandWork& d, Isl
   using Kernel = lanes::CutRobots;
   form_robot_batches(scene, w, d, cut);
   form_contact_batches(scene, w, cut);
-  each_batch(w, cut, [&](Kernel& kernel, std::span<CutMember> robots, double* memory) {
-    kernel.evaluate(job, robots, memory);
-  });
+  each_batch(w, cut,
+             [&](Kernel& kernel, std::span<CutMember> robots, Memory memory) { kernel.evaluate(job, robots, memory); });
   if (!all_sound(cut)) return false;
   evaluate_joining(scene, w, cut);
   if (!believable_rows(scene, cut)) return false;
   each_batch(w, cut,
-             [&](Kernel& kernel, std::span<CutMember> robots, double* memory) { kernel.factor(robots, memory); });
+             [&](Kernel& kernel, std::span<CutMember> robots, Memory memory) { kernel.factor(robots, memory); });
   if (!all_sound(cut) || !factor_joining(scene.damping, cut) || !growth_is_finite(cut)) return false;
   joining_right_side(data, cut);
   const sparse::Refinement refinement = solve_refined_cut(w, scene.damping, tolerance::kRefinementSteps, cut);
@@ -294,8 +298,8 @@ void solve_once_refined_cut(const Scene& scene, SceneData& data, IslandWork& d, 
   Workspace& w = *data.workspace;
   CutIsland& cut = *d.cut;
   const lanes::Job job{scene, data.serial, nullptr, nullptr, nullptr, data.f_offset, nullptr, a.data(), f.data()};
-  each_batch(w, cut, [&](lanes::CutRobots& kernel, std::span<CutMember> robots, double* memory) {
-    kernel.load(job, robots, memory);
+  each_batch(w, cut, [&](lanes::CutRobots& kernel, std::span<CutMember> robots, Memory memory) {
+    kernel.load(job, robots, memory.at);
   });
   for (const CutIsland::Joint& joint : cut.contacts)
     for (int i = 0; i < joint.rows; ++i) cut.b[joint.row + i] = -f[data.f_offset[joint.contact] + i];

@@ -61,6 +61,33 @@ RandomScene ring_of_robots(int count, bool floating, double damping) {
   return s;
 }
 
+// Robots of so few joints that what the contacts between them are evaluated from is more than their factor.
+RandomScene ring_of_arms(int count) {
+  std::mt19937 rng(24);
+  ModelOptions options;
+  options.njoints = 3;
+  options.types = {JointType::kRevolute};
+  options.branching = 0;
+  options.floating_base = false;
+  const auto model = std::make_shared<const Model>(random_model(rng, options));
+  RandomScene s;
+  for (int r = 0; r < count; ++r) add_robot(s.scene, "r" + std::to_string(r), model, random_placement(rng, 3));
+  s.q.resize(s.scene.nq);
+  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
+  s.v = random_vector(s.scene.nv, rng);
+  s.u = random_vector(s.scene.nu, rng, 5);
+  for (int r = 0; r < count; ++r) {
+    Contact c;
+    c.name = "c" + std::to_string(r);
+    c.type = ContactType::k1D;
+    c.A = {r, 2, random_placement(rng, 0.2)};
+    c.B = {(r + 1) % count, 1, random_placement(rng, 0.2)};
+    c.axis = {0, 0.6, 0.8};
+    add_contact(s.scene, c);
+  }
+  return s;
+}
+
 struct Solution {
   VectorXd a, f;
   Report report;
@@ -97,6 +124,15 @@ TEST_P(Cut, AgreesWithTheOracle) {
       EXPECT_LE(x.residual_contact, 1e-14);
       EXPECT_LE(x.backward_error, 1e-15);
     }
+}
+
+TEST_P(Cut, RobotsOfFewJoints) {
+  const RandomScene s = ring_of_arms(64);
+  const Solution cut = solution_of(s, options()), factor = solution_of(s, by_factor());
+  ASSERT_EQ(cut.report.status, Status::kOk);
+  EXPECT_LE(difference_of(cut.a, factor.a), 1e-12 * size_of(factor.a));
+  EXPECT_LE(difference_of(cut.f, factor.f), 1e-12 * size_of(factor.f));
+  EXPECT_FALSE(cut.a == factor.a);  // there are two ways
 }
 
 TEST_P(Cut, ContactsAccelerateAsAsked) {

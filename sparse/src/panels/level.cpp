@@ -65,6 +65,10 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
+void factor(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale) {
+  ldl_scheduled_factor(schedule, Ax, Lx, D, scale);
+}
+
 // work, from a cache line on.
 double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
@@ -276,7 +280,7 @@ void upper_solve(const double* L, int ldl, int n, double* X, int cols, int ld) {
 extern const PanelKernels MANYCONTACT_OF_LEVEL(level_);
 const PanelKernels MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME,
                                                    kernel::kPanel,
-                                                   ldl_scheduled_factor<double>,
+                                                   factor,
                                                    ldl_scheduled_solve<double>,
                                                    residual_vector,
                                                    solve,

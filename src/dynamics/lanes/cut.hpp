@@ -3,6 +3,8 @@
 // their rows, its border, are the last of K and are not eliminated. Side by side as in lanes.hpp; dynamics/cut.hpp has
 // the method.
 
+#include <algorithm>
+
 #include "lanes.hpp"
 
 namespace manycontact::lanes {
@@ -23,6 +25,13 @@ struct CutRobot {
       size += ContactTerms::JoinedEnd::size(supports[k].a.size());
     return size;
   }
+  /// Numbers of a robot from step to step: K and b; behind them its joins, and from `factor` on L, D, x, w in their
+  /// place.
+  std::size_t kept_size() const { return static_cast<std::size_t>(pattern.K.nonzeros() + pattern.size()); }
+  std::size_t memory_size() const {
+    const auto factor = static_cast<std::size_t>(pattern.ldl.nonzeros() + 3 * pattern.size());
+    return kept_size() + std::max(factor, joins_size());
+  }
   int rows() const { return pattern.size() - border; }            // that are eliminated
   int factor_nonzeros() const { return pattern.ldl.Lp[rows()]; }  // of L, without its diagonal
 };
@@ -41,10 +50,16 @@ struct Border {
 
 class CutRobots {
  public:
+  /// Of robots side by side. next: of those whose turn it is after these, which is asked for meanwhile.
+  struct Memory {
+    double* at;
+    const double* next;
+  };
   struct Robot {
     int number;           // of the scene
     const int* contacts;  // on it alone, of the scene
-    double* joins;  // per contact that joins it: its body as JoinedEnd has it, then the columns of J on this robot
+    double* joins;  // per contact that joins it: its body as JoinedEnd has it, then the columns of J on this robot;
+                    // until `factor`
     Border border;
     // by the steps
     bool sound;                   // where not, another way has to answer
@@ -57,17 +72,17 @@ class CutRobots {
   virtual ~CutRobots() = default;
   /// Memory for robots side by side.
   virtual void widen() = 0;
-  /// Doubles that one robot needs from step to step, or as many as fit side by side; at a cache line's border.
-  virtual std::size_t memory(bool one) const = 0;
+  /// How many robots the memory of one is for, or of several: CutRobot::memory_size of each, at a cache line's border.
+  virtual std::size_t width(bool one) const = 0;
   // robots, in all steps: one, or after `widen` as many as fit side by side, their contacts alike (`alike`).
   /// The robots' own part of K x = b, and the ends of contacts that join them.
-  virtual void evaluate(const Job& job, std::span<Robot> robots, double* memory) = 0;
+  virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// The factor; x = 0, and b's part of the border.
-  virtual void factor(std::span<Robot> robots, double* memory) = 0;
+  virtual void factor(std::span<Robot> robots, Memory memory) = 0;
   /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
   virtual void load(const Job& job, std::span<const Robot> robots, double* memory) = 0;
   /// x += K^-1 r with the border's answer y, r = b - K x, and r's part of the border.
-  virtual void correct(std::span<Robot> robots, double* memory) = 0;
+  virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<const Robot> robots, double* memory) = 0;
 };

@@ -15,44 +15,51 @@ class CutSideBySide {
   static constexpr int W = S::width;
   using Mask = typename S::Mask;
   using Robot = CutRobots::Robot;
-  /// A batch meets its numbers again after all others have met theirs.
-  static constexpr int kAhead = W == 1 ? 0 : sparse::kernel::kAhead;
+  using Memory = CutRobots::Memory;
   /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
   struct Numbers {
-    S *K, *L, *D, *b, *x, *w;
+    S *K, *b, *L, *D, *x, *w;
   };
 
   explicit CutSideBySide(std::shared_ptr<const CutRobot> cut);
-  /// Values of S.
-  std::size_t memory() const {
-    return static_cast<std::size_t>(cut_->pattern.K.nonzeros() + cut_->pattern.ldl.nonzeros() +
-                                    4 * cut_->pattern.size());
-  }
-  void evaluate(const Job& job, std::span<Robot> robots, double* memory);
-  void factor(std::span<Robot> robots, double* memory);
+  void evaluate(const Job& job, std::span<Robot> robots, Memory memory);
+  void factor(std::span<Robot> robots, Memory memory);
   void load(const Job& job, std::span<const Robot> robots, double* memory);
-  void correct(std::span<Robot> robots, double* memory);
+  void correct(std::span<Robot> robots, Memory memory);
   void store(const Job& job, std::span<const Robot> robots, double* memory) const;
 
  private:
+  /// A batch meets its numbers again after all others have met theirs.
+  using Ahead = std::conditional_t<W == 1, sparse::kernel::NoNext, sparse::kernel::Next>;
+  static Ahead ahead_of(const Memory& memory) {
+    if constexpr (W == 1)
+      return {};
+    else
+      return {(memory.next - memory.at) / W};
+  }
   Numbers numbers_in(double* memory) const {
     const KktPattern& p = cut_->pattern;
     Numbers n;
     n.K = reinterpret_cast<S*>(memory);
-    n.L = n.K + p.K.nonzeros();
+    n.b = n.K + p.K.nonzeros();
+    n.L = n.b + p.size();
     n.D = n.L + p.ldl.nonzeros();
-    n.b = n.D + p.size();
-    n.x = n.b + p.size();
+    n.x = n.D + p.size();
     n.w = n.x + p.size();
     return n;
   }
   Mask load_state(const Job& job, std::span<const Robot> robots);
   void evaluate_rows(const Job& job, std::span<Robot> robots);
   void assemble(const Job& job, std::span<const Robot> robots, const Numbers& n) const;
+  /// Asks for what those whose turn is next will write: K, b and the joins.
+  void fetch_kept(const Numbers& n, Ahead ahead) const {
+    constexpr std::size_t kLine = 64 / sizeof(S);
+    for (std::size_t k = 0; k < cut_->kept_size() + cut_->joins_size(); k += kLine) ahead.fetch_to_write(n.K + k);
+  }
   void store_ends(std::span<const Robot> robots);
   void begin(std::span<const Robot> robots, const Numbers& n);
-  void forward(std::span<const Robot> robots, const Numbers& n);
-  void residual(std::span<Robot> robots, const Numbers& n);
+  void forward(std::span<const Robot> robots, const Numbers& n, Mask open);
+  S residual(std::span<Robot> robots, const Numbers& n, Ahead ahead);
 
   const Contact& contact(std::size_t k) const { return cut_->scene.contacts[k]; }
   /// Where the rows of a contact stand in K.
@@ -126,12 +133,13 @@ typename S::Mask CutSideBySide<S>::load_state(const Job& job, std::span<const Ro
 }
 
 template <class S>
-void CutSideBySide<S>::evaluate(const Job& job, std::span<Robot> robots, double* memory) {
+void CutSideBySide<S>::evaluate(const Job& job, std::span<Robot> robots, Memory memory) {
+  const Numbers n = numbers_in(memory.at);
+  fetch_kept(n, ahead_of(memory));
   const Mask usable = load_state(job, robots);
   forward_kinematics<S>(model_, base_, q_, kin_);
   forward_accelerations<S>(model_, v_, nullptr, job.scene.gravity, kin_);
   inverse_dynamics<S>(model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
-  const Numbers n = numbers_in(memory);
   const int* slot = cut_->pattern.M_slot.data();
   crba<S>(model_, kin_, Yc_, slot, n.K);
   internal::drop_rounding<S>(model_, kin_, Yc_, slot, n.K);
@@ -205,8 +213,8 @@ void CutSideBySide<S>::store_ends(std::span<const Robot> robots) {
 }
 
 template <class S>
-void CutSideBySide<S>::factor(std::span<Robot> robots, double* memory) {
-  const Numbers n = numbers_in(memory);
+void CutSideBySide<S>::factor(std::span<Robot> robots, Memory memory) {
+  const Numbers n = numbers_in(memory.at);
   const KktPattern& p = cut_->pattern;
   const int* slot = p.J_slot.data();
   for (const ContactData<S>& rows : contacts_) slot += rows.J.size();
@@ -218,7 +226,8 @@ void CutSideBySide<S>::factor(std::span<Robot> robots, double* memory) {
     for (int i = 0; i < count; ++i) n.K[*slot++] = joins_[i];
     next += ContactTerms::JoinedEnd::size(cols);
   }
-  sparse::ldl_scheduled_factor(cut_->schedule, numbers(n.K), numbers(n.L), numbers(n.D), numbers(terms_.data()));
+  sparse::ldl_scheduled_factor(cut_->schedule, numbers(n.K), numbers(n.L), numbers(n.D), numbers(terms_.data()),
+                               ahead_of(memory));
   const std::size_t rows = static_cast<std::size_t>(cut_->rows());
   const auto diagonal = [&](std::size_t k) { return n.K[p.K.p[k + 1] - 1]; };
   const Mask good = believable_pivots<S>(model_.nv, {n.D, rows}, terms_.data(), diagonal);
@@ -262,37 +271,40 @@ template <class S>
 void CutSideBySide<S>::begin(std::span<const Robot> robots, const Numbers& n) {
   std::fill_n(n.x, cut_->pattern.size(), S(0));
   std::copy_n(n.b, cut_->pattern.size(), r_.data());
-  forward(robots, n);
+  forward(robots, n, S(0) <= S(0));
 }
 
-/// w = L^-1 r, and what that leaves to the border.
+/// w = L^-1 r, and what that leaves to the border; zero for robots that are not open: they have nothing to gain.
 template <class S>
-void CutSideBySide<S>::forward(std::span<const Robot> robots, const Numbers& n) {
+void CutSideBySide<S>::forward(std::span<const Robot> robots, const Numbers& n, Mask open) {
   const int m = cut_->border;
-  std::copy_n(r_.data(), cut_->rows(), n.w);
+  for (int k = 0; k < cut_->rows(); ++k) n.w[k] = select(open, r_[k], S(0));
   std::fill_n(n.w + cut_->rows(), m, S(0));
-  sparse::ldl_scheduled_forward(cut_->schedule, numbers(n.L), numbers(n.w));
+  if (open.any()) sparse::ldl_scheduled_forward(cut_->schedule, numbers(n.L), numbers(n.w));
   store_border(n.w + cut_->rows(), m, robots, [](const Border& b) { return b.b(); });
 }
 
 template <class S>
-void CutSideBySide<S>::correct(std::span<Robot> robots, double* memory) {
-  const Numbers n = numbers_in(memory);
+void CutSideBySide<S>::correct(std::span<Robot> robots, Memory memory) {
+  const Numbers n = numbers_in(memory.at);
+  const Ahead ahead = ahead_of(memory);
   const double* from[8];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), cut_->border,
               n.w + cut_->rows());
-  sparse::ldl_scheduled_backward<kAhead>(cut_->schedule, numbers(n.L), numbers(n.D), numbers(n.w));
-  for (int k = 0; k < cut_->pattern.size(); ++k) n.x[k] += n.w[k];
-  residual(robots, n);
-  forward(robots, n);
+  sparse::ldl_scheduled_backward(cut_->schedule, numbers(n.L), numbers(n.D), numbers(n.w), ahead);
+  for (int k = 0; k < cut_->pattern.size(); ++k) {
+    for (const S* x : {n.x, n.w, n.b, n.D}) ahead.fetch(x + k);
+    n.x[k] += n.w[k];
+  }
+  forward(robots, n, residual(robots, n, ahead) > S(tolerance::kRefined));
 }
 
-/// r = b - K x, scale = |b| + |K| |x|, and the robots' componentwise backward error (sparse/refine.hpp).
+/// r = b - K x, scale = |b| + |K| |x|; returns the robots' componentwise backward error (sparse/refine.hpp).
 template <class S>
-void CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n) {
+S CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n, Ahead ahead) {
   const KktPattern& p = cut_->pattern;
-  sparse::ldl_scheduled_residual<kAhead>(p.K, numbers(n.K), numbers(n.x), numbers(n.b), numbers(r_.data()),
-                                         numbers(scale_.data()));
+  sparse::ldl_scheduled_residual(p.K, numbers(n.K), numbers(n.x), numbers(n.b), numbers(r_.data()),
+                                 numbers(scale_.data()), ahead);
   const int m = cut_->border, rows = cut_->rows();
   store_border(r_.data() + rows, m, robots, [](const Border& b) { return b.r(); });
   store_border(scale_.data() + rows, m, robots, [](const Border& b) { return b.scale(); });
@@ -308,6 +320,7 @@ void CutSideBySide<S>::residual(std::span<Robot> robots, const Numbers& n) {
     }
     robots[l].error = error[lane];
   }
+  return error;
 }
 
 template <class S>

@@ -71,7 +71,6 @@ class AloneOrTogether {
     else
       use(*together_);
   }
-  const Work<Pack<1>>& alone() const { return alone_; }
 
  private:
   Work<Pack<1>> alone_;
@@ -140,17 +139,17 @@ class LevelCutRobots final : public CutRobots {
  public:
   explicit LevelCutRobots(std::shared_ptr<const CutRobot> cut) : cut_(std::move(cut)), work_(cut_) {}
   void widen() override { work_.widen(cut_); }
-  std::size_t memory(bool one) const override { return (one ? 1 : MANYCONTACT_LANES) * work_.alone().memory(); }
-  void evaluate(const Job& job, std::span<Robot> robots, double* memory) override {
+  std::size_t width(bool one) const override { return one ? 1 : MANYCONTACT_LANES; }
+  void evaluate(const Job& job, std::span<Robot> robots, Memory memory) override {
     work_.of(robots.size(), [&](auto& work) { work.evaluate(job, robots, memory); });
   }
-  void factor(std::span<Robot> robots, double* memory) override {
+  void factor(std::span<Robot> robots, Memory memory) override {
     work_.of(robots.size(), [&](auto& work) { work.factor(robots, memory); });
   }
   void load(const Job& job, std::span<const Robot> robots, double* memory) override {
     work_.of(robots.size(), [&](auto& work) { work.load(job, robots, memory); });
   }
-  void correct(std::span<Robot> robots, double* memory) override {
+  void correct(std::span<Robot> robots, Memory memory) override {
     work_.of(robots.size(), [&](auto& work) { work.correct(robots, memory); });
   }
   void store(const Job& job, std::span<const Robot> robots, double* memory) override {
