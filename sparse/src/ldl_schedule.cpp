@@ -45,14 +45,14 @@ void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlS
   };
   const auto add_segment = [&](int row) {
     const bool next = static_cast<int>(out.segments.size()) > group.segment &&
-                      out.segments.back().row + out.segments.back().count == row;
+                      out.segments.back().row - out.segments.back().count == row;
     if (next)
       ++out.segments.back().count;
     else
       out.segments.push_back({row, 1});
   };
-  for (int a = c + high; a < width; ++a) add_segment(first + a), add_row(a);
-  for (int b = 0; b < below; ++b) add_segment(rows[b]), add_row(width + b);
+  for (int b = below - 1; b >= 0; --b) add_segment(rows[b]), add_row(width + b);
+  for (int a = width - 1; a >= c + high; --a) add_segment(first + a), add_row(a);
   for (int a = c + 1; a < c + high; ++a) add_row(a);
   group.segment_end = static_cast<int>(out.segments.size());
   out.groups.push_back(group);

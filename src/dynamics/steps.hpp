@@ -57,8 +57,8 @@ void factorize_again(const Scene& scene, const SceneData& data, IslandWork& isla
 /// new data does.
 void forget_states(SceneData& data);
 
-/// Bytes of derivatives: more are in no cache when they are read, and need not be written through these.
-inline constexpr std::size_t kCached = 32 << 20;
+/// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
+inline constexpr std::size_t kCached = 4 << 20;
 
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);

@@ -93,10 +93,16 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
     reached_.insert(reached_.end(), reach[a].begin(), reach[a].end());
   }
   B_.assign(count, S(0));
-  if (W > 1) {
-    Bx_.assign(W * count, 0);
-    answer_.resize(place_.size());
+  if (W > 1) Bx_.assign(W * count, 0);
+  pieces_.resize(parts);
+  std::size_t at = 0;  // in the answer
+  for (Chunk& chunk : chunks) {
+    chunk.answer = at;
+    const int columns = chunk.parts * kPart;
+    for (int k = 0; k < chunk.parts; ++k) pieces_[chunk.first[k] / kPart] = {at + k * kPart, columns};
+    at += static_cast<std::size_t>(columns) * size;
   }
+  work_.resize(std::max(work_.size(), at + 8));  // from a cache line on
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   unset_.clear();
   for (const auto& [i, j, of_tree] : places_) {
@@ -154,60 +160,58 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool
   if (W > 1) spread_lanes(B_.data(), B_.size(), Bx_.data(), B_.size());
   for (std::size_t l = 0; l < panels.size(); ++l) {
     if (!plain[static_cast<int>(l)]) continue;
+    for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c, l);
     // Many panels are not in the caches: they are written from one end to the other.
-    double* X = W == 1 ? panels[l].X : answer_.data();
-    for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c, l, X, panels[l].ld);
-    if (W > 1) write(panels[l].X, past_caches);
+    if (past_caches)
+      write(panels[l], [](const auto& piece, double* to) { piece.stream(to); });
+    else
+      write(panels[l], [](const auto& piece, double* to) { piece.store(to); });
   }
   if (past_caches) sparse::kernel::finish_streams();
 }
 
-/// The answer, whose rows are multiples of eight numbers, to X, which starts at a cache line.
+/// What the chunks left in work_, to X, which starts at a cache line and whose rows are multiples of it.
 template <class S>
-void SideBySide<S>::write(double* X, bool past_caches) const {
-  using Line = sparse::kernel::Tile<double, 8>;
-  if (!past_caches) {
-    std::copy(answer_.begin(), answer_.end(), X);
-    return;
+template <class Put>
+void SideBySide<S>::write(const Panel& panel, Put&& put) {
+  const double* x = answer();
+  double* to = panel.X;
+  for (int i = 0; i < pattern_->size(); ++i) {
+    const int k = pattern_->iperm[i];
+    const double sign = i < model_->nv ? 1 : -1;
+    for (const Piece& piece : pieces_) {
+      put(sparse::kernel::Tile<double, kPart>::load(x + piece.at + k * piece.stride).times(sign), to);
+      to += kPart;
+    }
   }
-  for (std::size_t k = 0; k < answer_.size(); k += 8) Line::load(answer_.data() + k).stream(X + k);
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_chunk(std::size_t chunk, std::size_t lane, double* X, int ld) {
+void SideBySide<S>::solve_chunk(std::size_t chunk, std::size_t lane) {
   if (chunks_[chunk].parts * kPart == N)
-    solve_columns<N>(chunk, lane, X, ld);
+    solve_columns<N>(chunk, lane);
   else if constexpr (N > kPart)
-    solve_chunk<N - kPart>(chunk, lane, X, ld);
+    solve_chunk<N - kPart>(chunk, lane);
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane, double* X, int ld) {
+void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane) {
   using Row = sparse::kernel::Tile<double, N>;
   const std::size_t size = D_.size();
-  const int* perm = pattern_->perm.data();
-  const Chunk& columns = chunks_[chunk];
   const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
   const double zeros[N] = {};
-  const double* b = (W == 1 ? reinterpret_cast<const double*>(B_.data()) : Bx_.data() + lane * B_.size()) + columns.at;
-  double* x = work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
+  const double* b =
+      (W == 1 ? reinterpret_cast<const double*>(B_.data()) : Bx_.data() + lane * B_.size()) + chunks_[chunk].at;
+  double* x = answer() + chunks_[chunk].answer;
   for (std::size_t k = 0; k < size; ++k) {
     Row::load(reach[k] ? b : zeros).store(x + k * N);
     if (reach[k]) b += N;
   }
   sparse::kernel::solve_columns<N>(pattern_->schedule(), Lx_.data() + lane * L_.size(),
                                    packed_x_.data() + lane * packed_.size(), inverse_.data() + lane * size, reached, x,
-                                   [&](int k, const Row& row) {
-                                     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(perm[k]) * ld;
-                                     const Row signed_row = row.times(perm[k] < model_->nv ? 1.0 : -1.0);
-                                     for (int v = 0; v < Row::kVectors; ++v) {
-                                       const int column = v * Row::kWidth;
-                                       std::memcpy(X + at + columns.first[column / kPart] + column % kPart,
-                                                   &signed_row.v[v], sizeof signed_row.v[v]);
-                                     }
-                                   });
+                                   [](int, const Row&) {});
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.

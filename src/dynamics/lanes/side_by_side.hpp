@@ -84,7 +84,12 @@ class SideBySide {
   static_assert(kPart % W == 0 && 8 % kPart == 0);
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;  // in B_: rows that it reaches, its columns side by side
+    std::size_t at;          // in B_: rows that it reaches, its columns side by side
+    std::size_t answer = 0;  // in work_: all rows, likewise
+  };
+  struct Piece {  // a part of columns in work_: that of row k, in the pattern's order, is at + k stride
+    std::size_t at;
+    int stride;
   };
   struct Place {
     int i, j;
@@ -132,13 +137,18 @@ class SideBySide {
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches);
-  void write(double* X, bool past_caches) const;
+  template <class Put>
+  void write(const Panel& panel, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(std::size_t chunk, std::size_t lane, double* X, int ld);
+  void solve_chunk(std::size_t chunk, std::size_t lane);
   template <int N>
-  void solve_columns(std::size_t chunk, std::size_t lane, double* X, int ld);
+  void solve_columns(std::size_t chunk, std::size_t lane);
   void solve_refined(int lane, const Panel& panel);
 
+  /// In work_, from a cache line on.
+  double* answer() {
+    return work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
+  }
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
 
@@ -184,8 +194,8 @@ class SideBySide {
   std::vector<S> packed_;
   std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
   std::vector<double> Dx_, Kx_;                       // one lane's
-  std::vector<double> answer_;                        // one lane's panel, side by side
-  std::vector<double> work_;                          // a chunk of one lane's columns; of solve_refined
+  std::vector<Piece> pieces_;                         // of all columns
+  std::vector<double> work_;                          // one lane's panel, chunk after chunk; of solve_refined
   double rounding_;                                   // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;

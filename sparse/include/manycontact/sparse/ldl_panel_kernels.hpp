@@ -74,7 +74,7 @@ template <int R, int N, class Store>
   for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + i * N).times(inverse[row + i]);
   for (int k = group.segment; k < group.segment_end; ++k) {
     const double* x = X + static_cast<std::ptrdiff_t>(segments[k].row) * N;
-    for (const double* end = x + static_cast<std::ptrdiff_t>(segments[k].count) * N; x != end; x += N, l += R) {
+    for (const double* end = x - static_cast<std::ptrdiff_t>(segments[k].count) * N; x != end; x -= N, l += R) {
       const auto of_row = Tile<double, N>::load(x);
 #pragma GCC unroll 8
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);

@@ -32,14 +32,15 @@ struct LdlSchedule {
   };
   static constexpr int kWidest = 32;  // columns of a block: wider ones are cut
   /// Rows row ... row+high-1 of x = L^T \ (D \ x), which a panel takes at a time: they need those of `segments`
-  /// segment ... segment_end-1, all behind them. Packed from `at` on: for each of these rows, then for row+1 ...
-  /// row+high-1, L's entries in the group's columns; zero where there is none.
+  /// segment ... segment_end-1, all behind them; those known last come last, so that nothing waits for them. Packed
+  /// from `at` on: for each of these rows, then for row+1 ... row+high-1, L's entries in the group's columns; zero
+  /// where there is none.
   struct Group {
     int row, high;
     int segment, segment_end;
     int at;
   };
-  struct Segment {
+  struct Segment {  // rows row, row - 1, ..., so many
     int row, count;
   };
   static constexpr int kHigh = 4;
