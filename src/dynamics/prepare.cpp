@@ -133,9 +133,9 @@ void restore_derivatives(Workspace& w) {
 }
 
 void make_threads(int count, Workspace& w) {
-  constexpr int kMost = 4096;  // a misprint, rather than a machine
-  if (count < 0 || count > kMost)
-    throw std::invalid_argument("prepare: " + std::to_string(count) + " threads, expected 0 ... 4096");
+  if (count < 0 || count > kMostThreads)
+    throw std::invalid_argument("prepare: " + std::to_string(count) + " threads, expected 0 ... " +
+                                std::to_string(kMostThreads));
   if (count == 0) count = internal::default_threads();
   w.threads.resize(count);
   w.failures.resize(count);

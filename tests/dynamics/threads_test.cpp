@@ -150,11 +150,13 @@ TEST(Threads, AnExceptionInsideACallComesOut) {
   EXPECT_TRUE(data.a == afresh.a && data.f == afresh.f);
 }
 
-TEST(Threads, LessThanNoneAreRefused) {
+TEST(Threads, LessThanNoneAndTooManyAreRefused) {
   const SceneFile file = file_of("herd");
   SceneData data(file.scene);
-  data.options.threads = -1;
-  EXPECT_THROW((void)solve(file.scene, file.q, file.v, file.u, data), std::invalid_argument);
+  for (const int threads : {-1, kMostThreads + 1}) {
+    data.options.threads = threads;
+    EXPECT_THROW((void)solve(file.scene, file.q, file.v, file.u, data), std::invalid_argument);
+  }
   data.options.threads = 2;
   EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
 }

@@ -52,14 +52,16 @@ inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, 
 std::string to_string(Lanes lanes);                               // "auto", "off", "baseline", "avx2", "avx512"
 std::optional<Lanes> lanes_from_string(const std::string& name);  // likewise
 
+inline constexpr int kMostThreads = 4096;  // more are a misprint, rather than a machine
+
 struct Options {  // How to solve.
   Method method = Method::kAuto;
   std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;
   /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp: over islands, robots side by side, and
-  /// robots of a large island. 0: as many as OpenMP would take. Results do not depend on it (of sparse-supernodal:
-  /// where the BLAS works in one thread). Above 1, OpenBLAS is held to one thread meanwhile, in the whole program: one
-  /// such call at a time.
+  /// robots of a large island; kMostThreads at most. 0: as many as OpenMP would take. Results do not depend on it (of
+  /// sparse-supernodal: where the BLAS works in one thread). Above 1, OpenBLAS is held to one thread meanwhile, in the
+  /// whole program: one such call at a time.
   int threads = 1;
   bool operator==(const Options&) const = default;
 };
