@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <unordered_map>
 
 #include "scene_parts.hpp"
@@ -31,8 +32,8 @@ void read_name(const Element& e, RobotGroup& group) {
   group.line = e.line();
   group.name = e.required("name");
   if (group.name.empty()) e.where("name").fail("name of <robot> is empty, expected a name");
-  if (group.name.find('/') != std::string::npos)
-    e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected one without '/'");
+  if (group.name.find_first_of("/+") != std::string::npos)
+    e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected one without '/' and '+'");
   group.copied = e.has("copies");
   if (group.copied) {
     const std::string text = e.required("copies");
@@ -213,6 +214,29 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
   }
 }
 
+// Whether a contact's end `name` would mean neighbours as well: "herd-1" beside copies of herd.
+bool is_neighbour(const std::string& name, const std::set<std::string>& copied) {
+  const std::size_t sign = name.rfind('-');
+  return sign != std::string::npos && sign + 1 < name.size() &&
+         name.find_first_not_of("0123456789", sign + 1) == std::string::npos && copied.count(name.substr(0, sign)) > 0;
+}
+
+// A name means one robot, or the copies of one.
+void check_names(const SceneFile& file, const std::unordered_map<std::string, Where>& names) {
+  std::set<std::string> copied;
+  for (const RobotGroup& group : file.robot_groups)
+    if (group.copied) copied.insert(group.name);
+  for (const RobotGroup& group : file.robot_groups) {
+    const Where& here = names.at(group.name);
+    if (group.copied && file.scene.robot_index.count(group.name))
+      here.fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
+    if (is_neighbour(group.name, copied) || (group.copied && is_neighbour(group.name + "0", copied)))
+      here.fail("robot " + quote(group.name) +
+                " has a name that neighbours among copies go by, expected none that is " +
+                "a copied robot's with '-' and a number");
+  }
+}
+
 }  // namespace
 
 std::string line_of(const Where& given, const Where& seen_from) {
@@ -234,10 +258,7 @@ void add_robots(const std::vector<Element>& elements, SceneFile& out) {
     add_copies(robot, models.get(robot), out, all);
     out.robot_groups.push_back(robot.group);
   }
-  for (const RobotGroup& group : out.robot_groups)
-    if (group.copied && out.scene.robot_index.count(group.name))
-      names.at(group.name)
-          .fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
+  check_names(out, names);
   out.q = Growing::done(all.q);
   out.v = Growing::done(all.v);
   out.u = Growing::done(all.u);

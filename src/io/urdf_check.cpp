@@ -58,12 +58,20 @@ void check_axis(const Element& joint) {
     axis->where("xyz").fail("the axis of joint " + quote(joint.required("name")) + " is zero, expected a direction");
 }
 
-void check_limit(const Element& joint, bool needed) {
+// Of a joint with a range, which needs its limits; what the file leaves out is 0. urdfdom takes any numbers.
+void check_limit(const Element& joint, bool has_range) {
   const std::string owner = "joint " + quote(joint.required("name"));
-  if (needed) (void)required_child(joint, "limit", owner);
-  if (const auto limit = joint.child("limit"))
-    for (const char* a : {"effort", "velocity"}) check_number(*limit, a);
-  check_optional_numbers(joint, "limit", {"lower", "upper"});
+  if (has_range) (void)required_child(joint, "limit", owner);
+  const auto limit = joint.child("limit");
+  if (!limit) return;
+  for (const char* a : {"effort", "velocity"})
+    if (const double most = limit->required_number(a); most < 0)
+      limit->where(a).fail("the " + std::string(a) + " limit of " + owner + " is " + show(most) +
+                           ", expected 0 or more");
+  const double lower = limit->number("lower", 0), upper = limit->number("upper", 0);
+  if (has_range && lower > upper)
+    limit->where("lower").fail("the limits of " + owner + " are lower " + show(lower) + ", upper " + show(upper) +
+                               ", expected lower <= upper");
 }
 
 std::string check_end(const Element& joint, const char* end, const UrdfLines& lines) {

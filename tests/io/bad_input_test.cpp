@@ -229,6 +229,7 @@ TEST_F(BadInput, ScenesAndNames) {
   expect_scene_error("<scene>\n<robot urdf=\"good.urdf\"/></scene>", 2, "<robot> has no attribute 'name'");
   expect_scene_error("<scene>\n<robot name=\"\" urdf=\"good.urdf\"/></scene>", 2, "is empty");
   expect_scene_error("<scene>\n<robot name=\"a/b\" urdf=\"good.urdf\"/></scene>", 2, "without '/'");
+  expect_scene_error("<scene>\n<robot name=\"a+1\" urdf=\"good.urdf\"/></scene>", 2, "without '/' and '+'");
   expect_scene_error("<scene>\n<robot name=\"a\"/></scene>", 2, "<robot> has no attribute 'urdf'");
   expect_scene_error("<scene>\n<robot name=\"a\" urdf=\"\"/></scene>", 2, "urdf of <robot> is empty");
   expect_scene_error("<scene>\n" + a + "\n" + a + "</scene>", 3, "a robot named 'a' exists already on line 2");
@@ -244,6 +245,20 @@ TEST_F(BadInput, ScenesAndNames) {
       "<scene>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/>\n"
       "<robot name=\"b0\" urdf=\"good.urdf\" copies=\"2\"/><robot name=\"c\" urdf=\"good.urdf\"/></scene>",
       3, "the copied robot 'b0' has the name of another robot");
+}
+
+// Beside copies of b, b-1/link means a copy's neighbour.
+TEST_F(BadInput, NamesOfNeighbours) {
+  const auto scene_with = [](const std::string& name, const std::string& more = "") {
+    return "<scene>\n<robot name=\"" + name + "\" urdf=\"good.urdf\"" + more +
+           "/>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/></scene>";
+  };
+  for (const char* name : {"b-1", "b-007"})
+    expect_scene_error(scene_with(name), 2, "has a name that neighbours among copies go by, expected none");
+  for (const char* name : {"b-1", "b-"})
+    expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that neighbours among copies go by");
+  for (const char* name : {"a-1", "b-", "b-x", "b-1x", "-1"})
+    EXPECT_NO_THROW((void)read_scene(write("scene.xml", scene_with(name)))) << name;
 }
 
 // ---- scenes: contacts
@@ -331,7 +346,9 @@ struct UrdfCase {
 };
 
 TEST_F(BadInput, Urdf) {
-  const std::string r = R"(name="r" type="continuous")";
+  const std::string r = R"(name="r" type="continuous")", turns = R"(name="r" type="revolute")",
+                    slides = R"(name="r" type="prismatic")";
+  const auto limit = [](const std::string& attributes) { return "<limit " + attributes + "/>"; };
   const UrdfCase cases[] = {
       {1, "<robot>", 1, "<robot> has no attribute 'name'"},
       {1, R"(<robot name="x" version="7.0">)", 1, "urdfdom refuses the robot"},
@@ -366,6 +383,17 @@ TEST_F(BadInput, Urdf) {
       {6, joint(r, "", "z"), 6, "the parent of joint 'r' is an unknown link 'z'"},
       {6, joint(R"(name="r" type="revolute")"), 6, "joint 'r' has no <limit>"},
       {6, joint(r, "<limit effort=\"1\"/>"), 6, "<limit> has no attribute 'velocity'"},
+      {6, joint(r, limit("effort=\"-1\" velocity=\"1\"")), 6,
+       "the effort limit of joint 'r' is -1, expected 0 or more"},
+      {6, joint(r, limit("effort=\"1\"\n velocity=\"-0.5\"")), 7,
+       "the velocity limit of joint 'r' is -0.5, expected 0"},
+      {6, joint(r, limit("effort=\"nan\" velocity=\"1\"")), 6, "'nan' is not finite"},
+      {6, joint(turns, limit("effort=\"1\" velocity=\"1\" lower=\"1\" upper=\"-1\"")), 6,
+       "the limits of joint 'r' are lower 1, upper -1, expected lower <= upper"},
+      {6, joint(slides, limit("effort=\"1\" velocity=\"1\"\n lower=\"1e-9\"")), 7,
+       "are lower 1e-09, upper 0, expected"},
+      {6, joint(turns, limit("effort=\"1\" velocity=\"1\" upper=\"nan\"")), 6, "'nan' is not finite"},
+      {6, joint(turns, limit("effort=\"1\" velocity=\"1\" upper=\"-1\"")), 6, "are lower 0, upper -1, expected"},
       {6, joint(r, "<axis xyz=\"0 0 0\"/>"), 6, "the axis of joint 'r' is zero"},
       {6, joint(r, "<axis xyz=\"0 0 1 0\"/>"), 6, "xyz of <axis> has 4 numbers"},
       {6, joint(r, "<axis/>"), 6, "<axis> has no attribute 'xyz'"},

@@ -88,6 +88,20 @@ TEST(Urdf, ReadsLimits) {
   EXPECT_TRUE(std::isinf(m.joints[2].upper[2]));
 }
 
+// No range, a range of one position, no room for effort; a continuous joint has no range, whatever the file says.
+TEST(Urdf, LimitsOfRealFiles) {
+  const auto limits = [](const char* type, const std::string& range) {
+    return load(link("a") + link("b") +
+                joint("j", type, "a", "b", "<limit effort=\"0\" velocity=\"0\" " + range + "/>"))
+        .joints[0];
+  };
+  for (const char* type : {"revolute", "prismatic"})
+    for (const char* range : {"", "lower=\"0\" upper=\"0\"", "lower=\"-0\" upper=\"0\""})
+      EXPECT_EQ(limits(type, range).upper[0], 0) << type << " " << range;
+  EXPECT_EQ(limits("revolute", "lower=\"0.5\" upper=\"0.5\"").lower[0], 0.5);
+  EXPECT_TRUE(std::isinf(limits("continuous", "lower=\"1\" upper=\"-1\"").lower[0]));
+}
+
 TEST(Urdf, FloatingBaseCarriesTheRootLink) {
   const std::string robot = link("a", 2) + link("b", 3) + joint("j", "revolute", "a", "b");
   const Model fixed = load(robot), free = load(robot, floating());

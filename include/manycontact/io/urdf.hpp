@@ -36,7 +36,8 @@ struct UrdfOptionError : std::invalid_argument {
   bool lock;  // from UrdfOptions::locked, else from an armature
 };
 
-/// Reads and finalizes. Throws InputError for the file, UrdfOptionError for the options.
+/// Reads and finalizes. Limits are as URDF has them: efforts and velocities 0 or more, lower <= upper, which are 0
+/// where they are not given. Throws InputError for the file, UrdfOptionError for the options.
 Model load_urdf(const std::string& path, const UrdfOptions& options = {});
 
 }  // namespace manycontact
