@@ -144,6 +144,24 @@ py::array active_flags(const std::shared_ptr<Data>& data) {
   return py::array(py::dtype::of<bool>(), {flags.size()}, {1}, flags.data(), py::cast(data));
 }
 
+// Bools, numpy's, or the whole numbers 0 and 1, one per contact.
+void set_flags(const std::string& name, py::handle values, std::vector<char>& flags) {
+  const py::array given = py::array::ensure(values);
+  const char kind = given ? given.dtype().kind() : 'O';
+  const bool whole = kind == 'b' || kind == 'i' || kind == 'u';
+  if (!given || given.ndim() == 0 || (!whole && given.size() > 0))
+    throw py::type_error(name + ": a sequence of bools is expected, one per contact");
+  if (given.ndim() != 1 || given.size() != static_cast<py::ssize_t>(flags.size()))
+    throw py::value_error(name + ": " + std::to_string(flags.size()) + " flags are expected, one per contact, not " +
+                          shape_of(given));
+  const auto numbers = py::array_t<std::int64_t, py::array::forcecast>::ensure(given);
+  for (py::ssize_t k = 0; k < numbers.size(); ++k)
+    if (numbers.at(k) != 0 && numbers.at(k) != 1)
+      throw py::value_error(name + "[" + std::to_string(k) + "] is " + std::to_string(numbers.at(k)) +
+                            ", a bool is expected");
+  for (std::size_t k = 0; k < flags.size(); ++k) flags[k] = static_cast<char>(numbers.at(static_cast<py::ssize_t>(k)));
+}
+
 void add_data(py::module_& m) {
   py::class_<Data, std::shared_ptr<Data>>(
       m, "SceneData",
@@ -157,9 +175,7 @@ void add_data(py::module_& m) {
           [](const Data& d, const Options& options) { d.at_rest().options = options; }, "A copy; assign.")
       .def_property(
           "active", &active_flags,
-          [](const std::shared_ptr<Data>& d, py::object values) {
-            active_flags(d).attr("__setitem__")(py::ellipsis(), values);
-          },
+          [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
           "One bool per contact of the scene: write data.active[i] = False to switch a contact.")
       .def_property_readonly(
           "a", [](const Data& d) { return d.at_rest().a; }, "Accelerations (nv) [m/s^2, rad/s^2]; a copy.")
@@ -577,11 +593,7 @@ void add_batches(py::module_& m) {
       .def_readwrite("options", &BatchData::options)
       .def_property(
           "active", [](const BatchData& b) { return std::vector<bool>(b.active.begin(), b.active.end()); },
-          [](BatchData& b, const std::vector<bool>& active) {
-            if (active.size() != b.active.size())
-              throw py::value_error("BatchData.active: " + std::to_string(b.active.size()) + " flags are expected");
-            b.active.assign(active.begin(), active.end());
-          },
+          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); },
           "A list of bools, one per contact; a copy: assign the whole list.");
   const char* const states =
       "\n\nQ: (n, nq), V: (n, nv), U: (n, nu), one state per row. status: int8 (n), int(Status). States that fail,\n"

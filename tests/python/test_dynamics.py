@@ -81,6 +81,38 @@ def test_arrays_on_derivatives_keep_their_numbers(humanoid):
     assert (last == expected).all()
 
 
+def test_active_takes_flags(humanoid):
+    file, data = humanoid
+    batch = mc.BatchData(file.scene)
+    for holder in (data, batch):
+        for flags in ([True, False], (np.bool_(1), False), [1, 0], np.array([True, False]), np.array([1, 0], "uint8")):
+            holder.active = [False, True]
+            holder.active = flags
+            assert list(holder.active) == [True, False]
+        for wrong, error, says in [
+            (True, TypeError, "a sequence of bools"),
+            ("10", TypeError, "a sequence of bools"),
+            (None, TypeError, "a sequence of bools"),
+            ({True, False}, TypeError, "a sequence of bools"),
+            ([1.0, 0.0], TypeError, "a sequence of bools"),
+            ([True, None], TypeError, "a sequence of bools"),
+            (["left", "right"], TypeError, "a sequence of bools"),
+            ([], ValueError, "2 flags are expected"),
+            ([True], ValueError, "2 flags are expected"),
+            ([True] * 3, ValueError, "2 flags are expected"),
+            ([[True], [False]], ValueError, "2 flags are expected"),
+            ([0, 2], ValueError, r"active\[1\] is 2, a bool"),
+            ([-1, 0], ValueError, r"active\[0\] is -1, a bool"),
+        ]:
+            with pytest.raises(error, match=says):
+                holder.active = wrong
+            assert list(holder.active) == [True, False]
+    data.active |= [False, True]
+    data.active[0] = False
+    assert list(data.active) == [False, True]
+    assert mc.solve(file.scene, file.q, file.v, file.u, data).nc == 6
+
+
 def test_matrices_agree(humanoid):
     file, data = humanoid
     scene = file.scene
