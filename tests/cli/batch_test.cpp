@@ -208,6 +208,7 @@ TEST_F(Batch, FilesThatCannotBeReadOrWritten) {
   expect_refused(path(""), path("o.npy"), path("") + ":1: is not a regular file");
   expect_refused(in, "/nowhere/o.npy", "/nowhere/o.npy:1: cannot be written");
   expect_refused(in, "/dev/null", "/dev/null:1: is not a regular file");
+  expect_refused(in, "-", "-:1: is not a regular file");
   expect_refused(in, path(""), path("") + ":1: is not a regular file");
   expect_nothing_left("o");
 }
@@ -217,7 +218,7 @@ TEST_F(Batch, AFailedRunLeavesTheOldFile) {
   const std::string scene = model("humanoid_standing.xml");
   states(scene, 300);
   write("o.npy", "old");
-  std::string line = "trap '' XFSZ; ulimit -f 20; exec '" MANYCONTACT_BINARY "'";
+  std::string line = "ulimit -f 20; exec '" MANYCONTACT_BINARY "'";
   for (const std::string& word : words(scene, "o.npy")) line += " '" + word + "'";
   const Outcome outcome = run({"-c", line}, "/bin/sh");
   EXPECT_EQ(outcome.status, 2);
@@ -235,6 +236,8 @@ TEST_F(Batch, BadUsage) {
       {{"batch", scene, "--states", "x"}, "option --out is missing"},
       {words(scene, "o.npy", {"--threads", "0"}), "option --threads is '0'"},
       {words(scene, "o.npy", {"--threads", "two"}), "option --threads is 'two'"},
+      {words(scene, "o.npy", {"--threads", "4097"}), "expected a whole number from 1 to 4096"},
+      {{"batch", scene, "--states", path("o.npy.part"), "--out", path("o.npy")}, "--out would be written over"},
       {words(scene, "o.npy", {"--method", "magic"}), "unknown method 'magic'"},
       {words(scene, "o.npy", {"--method", "dense-schur", "--islands"}), "--islands cannot split it"},
   };
@@ -298,15 +301,18 @@ TEST_F(Batch, TheSameBytesFromTwoProcesses) {
 TEST_F(Batch, AProcessThatDiesEndsTheRun) {
   if (!have_mpi()) GTEST_SKIP() << "no mpirun, or no manycontact-mpi beside the program";
   const std::string of = model("humanoid_standing.xml");
-  states(of, 300);
-  const std::string second = "if [ \"$OMPI_COMM_WORLD_RANK$PMI_RANK\" = 1 ]; then ulimit -f 20; ";
-  const Outcome killed = run_two(words(of, "o.npy"), second + "fi; ");
+  states(of, 20000);
+  const std::string second = "if [ \"$OMPI_COMM_WORLD_RANK$PMI_RANK\" = 1 ]; then ",
+                    kill = "(while kill -0 $$ && [ ! -e '" + path("o.npy.part") +
+                           "' ]; do :; done; kill -KILL $$) 2>&- & ";
+  const Outcome killed = run_two(words(of, "o.npy"), second + kill + "fi; ");
   EXPECT_NE(killed.status, 0);
   EXPECT_NE(killed.err, "");
   EXPECT_FALSE(exists("o.npy"));
   std::filesystem::remove(path("o.npy.part"));
 
-  const Outcome failed = run_two(words(of, "o.npy"), second + "trap '' XFSZ; fi; ");
+  states(of, 300);
+  const Outcome failed = run_two(words(of, "o.npy"), second + "ulimit -f 20; fi; ");
   EXPECT_NE(failed.status, 0);
   expect_contains(failed.err, "o.npy:1: cannot be written: File too large");
   expect_nothing_left("o");

@@ -149,6 +149,25 @@ TEST_F(FindingsOfTheProgram, ContactsCloseWithAnImpact) {
       "there is no contact 'd'");
 }
 
+// A switch at or after the end is none: the summary names it, or standard error where there is no summary.
+TEST_F(FindingsOfTheProgram, SwitchesThatAreNotReached) {
+  const std::string falls = scene(kBox + R"(<contact name="c" type="3d" frame="b/crate" active="false"/>)");
+  const auto switched = [&](const std::string& list, const std::string& out) {
+    return run({"simulate", falls, "--time", "0.01", "--step", "0.001", "--out", out, "--switch", list});
+  };
+  const std::string late = "not switched, for the run ended at t = 0.01 s: 0.01 c off, 5 c here";
+  const Outcome told = switched("5 c here, 0.002 c here, 0.01 c off", path("t.csv"));
+  EXPECT_EQ(told.status, 0);
+  EXPECT_EQ(told.err, "");
+  expect_contains(told.out, late);
+  expect_contains(told.out, "at t = 0.002 s c closed");
+  const Outcome alone = switched("5 c here, 0.002 c here, 0.01 c off", "-");
+  EXPECT_EQ(alone.status, 0);
+  EXPECT_EQ(alone.err, "manycontact: " + falls + ": " + late + "\n");
+  EXPECT_EQ(alone.out, read_text(path("t.csv")));
+  expect_lacks(switched("0.002 c here", path("t.csv")).out, "not switched");
+}
+
 // The PD law holds a posture that no torque would; torques from a file act from their time on.
 TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   const std::string arm = scene(R"(<robot name="a" urdf="arm.urdf" base="fixed" armature="0.1"/>)");

@@ -192,6 +192,7 @@ TEST_F(Optimize, SaysWhatIsWrong) {
         {"optimize", "--out", path("m.csv")},
         words(task("humanoid_reaches"), {"--solver", "newton"}),
         words(task("humanoid_reaches"), {"--threads", "0"}),
+        words(task("humanoid_reaches"), {"--threads", "4097"}),
         {"optimize", task("humanoid_reaches"), "--out", "-", "--json", "-"},
         {"optimize", task("humanoid_reaches"), "--out", path("no/folder/m.csv")}})
     EXPECT_EQ(run(wrong).status, 2);

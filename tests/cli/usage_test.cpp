@@ -76,12 +76,14 @@ TEST_F(Usage, BadUsageIsOneLineAndAHint) {
       {{"solve", scene, "--method", "dense", "--order", "camd"}, "method dense has no order"},
       {{"solve", scene, "--repeat", "0"}, "option --repeat is '0', expected a whole number"},
       {{"solve", scene, "--repeat", "3x"}, "option --repeat is '3x'"},
+      {{"solve", scene, "--threads", "4097"}, "option --threads is '4097', expected a whole number from 1 to 4096"},
       {{"solve", scene, "--repeat", "1", "--repeat", "2"}, "option --repeat is given twice"},
       {{"solve", scene, "--quasi-static=1"}, "option --quasi-static takes no value"},
       {{"solve", scene, "--json="}, "option --json has an empty value"},
       {{"inspect"}, "SCENE is missing"},
       {{"inspect", scene, "--json", "x"}, "unknown option '--json'"},
       {{"inspect", scene, "--picture"}, "option --picture needs a value"},
+      {{"inspect", path("s.xml"), "--picture", path("s.xml")}, "--picture would be written over"},
   };
   for (const auto& [words, message] : cases) {
     const Outcome outcome = run(words);

@@ -85,7 +85,7 @@ std::string required(const Arguments& arguments, const std::string& option) {
 Run set_up(const Arguments& arguments, const Team& team) {
   const std::string path = scene_operand(arguments), states = required(arguments, "--states"),
                     out = required(arguments, "--out");
-  const int threads = arguments.integer("--threads", 1, 4096, team.size() > 1 ? 1 : 0);
+  const int threads = arguments.integer("--threads", 1, kMostThreads, team.size() > 1 ? 1 : 0);
   const Options options = solver_options(arguments);
   Run run;
   run.islands = arguments.has("--islands");

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "../common/output_file.hpp"
+
 namespace manycontact::cli {
 
 /// The header of a .npy file, version 1.0, for numbers of that shape.
@@ -34,37 +36,25 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// A file that is called PATH.part until it is whole. Several processes may write it.
+/// The file of --out, or one beside it. Several processes may write it: create, join, close, publish and leave are
+/// those of PartFile.
 class NpyOutput {
  public:
-  NpyOutput(std::string path, std::vector<std::int64_t> shape);
-  /// Removes what was not published.
-  ~NpyOutput();
-  NpyOutput(NpyOutput&&) noexcept;
-  NpyOutput(const NpyOutput&) = delete;
+  NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
 
-  /// Creates PATH.part with its header. Throws InputError where PATH could not be written or is no regular file.
+  /// With its header. Throws InputError where it is no regular file, too.
   void create();
-  /// In another process, once it was created.
-  void join();
-  /// `count` numbers from number `first` on. Throws InputError when the disk is full.
+  void join() { file_.join(); }
+  /// `count` numbers from number `first` on.
   void write(std::int64_t first, std::int64_t count, const double* numbers);
-  /// All that this process wrote is with the file system.
-  void close();
-  /// PATH.part becomes PATH: by one process, once all have closed it. The others leave it to that one.
-  void publish();
-  void leave();
+  void close() { file_.close(); }
+  void publish() { file_.publish(); }
+  void leave() { file_.leave(); }
 
  private:
-  void open(int flags);
-  void write_at(std::int64_t at, std::size_t size, const char* bytes);
-  [[noreturn]] void refuse() const;
-
-  std::string path_, target_, part_;
+  PartFile file_;
   std::string header_;
   std::int64_t bytes_;
-  int file_ = -1;
-  bool unfinished_ = false;
 };
 
 }  // namespace manycontact::cli

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 
+#include "../common/output_file.hpp"
 #include "../common/table.hpp"
 #include "chart.hpp"
 
@@ -120,7 +120,8 @@ std::vector<std::string> describe(const Chart& chart) {
 }
 
 void write_page(const std::vector<Chart>& charts, const std::vector<std::string>& images, const std::string& path) {
-  std::ofstream out(path);
+  OutputFile page(path);
+  std::ostream& out = page.stream();
   out << "# Accuracy against speed\n\n"
          "Written by `manycontact chart`; the numbers are in [chart.csv](chart.csv). A point is one method, order and\n"
          "damping. Right is slower than the fastest answer, up is a larger error against the truth in quadruple\n"
@@ -142,7 +143,7 @@ void write_page(const std::vector<Chart>& charts, const std::vector<std::string>
     for (const std::string& sentence : describe(charts[k])) out << sentence << "\n";
     if (!images[k].empty()) out << "\n![" << printable(charts[k].scene) << "](" << images[k] << ".svg)\n";
   }
-  if (!out.flush()) throw InputError(path, 1, "cannot be written");
+  page.close();
 }
 
 }  // namespace manycontact::cli

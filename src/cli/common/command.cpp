@@ -1,10 +1,9 @@
 #include "command.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include "manycontact/io/input_error.hpp"
+#include "output_file.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
@@ -17,8 +16,8 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  if (path != "-" && !std::ofstream(path, std::ios::app))
-    throw InputError(path, 1, "cannot be written, expected a file that " + option + " may create");
+  PartFile file(path, option);
+  if (!file.is_straight()) file.create();  // a pipe may wait when it is opened, and ends when it is closed
 }
 
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
@@ -32,17 +31,20 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
     return !there || !fs::exists(other, error) ? at == other
                                                : fs::is_regular_file(at, error) && fs::equivalent(at, other, error);
   };
+  // What is written is called FILE.part at first.
+  const auto meets = [&one_file](const std::string& file, const std::string& other) {
+    return one_file(file, other) || (file != "-" && one_file(file + ".part", other));
+  };
   for (std::size_t k = 0; k < written.size(); ++k) {
     const auto file = arguments.value(written[k]);
     if (!file) continue;
     for (const std::string& input : read)
-      if (one_file(*file, input))
-        throw UsageError(written[k] + " would be written over '" + input + "', which is read");
+      if (meets(*file, input)) throw UsageError(written[k] + " would be written over '" + input + "', which is read");
     for (std::size_t j = 0; j < k; ++j) {
       const auto other = arguments.value(written[j]);
       if (other && *file == "-" && *other == "-")
         throw UsageError(written[j] + " and " + written[k] + " are both standard output");
-      if (other && one_file(*file, *other))
+      if (other && (meets(*file, *other) || meets(*other, *file)))
         throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
     }
   }

@@ -9,7 +9,7 @@ namespace manycontact::cli {
 enum Exit {
   kExitOk = 0,       // ok, redundant, inconsistent
   kExitUnsound = 1,  // regularised, failed; out of memory
-  kExitUsage = 2,    // bad usage or bad input
+  kExitUsage = 2,    // bad usage or bad input; output that cannot be written
 };
 
 struct Command {
@@ -44,7 +44,7 @@ std::string scene_operand(const Arguments& arguments, const std::string& name = 
 /// Before hours of work: the file that an option names can be written, or is standard output (-). Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
 /// UsageError where one of the options `written` names a file that is read, or the file, or standard output, of
-/// another one.
+/// another one; by FILE.part, too.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written);
 

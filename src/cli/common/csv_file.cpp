@@ -1,28 +1,10 @@
 #include "csv_file.hpp"
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <iostream>
-
-#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
-CsvFile::CsvFile(const std::string& path) : path_(path), out_(&std::cout) {
-  if (path == "-") return;
-  errno = 0;
-  file_.open(path);
-  out_ = &file_;
-  check();
-}
-
-void CsvFile::check() {
-  if (*out_) return;
-  throw InputError(path_, 1,
-                   std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                       ", expected a file that --out may create");
-}
+CsvFile::CsvFile(const std::string& path, const std::string& option) : file_(path, option) {}
 
 void CsvFile::next_cell() {
   if (!first_) row_ += ',';
@@ -50,15 +32,11 @@ CsvFile& CsvFile::operator<<(const std::string& x) {
 
 void CsvFile::end_row() {
   row_ += '\n';
-  *out_ << row_;
+  file_.stream() << row_;
   row_.clear();
   first_ = true;
-  check();
 }
 
-void CsvFile::close() {
-  if (out_ == &file_) file_.close();
-  check();
-}
+void CsvFile::close() { file_.close(); }
 
 }  // namespace manycontact::cli

@@ -4,16 +4,23 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 #include "manycontact/io/input_error.hpp"
+#include "output_file.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
 
 namespace {
 
-void check_writable(const std::string& path) {
-  if (!std::ofstream(path, std::ios::app)) throw InputError(path, 1, "cannot be written");
+// Whether what gnuplot wrote has its end, SVG or PNG: it does not tell of a full disk.
+bool is_whole(const std::string& path) {
+  constexpr std::streamoff kEnd = 16;
+  std::ifstream file(path, std::ios::binary);
+  std::string end(kEnd, '\0');
+  file.seekg(-kEnd, std::ios::end).read(end.data(), kEnd);
+  return end.find("</svg>") != std::string::npos || end.find("IEND") != std::string::npos;
 }
 
 }  // namespace
@@ -30,19 +37,27 @@ void draw(const std::string& script, int width, int height, const std::string& b
   const std::string size = " size " + std::to_string(width) + "," + std::to_string(height);
   const std::string look = size + " font 'DejaVu Sans,12' background rgb 'white'\n";
   std::string text = "set encoding utf8\n";
+  std::vector<PartFile> pictures;
   for (const std::string kind : {"svg", "png"}) {
-    check_writable(base + "." + kind);
+    PartFile& picture = pictures.emplace_back(base + "." + kind);
+    picture.create();
     if (kind == "svg")
       text += "set terminal svg" + look;
     else  // a gnuplot without cairo draws plainer
       text += "if (!strstrt(GPVAL_TERMINALS, 'pngcairo')) set terminal png" + size +
               "\nif (strstrt(GPVAL_TERMINALS, 'pngcairo')) set terminal pngcairo" + look;
-    text += "set output " + quoted(base + "." + kind) + "\n" + script + "unset output\nreset\n";
+    text += "set output " + quoted(picture.part()) + "\n" + script + "unset output\nreset\n";
   }
   std::FILE* pipe = popen("gnuplot 2>/dev/null", "w");
   if (!pipe) throw std::runtime_error("gnuplot cannot be started");
   const bool written = std::fwrite(text.data(), 1, text.size(), pipe) == text.size();
   if (pclose(pipe) != 0 || !written) throw std::runtime_error("gnuplot could not draw " + base + ".svg");
+  for (PartFile& picture : pictures) {
+    if (!picture.is_straight() && !is_whole(picture.part()))
+      throw InputError(picture.path(), 1, "cannot be written whole, expected a disk with room for it");
+    picture.close();
+    picture.publish();
+  }
 }
 
 }  // namespace manycontact::cli

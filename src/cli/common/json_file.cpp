@@ -1,11 +1,6 @@
 #include "json_file.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iostream>
-
-#include "manycontact/io/input_error.hpp"
+#include "output_file.hpp"
 
 namespace manycontact::cli {
 
@@ -31,14 +26,9 @@ Json json_of(const std::vector<Eigen::VectorXd>& list) {
 }
 
 void write_json_file(const Json& json, const std::string& path) {
-  if (path == "-") return print_members(std::cout, json);
-  errno = 0;
-  std::ofstream out(path);
-  if (out) print_members(out, json);
-  if (!out.flush())
-    throw InputError(path, 1,
-                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                         ", expected a file that --json may create");
+  OutputFile file(path, "--json");
+  print_members(file.stream(), json);
+  file.close();
 }
 
 }  // namespace manycontact::cli

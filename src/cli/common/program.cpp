@@ -1,5 +1,6 @@
 #include "program.hpp"
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -66,10 +67,11 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
 }  // namespace
 
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of the write that does it
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;
-    return complain("cannot write to standard output", "", kExitUnsound);
+    return complain("cannot write to standard output", "", kExitUsage);
   } catch (const InputError& error) {
     return complain(error.what(), "", kExitUsage);
   } catch (const sparse::TooLarge& error) {

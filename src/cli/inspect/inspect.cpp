@@ -25,9 +25,13 @@ namespace {
 constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
 
 int run_inspect(const Arguments& arguments) {
-  const SceneFile file = load_scene(scene_operand(arguments));
+  const std::string path = scene_operand(arguments);
+  check_files(arguments, {path}, {"--picture"});
+  const SceneFile file = load_scene(path);
   const Inspection inspection = inspect_scene(file);
-  if (const auto picture = arguments.value("--picture")) write_picture(inspection, *picture);
+  const std::string picture = arguments.value("--picture").value_or("");
+  if (!picture.empty()) write_picture(inspection, picture);
+  if (picture == "-") return kExitOk;
   print_heading(std::cout, file, inspection.data);
   print_notes(std::cout, file, true);
   print_joints(std::cout, file);
@@ -198,7 +202,8 @@ const Command& inspect_command() {
       "inspect",
       "SCENE",
       "What is modelled and what is not, islands, ranks of the contacts, predicted costs, advice.",
-      {{"--picture", "FILE.svg", "also draw the patterns of K and of its factor L"}},
+      {{"--picture", "FILE.svg",
+        "also draw the patterns of K and of its factor L; - is standard output, and then that alone"}},
       "Exit status: 0; 2 bad usage or bad input.\n",
       run_inspect};
   return command;

@@ -30,7 +30,7 @@ void print_costs(std::ostream& out, const Inspection& inspection);
 void print_memory(std::ostream& out, const Inspection& inspection);
 void print_advice(std::ostream& out, const Inspection& inspection);
 
-/// The patterns of K and L as an SVG file. Throws InputError when it cannot be written.
+/// The patterns of K and L as an SVG file, "-" is standard output. Throws InputError when it cannot be written.
 void write_picture(const Inspection& inspection, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -1,14 +1,11 @@
 // `inspect --picture`: the pattern of K in the scene's order, and of its factor L in the order of elimination.
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 
+#include "../common/output_file.hpp"
 #include "../common/svg.hpp"
 #include "../common/table.hpp"
 #include "inspect.hpp"
-#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
@@ -230,13 +227,9 @@ void draw(std::ostream& svg, const Inspection& x) {
 }  // namespace
 
 void write_picture(const Inspection& inspection, const std::string& path) {
-  errno = 0;
-  std::ofstream svg(path);
-  if (svg) draw(svg, inspection);
-  if (!svg.flush())
-    throw InputError(path, 1,
-                     std::string("cannot be written") + (errno ? std::string(": ") + std::strerror(errno) : "") +
-                         ", expected a file that --picture may create");
+  OutputFile svg(path, "--picture");
+  draw(svg.stream(), inspection);
+  svg.close();
 }
 
 }  // namespace manycontact::cli

@@ -75,7 +75,7 @@ std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskF
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
-  const int threads = arguments.integer("--threads", 1, 4096, 0);
+  const int threads = arguments.integer("--threads", 1, kMostThreads, 0);
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");

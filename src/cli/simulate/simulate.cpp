@@ -174,6 +174,12 @@ void print_impacts(std::ostream& out, const Around& around) {
          2);
 }
 
+// Empty where every switch was done.
+std::string switches_not_reached(const Around& around, const SimulationData& sim) {
+  const std::string list = around.switches ? around.switches->not_reached() : "";
+  return list.empty() ? "" : "not switched, for the run ended at t = " + number(sim.time(), 6) + " s: " + list;
+}
+
 void print_summary(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Around& around,
                    const Run& run) {
   out << printable(file.scene.name) << ": " << count(sim.steps, "step") << " of " << number(sim.h) << " s, "
@@ -189,6 +195,8 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   table.add({"work of torques", "", number(around.watch.work(), 6), "", "J, less that of impacts"});
   table.print(out);
   print_impacts(out, around);
+  const std::string late = switches_not_reached(around, sim);
+  if (!late.empty()) wrap(out, printable(late), 2);
   print_findings(out, file.scene, run.at_start);
   around.watch.print(out, file.scene, sim, run.start, run.end, run.largest.kinetic);
   print_advice(out, file.scene, sim);
@@ -221,7 +229,7 @@ Around around_of(const Arguments& arguments, const SceneFile& file) {
     out.control.follow(k.alpha, k.beta, reference);
   }
   if (const auto text = arguments.value("--switch")) out.switches.emplace(*text, file);
-  if (const auto forces = arguments.value("--forces")) out.forces = std::make_unique<CsvFile>(*forces);
+  if (const auto forces = arguments.value("--forces")) out.forces = std::make_unique<CsvFile>(*forces, "--forces");
   return out;
 }
 
@@ -250,7 +258,11 @@ int run_simulate(const Arguments& arguments) {
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
   if (run.stopped == StepStatus::kSolverFailed)
     run.at_start.weightless = weightless_names(file.scene, sim.dynamics, sim.q);
-  if (*out != "-") print_summary(std::cout, file, sim, around, run);
+  const std::string late = switches_not_reached(around, sim);
+  if (*out != "-")
+    print_summary(std::cout, file, sim, around, run);
+  else if (!late.empty())
+    std::cerr << "manycontact: " << printable(path + ": " + late) << "\n";
   if (const auto json = arguments.value("--json")) write_json_file(document(file, sim, around, run), *json);
   finish_view(arguments, file, run.view, *out != "-" ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;

@@ -6,13 +6,15 @@
 #include <sstream>
 
 #include "../common/arguments.hpp"
-#include "manycontact/analysis/text.hpp"
+#include "../common/table.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::cli {
 
 namespace {
+
+const std::vector<std::string> kWhats{"off", "on", "here"};
 
 [[noreturn]] void refuse(const std::string& item) {
   throw UsageError("option --switch has '" + item +
@@ -45,10 +47,9 @@ Switches::Event read(const std::string& item, const SceneFile& file) {
   const std::string& t = words.front();
   const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), event.t);
   if (error != std::errc() || end != t.data() + t.size() || !std::isfinite(event.t) || event.t < 0) refuse(item);
-  const std::vector<std::string> whats{"off", "on", "here"};
-  const auto what = std::find(whats.begin(), whats.end(), words.back());
-  if (what == whats.end()) refuse(item);
-  event.what = static_cast<decltype(event.what)>(what - whats.begin());
+  const auto what = std::find(kWhats.begin(), kWhats.end(), words.back());
+  if (what == kWhats.end()) refuse(item);
+  event.what = static_cast<Switches::Event::What>(what - kWhats.begin());
   event.contact = words[1];
   for (std::size_t k = 2; k + 1 < words.size(); ++k) event.contact += " " + words[k];
   find_contacts(file, event);
@@ -61,6 +62,13 @@ Switches::Switches(const std::string& text, const SceneFile& file) {
   std::istringstream stream(text);
   for (std::string item; std::getline(stream, item, ',');) events_.push_back(read(item, file));
   std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+}
+
+std::string Switches::not_reached() const {
+  std::vector<std::string> list;
+  for (std::size_t k = done_; k < events_.size(); ++k)
+    list.push_back(number(events_[k].t, 4) + " " + events_[k].contact + " " + kWhats[events_[k].what]);
+  return list.empty() ? "" : join(list, 4);
 }
 
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
@@ -80,7 +88,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   if (!any) return true;
   const double t = sim.time();
   const VelocityJump jump = switch_contacts(scene, active, sim);
-  if (!closed.empty()) blows_.push_back({t, text::join(closed, 4), jump});
+  if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump});
   return jump.status != Status::kFailed;
 }
 

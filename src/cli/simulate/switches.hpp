@@ -16,7 +16,7 @@ class Switches {
     double t = 0;
     std::string contact;
     int first = 0, count = 1;  // contacts
-    enum { kOff, kOn, kHere } what = kOff;
+    enum What { kOff, kOn, kHere } what = kOff;
   };
   const std::vector<Event>& events() const { return events_; }
 
@@ -27,6 +27,9 @@ class Switches {
     VelocityJump jump;
   };
   const std::vector<Blow>& blows() const { return blows_; }
+
+  /// "5 left off, 7 right on": what is not done yet, as the option has it; empty where all is.
+  std::string not_reached() const;
 
   /// Does what is due at the state's time, `tolerance` early at most. False when an impact could not be solved.
   [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);

@@ -89,7 +89,7 @@ void check_size_of_json(const Scene& scene) {
 int run_solve(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   Options options = solver_options(arguments);
-  options.threads = arguments.integer("--threads", 1, 4096, 1);
+  options.threads = arguments.integer("--threads", 1, kMostThreads, 1);
   const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
 
   check_files(arguments, {path}, {"--json"});

@@ -4,10 +4,9 @@
 
 #include <bit>
 #include <cstring>
-#include <fstream>
-#include <iostream>
 #include <ostream>
 
+#include "../common/output_file.hpp"
 #include "../common/table.hpp"
 
 namespace manycontact::cli {
@@ -116,12 +115,9 @@ std::vector<std::string> write_view(const SceneFile& file, Recording& recording,
   const std::string json =
       script_safe(scene.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may be any bytes
 
-  std::ofstream stream;
-  if (path != "-") stream.open(path, std::ios::binary);
-  std::ostream& out = path == "-" ? std::cout : stream;
-  write_page(page_parts(), json, out);
-  out.flush();
-  if (!out) throw InputError(path, 1, "cannot be written, expected a file that may be created");
+  OutputFile page(path);
+  write_page(page_parts(), json, page.stream());
+  page.close();
   return notes;
 }
 
