@@ -289,7 +289,7 @@ void solve_cut(const Scene& scene, SceneData& data) {
   const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
   for (std::size_t i = 0; i < w.islands.size(); ++i)
-    if (w.islands[i]->cut && !w.islands[i]->was_dependent)  // mostly still is: another way answers
+    if (w.islands[i]->cut && !w.islands[i]->was_dependent)  // else answered already
       (void)solve_cut_island(job, data, *w.islands[i], data.report.islands[i]);
 }
 

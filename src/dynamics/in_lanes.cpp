@@ -73,7 +73,7 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
   each_in_lanes(
-      scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // mostly still is: another way answers
+      scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // answered already
       [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
         kernel.solve(job, islands, {thread.answers.data(), islands.size()});
         for (std::size_t k = 0; k < islands.size(); ++k)

@@ -145,22 +145,25 @@ void forget_states(SceneData& data) {
   for (const auto& island : data.workspace->islands) island->was_dependent = false;
 }
 
+bool still_dependent(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
+                     IslandReport& report) {
+  const Rung safe{Way::kDependentRows, Order::kLeafToRoot, 0};
+  d.was_dependent =
+      scene.damping == 0 && attempt(scene, data, scratch, safe, d, report) == Reason::kNone && rank_deficient(d);
+  if (!d.was_dependent) {
+    d.factor = nullptr;
+    report.status = Status::kOk;
+    return false;
+  }
+  report.changed_order = d.choice.order != safe.order;
+  report.reason = Reason::kSmallPivot;
+  return true;
+}
+
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
                   IslandReport& report) {
   const auto [method, order] = d.choice;
-  // Rows that were dependent in the last solve mostly still are: the first rung would fail.
-  if (d.was_dependent && scene.damping == 0) {
-    const Rung safe{Way::kDependentRows, Order::kLeafToRoot, 0};
-    d.was_dependent = attempt(scene, data, scratch, safe, d, report) == Reason::kNone && rank_deficient(d);
-    if (d.was_dependent) {
-      report.changed_order = order != safe.order;
-      report.reason = Reason::kSmallPivot;
-      return true;
-    }
-    d.factor = nullptr;
-    report.status = Status::kOk;
-  }
-  d.was_dependent = false;
+  if (d.was_dependent && still_dependent(scene, data, scratch, d, report)) return true;
   const Rungs rungs = rungs_of(d, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   for (int k = 0; k < rungs.count; ++k) {

@@ -60,16 +60,17 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                          FactorScratch& scratch, IslandWork& d, IslandReport& report) {
+// Kinematics, terms and their memory for the ladder; false where the input cannot be used.
+bool ready_for_ladder(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
+                      IslandReport& report) {
   if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
   if (!d.terms_in_lanes) evaluate(scene, q, v, *data.workspace, d.island);
   report.reason = check_input(scene, q, v, data.tau, d.island);
-  if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-  if (!climb_ladder(scene, data, scratch, d, report)) {
-    d.factor = nullptr;
-    return fail(scene, data, d.island, report);
-  }
+  return report.reason == Reason::kNone;
+}
+
+// What the ladder found, in the scene's coordinates.
+void take_answer(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
   const KktPattern& p = *d.K.pattern;
   scatter(scene, data.f_offset, p, d.island, d.v.x.data(), data.a, data.f);  // x = [a; -f]
   each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
@@ -77,12 +78,22 @@ void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstV
   report.backward_error = rank_deficient(d) ? sparse::componentwise_backward_error(d.v.r, d.v.scale) : d.last_error;
 }
 
+void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
+                          FactorScratch& scratch, IslandWork& d, IslandReport& report) {
+  if (!ready_for_ladder(scene, q, v, data, d, report)) return fail(scene, data, d.island, report);
+  if (!climb_ladder(scene, data, scratch, d, report)) {
+    d.factor = nullptr;
+    return fail(scene, data, d.island, report);
+  }
+  take_answer(scene, data, d, report);
+}
+
 // By sparse-bodies, or in joint space; there also what sparse-bodies refused, unless it is too large.
 void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
                   FactorScratch& scratch, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   d.factor = nullptr;
-  if (has_bodies(d) && !d.was_dependent) {
+  if (has_bodies(d)) {
     report.reason = check_input(scene, q, v, data.tau, d.island);
     if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
     if (solve_by_bodies(scene, data, d, report)) return;
@@ -107,6 +118,23 @@ void reset(IslandReport& report, const Island& island) {
 }
 
 namespace {
+
+// The islands whose rows depend on each other as in the solve before. Of the others nothing is left behind: a state's
+// answer does not depend on the states before it.
+void solve_dependent(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->was_dependent; })) return;
+  evaluate_in_lanes(scene, data, [](const IslandWork& d) { return d.was_dependent; });
+  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    IslandWork& d = *w.islands[i];
+    IslandReport& report = data.report.islands[i];
+    if (!d.was_dependent) return;
+    reset(report, d.island);
+    d.factor = nullptr;
+    d.was_dependent = ready_for_ladder(scene, q, v, data, d, report);
+    if (d.was_dependent && still_dependent(scene, data, thread.scratch, d, report)) take_answer(scene, data, d, report);
+  });
+}
 
 // Checks what every solve is given, u or tau by its name and size, and prepares.
 void begin(const char* function, const Scene& scene, const ConstVector& q, const ConstVector& v, const char* name,
@@ -135,11 +163,14 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.kinematics_known = false;
   const OneBlasOfThreads one_blas_thread(w);
   ++w.solves;  // what fails on the way may have left its number behind
+  solve_dependent(scene, q, v, data);
   solve_in_lanes(scene, data);
   solve_cut(scene, data);
-  evaluate_in_lanes(scene, data, [](const IslandWork& d) { return !d.in_lanes; });
+  const auto left = [](const IslandWork& d) { return !d.in_lanes && !d.was_dependent; };
+  evaluate_in_lanes(scene, data, left);
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.islands[i]->in_lanes) solve_island(scene, q, v, data, thread.scratch, *w.islands[i], data.report.islands[i]);
+    IslandWork& d = *w.islands[i];
+    if (left(d)) solve_island(scene, q, v, data, thread.scratch, d, data.report.islands[i]);
   });
   w.kinematics_known = std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->in_lanes; });
   summarise(data.report);

@@ -49,6 +49,11 @@ void assemble_island(const Scene& scene, const SceneData& data, Order order, dou
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& island,
                   IslandReport& report);
 
+/// Rows that depended on each other in the solve before mostly still do, where the first rungs would fail: whether they
+/// do, and the answer then. If not, was_dependent is false, and another way has to answer as if they never had.
+[[nodiscard]] bool still_dependent(const Scene& scene, const SceneData& data, FactorScratch& scratch,
+                                   IslandWork& island, IslandReport& report);
+
 /// The same for an answer that lanes or parts gave: what the next solve tries first stays. island.factor is null where
 /// there is none.
 void factorize_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);

@@ -105,7 +105,7 @@ TEST(ByRobots, MoreDerivativesThanCachesHold) {
 }
 
 TEST(ByRobots, PartsOfTheDerivatives) {
-  const SceneFile file = row_of_arms(12);
+  const SceneFile file = ring();
   for (const DerivativeRequest& request :
        {DerivativeRequest{true, false, false, true}, DerivativeRequest{false, true, true, true},
         DerivativeRequest{true, true, true, true, true}}) {

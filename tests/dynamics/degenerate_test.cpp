@@ -122,6 +122,53 @@ TEST(Dependent, OneIslandOfTwo) {
 }
 
 // A contradiction counts from 1e-8 of the terms on.
+// States in which rows depend on each other, and dampings, come and go in the same data: a state's bits are those of
+// new data.
+TEST(Dependent, NothingIsLeftForTheStatesAfter) {
+  const char* scenes[] = {R"(<scene>
+  <robot name="arm" urdf="arm.urdf" base="fixed" copies="9" arrange="line" spacing="2"/>
+  <contact name="hold" type="6d" frame="arm/tool" gains="100 20"/>
+</scene>)",
+                          R"(<scene>
+  <robot name="dog" urdf="quadruped.urdf" base="floating" copies="16" arrange="circle" spacing="0.6"/>
+  <contact name="tie" type="3d" frame="dog/LF_foot" to="dog+1/RH_foot" wrap="true"/>
+  <contact name="stand" type="3d" frame="dog/RF_foot"/>
+  <contact name="trunk" type="6d" frame="dog/trunk"/>
+</scene>)"};
+  for (const char* text : scenes) {
+    SceneFile file = load_text(text);
+    Scene& scene = file.scene;
+    std::mt19937 rng(31);
+    SceneFile bent = file;
+    disturb(bent, rng, 0.5);
+    SceneFile some = bent;  // every third robot as it was
+    for (int r = 0; r < scene.nrobots(); r += 3) {
+      const Robot& robot = scene.robots[r];
+      some.q.segment(robot.idx_q, robot.model->nq) = file.q.segment(robot.idx_q, robot.model->nq);
+    }
+    for (const Way& way : ways(true)) {
+      SCOPED_TRACE(way.name);
+      SceneData data(scene, way.options);
+      bool dependent = false;
+      for (const double damping : {0.0, 1e-6, 0.0})
+        for (const SceneFile* state : {&bent, &some, &bent, &file, &some, &bent}) {
+          scene.damping = damping;
+          (void)solve(scene, state->q, bent.v, bent.u, data);
+          dependent =
+              dependent || data.report.status == Status::kRedundant || data.report.status == Status::kInconsistent;
+          SceneData fresh(scene, way.options);
+          (void)solve(scene, state->q, bent.v, bent.u, fresh);
+          EXPECT_EQ(data.report.status, fresh.report.status);
+          EXPECT_EQ(data.report.rank, fresh.report.rank);
+          EXPECT_TRUE(((data.a.array() == fresh.a.array()) || fresh.a.array().isNaN()).all());
+          EXPECT_TRUE(((data.f.array() == fresh.f.array()) || fresh.f.array().isNaN()).all());
+        }
+      EXPECT_TRUE(dependent || way.options.method == Method::kDenseSchur);
+    }
+    scene.damping = 0;
+  }
+}
+
 TEST(Dependent, ThresholdOfContradiction) {
   std::mt19937 rng(23);
   SceneOptions options;

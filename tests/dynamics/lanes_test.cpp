@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -157,6 +158,28 @@ TEST_P(InLanes, MoreDerivativesThanCachesHold) {
   const Answer all = answer(herd, GetParam());
   ASSERT_GT(8.0 * kCount * all.X.front().size(), 5 << 20);
   for (const int r : {0, 1, 70, 336, 337, 338}) expect_same(herd, all, r, answer(part_of(herd, {r}), GetParam()));
+}
+
+// The humanoids that stand have panels that are refined, lane by lane, beside others in motion that have none.
+TEST_P(InLanes, MoreDerivativesThanCachesHoldOfSomeThatAreRefined) {
+  std::mt19937 rng(16);
+  const std::string herd = "base=\"floating\" copies=\"131\" arrange=\"grid\" spacing=\"2\"";
+  const SceneFile rest = load_edited(kModels + "humanoid_standing.xml", {{"base=\"floating\"", herd}});
+  SceneFile moved = rest;
+  disturb(moved, rng);
+  Herd some{rest.scene, moved.q, moved.v, moved.u};
+  for (int r = 1; r < 131; r += 3) {
+    const Robot& robot = rest.scene.robots[r];
+    some.q.segment(robot.idx_q, robot.model->nq) = rest.q.segment(robot.idx_q, robot.model->nq);
+    some.v.segment(robot.idx_v, robot.model->nv).setZero();
+  }
+  std::vector<int> every(131);
+  std::iota(every.begin(), every.end(), 0);
+  const Herd mixed = part_of(some, every);  // contacts robot by robot
+  const Answer all = answer(mixed, GetParam());
+  ASSERT_GT(8.0 * 131 * all.X.front().size(), 5 << 20);
+  for (const int r : {0, 1, 2, 3, 60, 61, 62, 63, 64, 65, 127, 128, 129, 130})
+    expect_same(mixed, all, r, answer(part_of(some, {r}), GetParam()));
 }
 
 // At rest, in a symmetric posture, many accelerations are rounding: refinement moves them by all they are, beside

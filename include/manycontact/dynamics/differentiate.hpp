@@ -13,8 +13,8 @@ namespace manycontact {
 ///
 /// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
-/// the least-squares accelerations. Blocks of failed islands are NaN, and
-/// those of an island whose system for them, worse than that of its solve, was not solved to kConverged.
+/// the least-squares accelerations. NaN are the blocks of failed islands, and of those whose system for them, worse than
+/// that of the solve, was not solved to kConverged.
 /// Allocates nothing after the first call with the same request and contact set, by the sparse methods, unless a state
 /// needs another way (a thread's first derivatives take scratch that it keeps). Throws std::logic_error before the first
 /// solve and when contacts were switched after it, std::invalid_argument when data are not of this scene.

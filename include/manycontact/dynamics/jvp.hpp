@@ -5,10 +5,9 @@ namespace manycontact {
 
 // Products with the derivatives of (a, f) = solve(q, v, u) at the last solve, through solves with its factor and tree
 // recursions; no derivative matrix is formed, the cost is that of a few solves. (Islands with dependent contact rows
-// are the exception: theirs are formed.) q on the tangent space. The results of failed islands are NaN, and those
-// of a deep tree that was solved in parts where the whole tree's factor is not sound. Throw
-// std::invalid_argument on a wrong size or data of another scene, std::logic_error before a solve and when contacts
-// were switched after it.
+// are the exception: theirs are formed.) q on the tangent space. NaN are the results of failed islands, and of deep
+// trees that were solved in parts where the whole tree's factor is not sound. Throw std::invalid_argument on a wrong
+// size or data of another scene, std::logic_error before a solve and when contacts were switched after it.
 
 /// da = da/dq dq + da/dv dv + da/du du, df likewise. dq, dv, da: scene.nv; du: scene.nu; df: data.f.size().
 void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,

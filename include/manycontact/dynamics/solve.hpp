@@ -13,9 +13,10 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 ///
 /// per island, with data.options.method. Returns data.report, whose status says what the answer is worth; a failed
 /// island's a and f are NaN. Allocates nothing when every island's trees and contacts were met before, gains and frames
-/// too, by the sparse methods but sparse-supernodal. Throws std::invalid_argument when a size does not fit the scene or
-/// data are not of this scene, std::bad_alloc; no answer is at hand then (data.serial is 0), and the next call starts
-/// anew.
+/// too, by the sparse methods but sparse-supernodal. Bits do not depend on what data held before.
+/// Throws std::invalid_argument when a size does not fit the scene or data are not of this scene, and leaves what is at
+/// hand; std::bad_alloc, and std::invalid_argument for data.active of another length: no answer is at hand then
+/// (data.serial is 0), and the next call starts anew.
 [[nodiscard]] const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
                                   SceneData& data);
 

@@ -155,15 +155,8 @@ void CutSideBySide<S>::evaluate_rows(const Job& job, std::span<Robot> robots) {
   S smallest(std::numeric_limits<double>::infinity()), motion(0);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& first = job.scene.contacts[robots.front().contacts[k]];
-    const bool in_world = first.B.robot < 0;
-    const SE3<S> aMA = kin_.oMi[first.A.joint] * first.A.placement.cast<S>();
     ContactData<S>& rows = contacts_[k];
-    if (in_world)
-      contact_rows_between<S>(job.scene.gravity, first, cut_->supports[k], kin_, aMA, nullptr, bMB_[k], kin_.origin,
-                              rows);
-    else
-      contact_rows_between<S>(job.scene.gravity, first, cut_->supports[k], kin_, aMA, &kin_,
-                              kin_.oMi[first.B.joint] * first.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()), rows);
+    rows_on_one_robot<S>(job.scene.gravity, first, cut_->supports[k], kin_, bMB_[k], rows);
     motion = larger(motion_size(first, rows), motion);
     smallest = -larger(-smallest_row(rows), -smallest);
   }

@@ -339,17 +339,8 @@ void SideBySide<S>::evaluate_inertia() {
 
 template <class S>
 void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const SE3<S> aMA = kin_.oMi[contact.A.joint] * contact.A.placement.cast<S>();
-    if (contact.B.robot < 0)
-      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, nullptr, bMB_[k], kin_.origin,
-                              contacts_[k]);
-    else
-      contact_rows_between<S>(scene.gravity, contact, supports_[k], kin_, aMA, &kin_,
-                              kin_.oMi[contact.B.joint] * contact.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()),
-                              contacts_[k]);
-  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    rows_on_one_robot<S>(scene.gravity, scene.contacts[island.contacts[k]], supports_[k], kin_, bMB_[k], contacts_[k]);
 }
 
 /// J and -delta I in K.

@@ -56,6 +56,18 @@ S smallest_row(const ContactData<S>& rows) {
   return smallest;
 }
 
+/// Rows of a contact of a robot with itself, or with the world, where B stands at in_world.
+template <class S>
+void rows_on_one_robot(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
+                       const Kinematics<S>& kin, const SE3<S>& in_world, ContactData<S>& rows) {
+  const SE3<S> aMA = kin.oMi[contact.A.joint] * contact.A.placement.cast<S>();
+  if (contact.B.robot < 0)
+    contact_rows_between<S>(gravity, contact, support, kin, aMA, nullptr, in_world, kin.origin, rows);
+  else
+    contact_rows_between<S>(gravity, contact, support, kin, aMA, &kin,
+                            kin.oMi[contact.B.joint] * contact.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()), rows);
+}
+
 template <class S>
 class RobotTermsOf {
  public:
