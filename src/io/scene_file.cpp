@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "scene_parts.hpp"
 
@@ -76,6 +77,17 @@ class IncludeReader {
   std::vector<std::string> open_;
 };
 
+std::vector<std::string> files_of(const SceneElements& elements, const std::vector<RobotGroup>& robots) {
+  std::vector<std::string> files;
+  std::set<std::string> known;
+  const auto add = [&](const std::string& path) {
+    if (known.insert(path).second) files.push_back(path);
+  };
+  for (const auto& file : elements.files) add(file->path());
+  for (const RobotGroup& robot : robots) add(robot.urdf);
+  return files;
+}
+
 }  // namespace
 }  // namespace io
 
@@ -96,6 +108,7 @@ SceneFile read_scene_text(const std::string& text, const std::string& path) {
   out.scene.gravity = io::gravity_of(root);
   out.scene.damping = root.number("damping", 0);
   io::add_robots(elements.robots, out);
+  out.files = io::files_of(elements, out.robot_groups);
   io::add_contacts(elements.contacts, out);
   return out;
 }

@@ -210,6 +210,8 @@ TEST_F(Batch, FilesThatCannotBeReadOrWritten) {
   expect_refused(in, "/dev/null", "/dev/null:1: is not a regular file");
   expect_refused(in, "-", "-:1: is not a regular file");
   expect_refused(in, path(""), path("") + ":1: is not a regular file");
+  const std::string long_name = path(std::string(300, 'o'));
+  expect_refused(in, long_name, long_name + ":1: cannot be written");
   expect_nothing_left("o");
 }
 
@@ -238,6 +240,8 @@ TEST_F(Batch, BadUsage) {
       {words(scene, "o.npy", {"--threads", "two"}), "option --threads is 'two'"},
       {words(scene, "o.npy", {"--threads", "4097"}), "expected a whole number from 1 to 4096"},
       {{"batch", scene, "--states", path("o.npy.part"), "--out", path("o.npy")}, "--out would be written over"},
+      {{"batch", scene, "--states", path("o.derivatives.npy"), "--out", path("o.npy"), "--derivatives"},
+       "--derivatives would be written over"},
       {words(scene, "o.npy", {"--method", "magic"}), "unknown method 'magic'"},
       {words(scene, "o.npy", {"--method", "dense-schur", "--islands"}), "--islands cannot split it"},
   };

@@ -208,5 +208,13 @@ TEST_F(Inspect, PictureEscapesNames) {
   expect_well_formed(read_text(path("k.svg")));
 }
 
+TEST_F(Inspect, PictureIsUtf8) {
+  const std::string scene = this->scene("<robot name=\"caf\xe9\" urdf=\"box.urdf\" base=\"floating\"/>");
+  EXPECT_EQ(run({"inspect", scene, "--picture", path("k.svg")}).status, 0);
+  const std::string svg = read_text(path("k.svg"));
+  EXPECT_EQ(svg.find('\xe9'), std::string::npos);
+  EXPECT_NE(svg.find("caf\xef\xbf\xbd"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace manycontact::cli

@@ -1,5 +1,7 @@
 // Files that the program writes: whole under their names, or not there; what is no regular file is written straight.
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -137,16 +139,147 @@ TEST_F(Output, DevicesAndPipesAreWrittenStraight) {
   EXPECT_TRUE(nlohmann::json::parse(named.out, nullptr, false).contains("acceleration"));
 }
 
-// The summary, and then the file on standard output.
-TEST_F(Output, StandardOutputKeepsItsOrder) {
-  const Outcome outcome =
-      run({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("t.csv"), "--json", "-"});
+// Nothing else is said there.
+TEST_F(Output, AFileOnStandardOutputIsAlone) {
+  for (const char* out : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"}) {
+    SCOPED_TRACE(out);
+    const std::vector<std::string> simulate{"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out"};
+    const auto simulated = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> words = simulate;
+      words.insert(words.end(), more.begin(), more.end());
+      return run(words);
+    };
+    const Outcome json = simulated({path("t.csv"), "--json", out});
+    EXPECT_EQ(json.status, 0) << json.err;
+    EXPECT_TRUE(nlohmann::json::parse(json.out, nullptr, false).contains("steps")) << json.out;
+    for (const Outcome& csv : {simulated({out}), simulated({path("t.csv"), "--forces", out})}) {
+      EXPECT_EQ(csv.status, 0) << csv.err;
+      EXPECT_TRUE(csv.out.starts_with("t,")) << csv.out;
+      EXPECT_EQ(lines_of(csv.out).size(), 12u) << csv.out;
+    }
+    const Outcome picture = run({"inspect", scene_, "--picture", out});
+    EXPECT_TRUE(picture.out.starts_with("<?xml")) << picture.out;
+    EXPECT_TRUE(picture.out.ends_with("</svg>\n")) << picture.out;
+    EXPECT_EQ(simulated({path("t.csv"), "--view", out}).status, 2);
+    EXPECT_EQ(simulated({out, "--json", "-"}).status, 2);
+  }
+}
+
+// Open files go on where they are.
+TEST_F(Output, OpenFilesAreNotEmptied) {
+  const Outcome outcome = shell("exec 5> '" + path("o") + "'; echo before >&5; " +
+                                line_of({"solve", scene_, "--json", "/dev/fd/5"}) + "; s=$?; echo after >&5; exit $s");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(outcome.out.starts_with("humanoid_standing: 10 steps")) << outcome.out;
-  EXPECT_TRUE(outcome.out.ends_with("\n}\n")) << outcome.out;
-  const Outcome picture = run({"inspect", scene_, "--picture", "-"});
-  EXPECT_TRUE(picture.out.starts_with("<?xml")) << picture.out;
-  EXPECT_TRUE(picture.out.ends_with("</svg>\n")) << picture.out;
+  const std::string text = read_text(path("o"));
+  EXPECT_TRUE(text.starts_with("before\n{")) << text;
+  EXPECT_TRUE(text.ends_with("}\nafter\n")) << text;
+  expect_refused(run({"solve", scene_, "--json", "/dev/fd/99"}), "/dev/fd/99:1: cannot be written: Bad file");
+}
+
+// A file never becomes standard error.
+TEST_F(Output, ClosedDescriptorsStayClosed) {
+  const Outcome outcome =
+      shell(line_of({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("t.csv"), "--progress"}) +
+            " <&- 2>&-");
+  EXPECT_EQ(outcome.status, 0);
+  const std::vector<std::string> rows = lines_of(read_text(path("t.csv")));
+  ASSERT_EQ(rows.size(), 12u);
+  for (const std::string& row : rows)
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(rows[0].begin(), rows[0].end(), ',')) << row;
+  EXPECT_EQ(shell("exec " + line_of({"solve", scene_}) + " >&-").status, 2);
+}
+
+// Whatever is read for a scene, by whichever name.
+TEST_F(Output, FilesThatAreReadStay) {
+  const std::string outer = path("outer.xml"), inner = scene("<robot name=\"r\" urdf=\"arm.urdf\" base=\"fixed\"/>");
+  std::ofstream(outer) << "<scene><include file=\"scene.xml\"/></scene>";
+  fs::create_symlink("arm.urdf", path("link"));
+  const std::string arm = read_text(path("arm.urdf")), scene = read_text(inner);
+  for (const std::string& out : {path("arm.urdf"), inner, outer, path("./arm.urdf"), path("link")}) {
+    SCOPED_TRACE(out);
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+             {"solve", outer, "--json", out},
+             {"inspect", outer, "--picture", out},
+             {"view", outer, "--out", out},
+             {"simulate", outer, "--time", "0.01", "--step", "0.001", "--out", out},
+             {"simulate", outer, "--time", "0.01", "--step", "0.001", "--out", path("t"), "--json", out},
+             {"batch", outer, "--states", path("x.npy"), "--out", out}}) {
+      const Outcome outcome = run(words);
+      EXPECT_EQ(outcome.status, 2) << words[0];
+      expect_contains(outcome.err, "would be written over");
+    }
+  }
+  EXPECT_EQ(read_text(path("arm.urdf")), arm);
+  EXPECT_EQ(read_text(inner), scene);
+  EXPECT_FALSE(fs::exists(path("t")));
+
+  fs::rename(inner, path("README.md"));
+  const Outcome charted = run({"chart", path("README.md"), path("README.md"), "--seconds", "0", "--out", path("")});
+  EXPECT_EQ(charted.status, 2);
+  expect_contains(charted.err, "--out would write");
+  EXPECT_EQ(read_text(path("README.md")), scene);
+}
+
+TEST_F(Output, TasksToo) {
+  const std::string scene = model("tasks/humanoid_scene.xml"), before = read_text(scene);
+  const auto optimize = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"optimize", model("tasks/humanoid_reaches.xml"), "--out"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  expect_contains(optimize({path("m"), "--json", scene}).err, "--json would be written over");
+  expect_contains(optimize({path("c/forces.svg"), "--charts", path("c")}).err, "--charts would write");
+  EXPECT_EQ(read_text(scene), before);
+  EXPECT_FALSE(fs::exists(path("c")));
+}
+
+TEST_F(Output, OneFileByTwoNames) {
+  fs::create_symlink("z", path("dangling"));
+  for (const std::string& other : {path("./z"), path("dangling"), path("no/../z"), path("z.part")}) {
+    const Outcome outcome =
+        run({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("z"), "--json", other});
+    EXPECT_EQ(outcome.status, 2) << other;
+    expect_contains(outcome.err, "--out and --json are one file");
+  }
+  const Outcome relative =
+      shell("cd '" + path("") + "' && " +
+            line_of({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", "z", "--json", "./z"}));
+  expect_contains(relative.err, "--out and --json are one file");
+  EXPECT_FALSE(fs::exists(path("z")));
+}
+
+TEST_F(Output, PartsThatAreNoFilesAreRefused) {
+  ASSERT_EQ(mkfifo(path("pipe.part").c_str(), 0600), 0);
+  expect_refused(run({"solve", scene_, "--json", path("pipe")}), path("pipe") + ":1: cannot be written: ");
+  EXPECT_TRUE(fs::is_fifo(path("pipe.part")));
+  fs::create_hard_link(old("other"), path("hard.part"));
+  expect_refused(run({"solve", scene_, "--json", path("hard")}), path("hard") + ":1: cannot be written: ");
+  expect_old("other");
+}
+
+TEST_F(Output, OneRunAtATime) {
+  old("o");
+  const int other = open(path("o.part").c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  ASSERT_EQ(flock(other, LOCK_EX), 0);
+  ASSERT_EQ(write(other, "half", 4), 4);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"solve", scene_, "--json", path("o")},
+           {"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("t"), "--json", path("o")}}) {
+    expect_refused(run(words), path("o") + ":1: cannot be written: another run writes it");
+    EXPECT_EQ(read_text(path("o.part")), "half");
+    EXPECT_EQ(read_text(path("o")), "old");
+  }
+  close(other);
+  EXPECT_EQ(run({"solve", scene_, "--json", path("o")}).status, 0);
+  EXPECT_TRUE(solved("o").contains("acceleration"));
+  EXPECT_FALSE(fs::exists(path("o.part")));
+}
+
+TEST_F(Output, SimulateAsksBeforeItsWork) {
+  expect_refused(run({"simulate", scene_, "--time", "1000000", "--step", "0.001", "--out", path("t.csv"), "--json",
+                      path("nowhere/o.json")}),
+                 path("nowhere/o.json") + ":1: cannot be written: No such file");
+  EXPECT_FALSE(fs::exists(path("t.csv.part")));
 }
 
 TEST_F(Output, LinksAndModesStay) {
@@ -160,6 +293,16 @@ TEST_F(Output, LinksAndModesStay) {
   }
   EXPECT_TRUE(solved("real.json").contains("acceleration"));
   EXPECT_TRUE(solved("d/later.json").contains("acceleration"));
+
+  fs::create_symlink("missing/later.json", path("d/nowhere.json"));
+  expect_refused(run({"solve", scene_, "--json", path("d/nowhere.json")}),
+                 path("d/nowhere.json") + ":1: cannot be written: No such file");
+  EXPECT_TRUE(fs::is_symlink(path("d/nowhere.json")));
+
+  old("other");
+  fs::create_symlink("other", path("o.json.part"));  // it would be written, and o.json be it
+  expect_refused(run({"solve", scene_, "--json", path("o.json")}), path("o.json") + ":1: cannot be written: ");
+  expect_old("other");
 
   fs::permissions(path("real.json"), fs::perms(0600));
   EXPECT_EQ(run({"solve", scene_, "--json", path("real.json")}).status, 0);

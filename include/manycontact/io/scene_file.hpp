@@ -28,6 +28,7 @@ struct ContactGroup {
 
 struct SceneFile {  // A scene, its state, and which elements of the file its robots and contacts came from.
   std::string path;
+  std::vector<std::string> files;  // read for it: `path`, scenes it includes, URDFs, each once
   Scene scene;
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
   std::vector<RobotGroup> robot_groups;

@@ -92,7 +92,10 @@ Run set_up(const Arguments& arguments, const Team& team) {
   if (run.islands && options.method == Method::kDenseSchur)
     throw UsageError("method dense-schur takes the scene as one system, --islands cannot split it");
   check_files(arguments, {path, states}, {"--out"});
+  if (arguments.has("--derivatives")) check_unread("--derivatives", derivatives_path(out), {path, states});
   const SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--out"});
+  if (arguments.has("--derivatives")) check_unread("--derivatives", derivatives_path(out), file.files);
   run.name = file.scene.name;
   run.part = run.islands ? part_of(file.scene, team.rank(), team.size()) : part_of(file.scene, 0, 1);
   run.states = std::make_unique<NpyInput>(states);

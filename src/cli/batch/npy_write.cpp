@@ -26,7 +26,8 @@ NpyOutput::NpyOutput(const std::string& path, const std::vector<std::int64_t>& s
       bytes_(std::accumulate(shape.begin(), shape.end(), std::int64_t{8}, std::multiplies<>())) {}
 
 void NpyOutput::create() {
-  if (file_.is_straight() || std::filesystem::is_directory(file_.path()))
+  std::error_code error;
+  if (file_.is_straight() || std::filesystem::is_directory(file_.path(), error))
     throw InputError(file_.path(), 1, "is not a regular file, expected one that --out may create");
   file_.create();
   file_.write(header_.data(), header_.size());

@@ -27,6 +27,22 @@ std::string file_name(const std::string& scene, std::set<std::string>& taken) {
   return unique;
 }
 
+std::vector<std::string> picture_names(const std::vector<SceneFile>& files) {
+  if (files.size() == 1) return {"chart"};
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const SceneFile& file : files) names.push_back(file_name(file.scene.name, taken));
+  return names;
+}
+
+std::vector<std::string> files_written(const std::vector<std::string>& pictures) {
+  std::vector<std::string> files{"chart.csv"};
+  if (pictures.size() > 1) files.push_back("README.md");
+  for (const std::string& picture : pictures)
+    for (const char* kind : {".svg", ".png"}) files.push_back(picture + kind);
+  return files;
+}
+
 void say(const Chart& chart, std::ostream& out) {
   out << chart.scene << ": " << chart.title << "\n";
   for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
@@ -42,6 +58,8 @@ int run_chart(const Arguments& arguments) {
                            double(arguments.integer("--longest", 0, 100000, 20))};
   std::vector<SceneFile> files;
   for (const std::string& path : arguments.rest()) files.push_back(load_scene(path));
+  const std::vector<std::string> names = picture_names(files);
+  for (const SceneFile& file : files) check_folder("--out", *out, files_written(names), file.files);
   std::error_code error;
   fs::create_directories(*out, error);
   if (!fs::is_directory(*out)) throw InputError(*out, 1, "is not a folder and cannot be made one");
@@ -49,14 +67,13 @@ int run_chart(const Arguments& arguments) {
   const bool draws = gnuplot_available();
   std::vector<Chart> charts;
   std::vector<std::string> images;
-  std::set<std::string> taken;
   for (const SceneFile& file : files) {
     std::cerr << "manycontact: chart of " << printable(file.path) << " (" << charts.size() + 1 << "/" << files.size()
               << ")" << std::endl;
     charts.push_back(make_chart(file, limits));
     say(charts.back(), std::cout);
     write_csv(charts, *out + "/chart.csv");
-    images.emplace_back(!draws ? "" : files.size() == 1 ? "chart" : file_name(file.scene.name, taken));
+    images.push_back(draws ? names[images.size()] : "");
     if (draws) draw(charts.back(), *out + "/" + images.back());
   }
   if (files.size() > 1) write_page(charts, images, *out + "/README.md");

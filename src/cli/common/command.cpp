@@ -1,5 +1,6 @@
 #include "command.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
@@ -7,6 +8,33 @@
 #include "table.hpp"
 
 namespace manycontact::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whether it is there or not, and whichever links lead to it.
+fs::path place_of(const std::string& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(behind_links(path), error), place = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : place;
+}
+
+bool one_file(const std::string& a, const std::string& b) {
+  if (a == "-" || b == "-") return false;
+  std::error_code error;
+  const fs::path at = place_of(a), other = place_of(b);
+  const bool there = fs::exists(at, error);
+  return !there || !fs::exists(other, error) ? at == other
+                                             : fs::is_regular_file(at, error) && fs::equivalent(at, other, error);
+}
+
+// What is written is called FILE.part at first.
+bool meets(const std::string& file, const std::string& other) {
+  return one_file(file, other) || (file != "-" && one_file(file + ".part", other));
+}
+
+}  // namespace
 
 std::string scene_operand(const Arguments& arguments, const std::string& name) {
   if (arguments.rest().empty()) throw UsageError(name + " is missing");
@@ -20,34 +48,42 @@ void check_writable(const std::string& path, const std::string& option) {
   if (!file.is_straight()) file.create();  // a pipe may wait when it is opened, and ends when it is closed
 }
 
+void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {
+  for (const std::string& input : read)
+    if (meets(file, input)) throw UsageError(option + " would be written over '" + input + "', which is read");
+}
+
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written) {
-  namespace fs = std::filesystem;
-  const auto one_file = [](const std::string& a, const std::string& b) {
-    std::error_code error;
-    const fs::path at = fs::weakly_canonical(a, error), other = fs::weakly_canonical(b, error);
-    if (a == "-" || b == "-" || error) return false;
-    const bool there = fs::exists(at, error);
-    return !there || !fs::exists(other, error) ? at == other
-                                               : fs::is_regular_file(at, error) && fs::equivalent(at, other, error);
-  };
-  // What is written is called FILE.part at first.
-  const auto meets = [&one_file](const std::string& file, const std::string& other) {
-    return one_file(file, other) || (file != "-" && one_file(file + ".part", other));
-  };
   for (std::size_t k = 0; k < written.size(); ++k) {
     const auto file = arguments.value(written[k]);
     if (!file) continue;
-    for (const std::string& input : read)
-      if (meets(*file, input)) throw UsageError(written[k] + " would be written over '" + input + "', which is read");
+    check_unread(written[k], *file, read);
     for (std::size_t j = 0; j < k; ++j) {
       const auto other = arguments.value(written[j]);
-      if (other && *file == "-" && *other == "-")
+      if (other && is_standard_output(*file) && is_standard_output(*other))
         throw UsageError(written[j] + " and " + written[k] + " are both standard output");
       if (other && (meets(*file, *other) || meets(*other, *file)))
         throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
     }
   }
+}
+
+void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
+                  const std::vector<std::string>& others) {
+  for (const std::string& name : names) {
+    const std::string file = (fs::path(folder) / name).string();
+    for (const std::string& other : others)
+      if (meets(file, other) || meets(other, file))
+        throw UsageError(option + " would write '" + file + "' over '" + other + "'");
+  }
+}
+
+bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written) {
+  return std::any_of(written.begin(), written.end(), [&](const std::string& option) {
+    const auto file = arguments.value(option);
+    return file && is_standard_output(*file);
+  });
 }
 
 std::string usage(const Command& command) {

@@ -20,7 +20,7 @@ const Command& chart_command() {
       "front: no other answer is as fast and as accurate in accelerations, and better in one of them.\n"
       "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
       "Without gnuplot there are no pictures.\n"
-      "Exit status: 0, whatever the methods answered; 2 bad usage or bad input.\n",
+      "Exit status: 0, whatever the methods answered; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
       "manycontact-chart"};
@@ -61,7 +61,7 @@ const Command& optimize_command() {
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
       "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
-      "reached. Exit status: 0 converged, 1 not, 2 bad usage or bad input.\n",
+      "reached. Exit status: 0 converged, 1 not, 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
       "manycontact-optimize"};

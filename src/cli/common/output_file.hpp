@@ -8,10 +8,15 @@
 
 namespace manycontact::cli {
 
+/// What a link to a file means; links to open files in /proc, which may have no name any more, are not followed.
+std::string behind_links(const std::string& path);
+/// "-", /dev/stdout and whatever else leads to descriptor 1.
+bool is_standard_output(const std::string& path);
+
 /// The file of an option. It is called FILE.part until it is published: FILE is never half written, and an older one
-/// stays until then. Several processes may write it. Standard output (-), what is there and is no regular file (a
-/// device, a pipe), and open files by their names in /proc and /dev/fd are written straight. Throws InputError where it
-/// cannot be written.
+/// stays until then. Several processes may write it, several runs may not. Standard output (-), what is there and is no
+/// regular file (a device, a pipe), and open files by their names in /proc and /dev/fd are written straight; those of
+/// this process go on where they are. Throws InputError where it cannot be written.
 class PartFile {
  public:
   /// option: for the message; "" where there is none.
@@ -41,12 +46,15 @@ class PartFile {
 
  private:
   void open(int flags);
+  void open_again();  // what this process has open
+  bool take();        // FILE.part for this run; false where another one has just given it up
   template <class Put>
   void put(const char* bytes, std::size_t size, Put&& put_some);
+  [[noreturn]] void refuse(const std::string& reason) const;
   [[noreturn]] void refuse(int error) const;
 
   std::string path_, option_, target_, part_;
-  int file_ = -1;
+  int file_ = -1, lock_ = -1;  // lock_: FILE.part too, until it has its name
   bool unfinished_ = false;
 };
 

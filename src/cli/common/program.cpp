@@ -1,5 +1,8 @@
 #include "program.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -20,7 +23,7 @@ std::string overview(const std::vector<Command>& commands) {
   text +=
       "usage: manycontact --help | --version\n\n"
       "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
-      "2 bad usage or bad input.\n";
+      "2 bad usage, bad input or output.\n";
   return text;
 }
 
@@ -64,9 +67,18 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
+// Those that are closed: a file that is opened later does not become standard error. Writing there fails as before.
+void hold_standard_descriptors() {
+  int file = 0;
+  do file = open("/dev/null", O_RDONLY);
+  while (file >= 0 && file <= STDERR_FILENO);
+  if (file >= 0) close(file);
+}
+
 }  // namespace
 
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
+  hold_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of the write that does it
   try {
     const int status = dispatch(commands, words);

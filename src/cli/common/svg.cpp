@@ -1,6 +1,7 @@
 #include "svg.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "table.hpp"
 
@@ -36,9 +37,19 @@ void PatternGrid::draw(std::ostream& svg, double x, double y, double side,
   svg << "</g>\n";
 }
 
+namespace {
+
+// Bytes that are not UTF-8 replaced.
+std::string utf8(const std::string& text) {
+  using nlohmann::json;
+  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
+}  // namespace
+
 std::string escaped(const std::string& text) {
   std::string out;
-  for (char c : printable(text)) {
+  for (char c : utf8(printable(text))) {
     if (c == '&')
       out += "&amp;";
     else if (c == '<')

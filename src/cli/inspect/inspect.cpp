@@ -28,10 +28,11 @@ int run_inspect(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   check_files(arguments, {path}, {"--picture"});
   const SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--picture"});
   const Inspection inspection = inspect_scene(file);
   const std::string picture = arguments.value("--picture").value_or("");
   if (!picture.empty()) write_picture(inspection, picture);
-  if (picture == "-") return kExitOk;
+  if (is_standard_output(arguments, {"--picture"})) return kExitOk;
   print_heading(std::cout, file, inspection.data);
   print_notes(std::cout, file, true);
   print_joints(std::cout, file);
@@ -204,7 +205,7 @@ const Command& inspect_command() {
       "What is modelled and what is not, islands, ranks of the contacts, predicted costs, advice.",
       {{"--picture", "FILE.svg",
         "also draw the patterns of K and of its factor L; - is standard output, and then that alone"}},
-      "Exit status: 0; 2 bad usage or bad input.\n",
+      "Exit status: 0; 2 bad usage, bad input or output.\n",
       run_inspect};
   return command;
 }

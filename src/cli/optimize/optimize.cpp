@@ -55,6 +55,18 @@ void show(std::size_t k, const TaskIteration& i) {
   std::cerr << line.str();
 }
 
+// Pictures are not written over what is read or over what other options write.
+void check_charts(const Arguments& arguments, const std::string& path, const TaskFile& task,
+                  const std::string& folder) {
+  std::vector<std::string> names, others = task.scene.files;
+  for (const char* name : {"convergence", "torques", "forces"})
+    for (const char* kind : {".svg", ".png"}) names.push_back(std::string(name) + kind);
+  others.push_back(path);
+  for (const char* option : {"--out", "--json", "--view"})
+    if (const auto file = arguments.value(option)) others.push_back(*file);
+  check_folder("--charts", folder, names, others);
+}
+
 // Before hours of work: there is a folder for charts, and what draws them.
 void prepare_charts(const std::string& folder) {
   if (!gnuplot_available()) throw InputError(folder, 1, kNoGnuplot);
@@ -82,6 +94,8 @@ int run_optimize(const Arguments& arguments) {
   check_files(arguments, {path}, {"--out", "--json", "--view"});
 
   const TaskFile task = read_task(path);
+  check_files(arguments, task.scene.files, {"--out", "--json", "--view"});
+  if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);
   TaskProblem problem = make_problem(task, chosen);
   check_writable(*out, "--out");
@@ -99,7 +113,7 @@ int run_optimize(const Arguments& arguments) {
   write_trajectory(motion, *out);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
-  const bool summary = *out != "-" && json.value_or("") != "-";
+  const bool summary = !is_standard_output(arguments, {"--out", "--json"});
   if (summary) print_summary(std::cout, motion);
   if (view) record_motion(motion, *view);
   finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);

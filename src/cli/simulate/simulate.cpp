@@ -246,6 +246,9 @@ int run_simulate(const Arguments& arguments) {
               {"--out", "--forces", "--json", "--view"});
 
   SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--out", "--forces", "--json", "--view"});
+  const auto json = arguments.value("--json");
+  if (json) check_writable(*json, "--json");
   if (gains) set_gains(file.scene, *gains);
   if (damping > 0) file.scene.damping = damping;
   if (arguments.has("--passive")) file.u.setZero();
@@ -259,12 +262,13 @@ int run_simulate(const Arguments& arguments) {
   if (run.stopped == StepStatus::kSolverFailed)
     run.at_start.weightless = weightless_names(file.scene, sim.dynamics, sim.q);
   const std::string late = switches_not_reached(around, sim);
-  if (*out != "-")
+  const bool summary = !is_standard_output(arguments, {"--out", "--forces", "--json"});
+  if (summary)
     print_summary(std::cout, file, sim, around, run);
   else if (!late.empty())
     std::cerr << "manycontact: " << printable(path + ": " + late) << "\n";
-  if (const auto json = arguments.value("--json")) write_json_file(document(file, sim, around, run), *json);
-  finish_view(arguments, file, run.view, *out != "-" ? &std::cout : nullptr);
+  if (json) write_json_file(document(file, sim, around, run), *json);
+  finish_view(arguments, file, run.view, summary ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
@@ -302,7 +306,7 @@ const Command& simulate_command() {
        method_option(),
        order_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
-      "finite, or faster than 1e5 m/s or rad/s): what was reached is written; 2 bad usage or bad input.\n",
+      "finite, or faster than 1e5 m/s or rad/s): what was reached is written; 2 bad usage, bad input or output.\n",
       run_simulate};
   return command;
 }

@@ -94,6 +94,7 @@ int run_solve(const Arguments& arguments) {
 
   check_files(arguments, {path}, {"--json"});
   const SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--json"});
   if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
   solved.findings = find(file, solved.data);
@@ -141,7 +142,7 @@ const Command& solve_command() {
        {"--compare", "",
         "compares with the dense method however long that takes; else up to about a quarter of a second"},
        {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
-      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad input.\n",
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage, bad input or output.\n",
       run_solve};
   return command;
 }

@@ -199,6 +199,8 @@ int run_stability(const Arguments& arguments) {
   if (!folder) throw UsageError("option --out is missing");
 
   SceneFile file = load_scene(path);
+  check_folder("--out", *folder, {"drift.csv", "drift.svg", "drift.png", "energy.csv", "energy.svg", "energy.png"},
+               file.files);
   if (file.scene.contacts.empty()) throw InputError(path, 1, "there are no contacts, expected some to drift");
   file.u.setZero();
   std::error_code error;

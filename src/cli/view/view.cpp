@@ -33,6 +33,7 @@ int run_view(const Arguments& arguments) {
   check_files(arguments, {path, trajectory.value_or("-"), forces.value_or("-")}, {"--out"});
 
   const SceneFile file = trajectory ? read_scene(path) : load_scene(path);
+  check_files(arguments, file.files, {"--out"});
   Recording recording(file.scene, rate);
   if (arguments.has("--friction"))
     for (std::size_t c = 0; c < recording.friction.size(); ++c)
@@ -43,7 +44,7 @@ int run_view(const Arguments& arguments) {
     add_state({0, file.q, file.v, recording.dynamics.active, file.u}, recording);
   }
   const std::vector<std::string> notes = write_view(file, recording, *out);
-  if (*out != "-") print_written(std::cout, *out, recording, notes);
+  if (!is_standard_output(arguments, {"--out"})) print_written(std::cout, *out, recording, notes);
   return kExitOk;
 }
 
@@ -54,7 +55,7 @@ Option view_option() { return {"--view", "FILE", "one HTML page that shows the m
 std::optional<Recording> recording_of(const Arguments& arguments, const Scene& scene) {
   const auto path = arguments.value("--view");
   if (!path) return std::nullopt;
-  if (*path == "-") throw UsageError("--view is standard output, expected a file");
+  if (is_standard_output(arguments, {"--view"})) throw UsageError("--view is standard output, expected a file");
   std::optional<Recording> recording(std::in_place, scene);
   check_writable(*path, "--view");
   return recording;
@@ -81,7 +82,8 @@ const Command& view_command() {
       "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring.\n"
       "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "
       "ROS_PACKAGE_PATH.\n"
-      "Exit status: 0 written; 1 three.js was not there when this program was built; 2 bad usage or bad input.\n",
+      "Exit status: 0 written; 1 three.js was not there when this program was built; 2 bad usage, bad input or "
+      "output.\n",
       run_view};
   return command;
 }
