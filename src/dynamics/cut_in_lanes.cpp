@@ -31,8 +31,11 @@ void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, C
       cut.batches.push_back({r.group, static_cast<int>(k), 0, 0});
     ++cut.batches.back().count;
   }
-  const auto shared = [](const CutIsland::Batch& batch) {
-    return sparse::padded(batch.group->kernels.front()->width(batch.count == 1) * batch.group->robot->memory_size());
+  const auto width = [](const CutIsland::Batch& batch) {
+    return batch.group->kernels.front()->width(batch.count == 1);
+  };
+  const auto shared = [&](const CutIsland::Batch& batch) {
+    return sparse::padded(width(batch) * batch.group->robot->memory_size());
   };
   const auto of_each = [](const lanes::CutRobot& robot) { return sparse::padded(lanes::Border::size(robot.border)); };
   for (CutIsland::Batch& batch : cut.batches) {
@@ -42,9 +45,8 @@ void form_robot_batches(const Scene& scene, Workspace& w, const IslandWork& d, C
   cut.memory.reserve(size);
   for (const CutIsland::Batch& batch : cut.batches) {
     const lanes::CutRobot& robot = *batch.group->robot;
-    double *at = cut.memory.data() + batch.at + shared(batch),
-           *joins =
-               cut.memory.data() + batch.at + batch.group->kernels.front()->width(batch.count == 1) * robot.kept_size();
+    double *memory = cut.memory.data() + batch.at, *at = memory + shared(batch),
+           *joins = memory + width(batch) * robot.kept_size();
     for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(robot), joins += robot.joins_size()) {
       CutMember& member = cut.members[k];
       member.number = d.island.robots[cut.order[k]];

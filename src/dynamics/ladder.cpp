@@ -163,7 +163,6 @@ bool still_dependent(const Scene& scene, const SceneData& data, FactorScratch& s
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& d,
                   IslandReport& report) {
   const auto [method, order] = d.choice;
-  if (d.was_dependent && still_dependent(scene, data, scratch, d, report)) return true;
   const Rungs rungs = rungs_of(d, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   for (int k = 0; k < rungs.count; ++k) {

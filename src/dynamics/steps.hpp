@@ -44,8 +44,8 @@ inline double wanted_in(const SceneData& data, int contact, Eigen::Index i) {
 }
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble_island(const Scene& scene, const SceneData& data, Order order, double damping, IslandWork& island);
-/// After evaluate: factorizes and solves by the first way that gives a sound answer. island.v.x, island.factor and the
-/// report are that answer's; false where there is none.
+/// After evaluate, of an island that is not known to be dependent (still_dependent): factorizes and solves by the first
+/// way that gives a sound answer. island.v.x, island.factor and the report are that answer's; false where there is none.
 bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scratch, IslandWork& island,
                   IslandReport& report);
 
