@@ -130,6 +130,18 @@ struct Pack {
 #endif
     return of(a.v * b.v + c.v);
   }
+  /// c - a b, rounded as multiply_add(-a, b, c) is.
+  [[gnu::always_inline]] friend Pack subtract_product(Pack a, Pack b, Pack c) {
+#ifdef __FMA__
+    if constexpr (W == 1) return of(__builtin_fma(-a.v, b.v, c.v));
+    if constexpr (W == 2) return of((Real)_mm_fnmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+    if constexpr (W == 4) return of((Real)_mm256_fnmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+#ifdef __AVX512F__
+    if constexpr (W == 8) return of((Real)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+#endif
+#endif
+    return of(c.v - a.v * b.v);
+  }
 
   static Int to_bits(Real x) {
     Int bits;

@@ -40,8 +40,8 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
         const auto a = Four::load(Ax + k), size = size_of(a), x_i = Four::load(x + i);
         auto r_i = Four::load(r + i), scale_i = Four::load(scale + i);
         for (int v = 0; v < Four::kVectors; ++v) {
-          r_i.v[v] = Four::fused(Four::all(-xj), a.v[v], r_i.v[v]);
-          scale_i.v[v] = Four::fused(Four::all(size_j), size.v[v], scale_i.v[v]);
+          r_i.v[v] = Four::fused(Four::every(-xj), a.v[v], r_i.v[v]);
+          scale_i.v[v] = Four::fused(Four::every(size_j), size.v[v], scale_i.v[v]);
         }
         r_i.store(r + i);
         scale_i.store(scale + i);
@@ -103,7 +103,7 @@ inline void add_times(Tile<double, N>& t, double l, const Tile<double, N>& x) {
   if constexpr (N == 1) {
     t.v[0] = multiply_add(l, x.v[0], t.v[0]);
   } else {
-    const auto s = Tile<double, N>::all(l);
+    const auto s = Tile<double, N>::every(l);
     for (int k = 0; k < Tile<double, N>::kVectors; ++k) t.v[k] = Tile<double, N>::fused(s, x.v[k], t.v[k]);
   }
 }

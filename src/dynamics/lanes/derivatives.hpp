@@ -1,6 +1,5 @@
 #pragma once
-// Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once, but for the triangular solves,
-// which take one robot after the other.
+// Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once.
 
 #include <functional>
 #include <numeric>
@@ -25,7 +24,7 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
     for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
     plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
   }
-  solve_panels(panels, plain, job.past_caches);
+  if (plain.any()) solve_panels(panels, plain, job.past_caches);
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
 }
@@ -67,42 +66,36 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   reach_.clear(), reached_.clear();
   place_.assign(static_cast<std::size_t>(size) * ld, -1);
   std::size_t count = 0;
-  std::vector<char> taken(parts, 0);
-  const auto differ = [&](int a, int b) {  // rows that one of two parts reaches alone
-    return std::inner_product(reached[a].begin(), reached[a].end(), reached[b].begin(), 0, std::plus<>(),
-                              std::not_equal_to<>());
-  };
-  for (int a = 0; a < parts; ++a) {
-    if (taken[a]) continue;
-    Chunk chunk{{a * kPart}, 1, count};
-    for (; chunk.parts < kParts; ++chunk.parts) {
-      int best = -1;
-      for (int b = a + 1; b < parts; ++b)
-        if (!taken[b] && (best < 0 || differ(a, b) < differ(a, best))) best = b;
-      if (best < 0) break;
-      taken[best] = 1;
-      chunk.first[chunk.parts] = best * kPart;
-      std::transform(reach[a].begin(), reach[a].end(), reach[best].begin(), reach[a].begin(), std::bit_or<>());
+  std::vector<int> order(parts);  // such that those beside each other reach much the same rows; those of none last
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return reached[a] > reached[b]; });
+  for (int next = 0; next < parts;) {
+    const int a = order[next];
+    Chunk chunk{{}, 0, count};
+    for (; chunk.parts < kParts && next < parts; ++chunk.parts, ++next) {
+      const int b = order[next];
+      chunk.first[chunk.parts] = b * kPart;
+      std::transform(reach[a].begin(), reach[a].end(), reach[b].begin(), reach[a].begin(), std::bit_or<>());
     }
     for (int k = 0; k < size; ++k)
-      for (int c = 0; reach[a][k] && c < chunk.parts * kPart; ++c)
-        place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count++);
+      for (int c = 0; reach[a][k] && c < chunk.columns(); ++c, ++count)
+        if (c < chunk.parts * kPart)
+          place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count);
     chunks.push_back(chunk);
     reach_.insert(reach_.end(), reach[a].begin(), reach[a].end());
     sparse::ldl_scheduled_reach(pattern_->schedule(), reach[a].data());
     reached_.insert(reached_.end(), reach[a].begin(), reach[a].end());
   }
   B_.assign(count, S(0));
-  if (W > 1) Bx_.assign(W * count, 0);
   pieces_.resize(parts);
   std::size_t at = 0;  // in the answer
   for (Chunk& chunk : chunks) {
     chunk.answer = at;
-    const int columns = chunk.parts * kPart;
+    const int columns = chunk.columns();
     for (int k = 0; k < chunk.parts; ++k) pieces_[chunk.first[k] / kPart] = {at + k * kPart, columns};
     at += static_cast<std::size_t>(columns) * size;
   }
-  work_.resize(std::max(work_.size(), at + 8));  // from a cache line on
+  work_.resize(std::max(work_.size(), W * at + 8));  // from a cache line on
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   unset_.clear();
   for (const auto& [i, j, of_tree] : places_) {
@@ -149,69 +142,91 @@ typename S::Mask SideBySide<S>::accurate_unrefined() {
   return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// [da; df] = K^-1 B of the lanes that are plain, one after the other: what one needs stays in the first cache.
+/// [da; df] = K^-1 B, into the panels of the lanes that are plain.
 template <class S>
 void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches) {
   for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
   sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
-  spread_lanes(L_.data(), L_.size(), Lx_.data(), L_.size());
-  spread_lanes(packed_.data(), packed_.size(), packed_x_.data(), packed_.size());
-  spread_lanes(correction_.data(), D_.size(), inverse_.data(), D_.size());
-  if (W > 1) spread_lanes(B_.data(), B_.size(), Bx_.data(), B_.size());
-  for (std::size_t l = 0; l < panels.size(); ++l) {
-    if (!plain[static_cast<int>(l)]) continue;
-    for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c, l);
-    // Many panels are not in the caches: they are written from one end to the other.
-    if (past_caches)
-      write(panels[l], [](const auto& piece, double* to) { piece.stream(to); });
-    else
-      write(panels[l], [](const auto& piece, double* to) { piece.store(to); });
+  for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c);
+  // Many panels are not in the caches: they are written from one end to the other.
+  if (past_caches) {
+    write(panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
+    sparse::kernel::finish_streams();
+  } else {
+    write(panels, plain, [](const auto& piece, double* to) { piece.store(to); });
   }
-  if (past_caches) sparse::kernel::finish_streams();
 }
 
-/// What the chunks left in work_, to X, which starts at a cache line and whose rows are multiples of it.
+/// What the chunks left in work_, to the panels, which start at a cache line and whose rows are multiples of it.
 template <class S>
 template <class Put>
-void SideBySide<S>::write(const Panel& panel, Put&& put) {
-  const double* x = answer();
-  double* to = panel.X;
+void SideBySide<S>::write(std::span<const Panel> panels, Mask plain, Put&& put) {
+  using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
+  const Number* x = answer();
+  const int ld = panels.front().ld;
+  double* to[W] = {};
+  for (std::size_t l = 0; l < panels.size(); ++l)
+    if (plain[static_cast<int>(l)]) to[l] = panels[l].X;
   for (int i = 0; i < pattern_->size(); ++i) {
     const int k = pattern_->iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
-    for (const Piece& piece : pieces_) {
-      put(sparse::kernel::Tile<double, kPart>::load(x + piece.at + k * piece.stride).times(sign), to);
-      to += kPart;
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * ld;
+    if constexpr (W == 1) {
+      int j = 0;
+      for (const Piece& piece : pieces_) {
+        put(Row::load(x + piece.at + k * piece.stride).times(sign), *to + row + j);
+        j += kPart;
+      }
+    } else {
+      const S* x_k = x + k * kColumns;
+      for (int j = 0; j < ld; j += W) {
+        S block[W];
+#pragma GCC unroll 8
+        for (int c = 0; c < W; ++c) block[c] = S(sign) * x_k[pieces_[j + c].at];
+        transpose(block);
+#pragma GCC unroll 8
+        for (int l = 0; l < W; ++l)
+          if (to[l]) put(Row::load(reinterpret_cast<const double*>(block + l)), to[l] + row + j);
+      }
     }
   }
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_chunk(std::size_t chunk, std::size_t lane) {
-  if (chunks_[chunk].parts * kPart == N)
-    solve_columns<N>(chunk, lane);
-  else if constexpr (N > kPart)
-    solve_chunk<N - kPart>(chunk, lane);
+void SideBySide<S>::solve_chunk(std::size_t chunk) {
+  if (chunks_[chunk].columns() == N)
+    solve_columns<N>(chunk);
+  else if constexpr (W == 1 && N > kPart)
+    solve_chunk<N - kPart>(chunk);
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk, std::size_t lane) {
-  using Row = sparse::kernel::Tile<double, N>;
+void SideBySide<S>::solve_columns(std::size_t chunk) {
+  using Row = sparse::kernel::Tile<Number, N>;
+  constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = D_.size();
   const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
-  const double zeros[N] = {};
-  const double* b =
-      (W == 1 ? reinterpret_cast<const double*>(B_.data()) : Bx_.data() + lane * B_.size()) + chunks_[chunk].at;
-  double* x = answer() + chunks_[chunk].answer;
-  for (std::size_t k = 0; k < size; ++k) {
-    Row::load(reach[k] ? b : zeros).store(x + k * N);
-    if (reach[k]) b += N;
+  const Number* b = numbers(B_.data()) + chunks_[chunk].at;
+  Number* x = answer() + chunks_[chunk].answer;
+  if (std::find(reached, reached + size, 1) == reached + size) {  // none but columns that fill up the last chunk
+    std::fill_n(x, size * N, Number(0));
+    return;
   }
-  sparse::kernel::solve_columns<N>(pattern_->schedule(), Lx_.data() + lane * L_.size(),
-                                   packed_x_.data() + lane * packed_.size(), inverse_.data() + lane * size, reached, x,
-                                   [](int, const Row&) {});
+  const sparse::LdlSchedule& schedule = pattern_->schedule();
+  for (int block = 0; block < schedule.blocks(); ++block) {
+    const int end = schedule.block[block + 1];
+    if (!reached[end - 1]) continue;
+    for (int k = schedule.block[block]; k < end; ++k) {
+      if (reach[k])
+        Row::load(b).store(x + k * N), b += N;
+      else
+        Row::all(Number(0)).store(x + k * N);
+    }
+  }
+  sparse::kernel::solve_columns<N, kInRegisters>(schedule, numbers(L_.data()), numbers(packed_.data()),
+                                                 numbers(correction_.data()), reached, x, [](int, const auto&) {});
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.
@@ -222,11 +237,12 @@ void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
   };
   take(D_.data(), D_.size(), Dx_.data());
   take(K_.data(), K_.size(), Kx_.data());
+  take(L_.data(), L_.size(), Lx_.data());
   for (std::size_t k = 0; k < place_.size(); ++k) panel.X[k] = place_[k] < 0 ? 0 : B_[place_[k]][lane];
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data() + lane * L_.size(),
-                                        Dx_.data(), pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld,
-                                        nonzero_.data(), work_.data());
+  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data(), Dx_.data(),
+                                        pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld, nonzero_.data(),
+                                        work_.data());
   for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < place_.size(); ++k)
     panel.X[k] = -panel.X[k];
 }

@@ -35,20 +35,6 @@ const Pack<W>* numbers(const Pack<W>* x) {
 inline const Island& in_lane(std::span<const Island* const> islands, int lane) {
   return *islands[std::min<std::size_t>(lane, islands.size() - 1)];
 }
-/// from[k] of lane l to to[l stride + k], k < count.
-template <int W>
-void spread_lanes(const Pack<W>* from, std::size_t count, double* to, std::size_t stride) {
-  const std::size_t left = count % W, whole = count - left;
-  for (std::size_t k = 0; k < whole; k += W) {
-    Pack<W> block[W];
-    for (int i = 0; i < W; ++i) block[i] = from[k + i];
-    transpose(block);
-    for (int l = 0; l < W; ++l) block[l].store(to + l * stride + k);
-  }
-  for (std::size_t k = 0; k < left; ++k)
-    for (int l = 0; l < W; ++l) to[l * stride + whole + k] = from[whole + k][l];
-}
-
 /// at(island) of each, an array of `count`, into the lanes of `to`.
 template <class S, class At>
 void load_each(std::span<const Island* const> islands, int count, S* to, At&& at) {
@@ -77,15 +63,25 @@ class SideBySide {
   void vjp(const ProductJob& job, std::span<const Island* const> islands);
 
  private:
-  /// Of a panel at a time: parts of columns that stand beside each other, a multiple of W; as many as there are
-  /// registers for four rows of them.
-  static constexpr int kRegister = sparse::kernel::kRegister, kPart = kRegister == 8 ? 8 : 4,
-                       kParts = kRegister == 8 ? 4 : (kRegister == 4 ? 3 : 1), kColumns = kParts * kPart;
-  static_assert(kPart % W == 0 && 8 % kPart == 0);
+  /// The sparse kernels' value.
+  using Number = std::conditional_t<W == 1, double, S>;
+  /// Of a panel: columns at a time; those of them in registers, four rows of each; and those of a part, which stand
+  /// beside each other in the panel.
+  struct Columns {
+    int at_a_time, in_registers, of_part;
+  };
+  static constexpr Columns columns_of(int registers) {
+    if (W == 1) return registers == 8 ? Columns{32, 32, 8} : registers == 4 ? Columns{12, 12, 4} : Columns{4, 4, 4};
+    return registers == 8 ? Columns{8, 4, 1} : registers == 4 ? Columns{12, 3, 1} : Columns{12, 2, 1};
+  }
+  static constexpr Columns kOfPanel = columns_of(sparse::kernel::kRegister);
+  static constexpr int kColumns = kOfPanel.at_a_time, kPart = kOfPanel.of_part, kParts = kColumns / kPart;
+  static_assert(8 % kPart == 0 && 8 % W == 0);
   struct Chunk {
     int first[kParts], parts;
     std::size_t at;          // in B_: rows that it reaches, its columns side by side
     std::size_t answer = 0;  // in work_: all rows, likewise
+    int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
   struct Piece {  // a part of columns in work_: that of row k, in the pattern's order, is at + k stride
     std::size_t at;
@@ -138,16 +134,17 @@ class SideBySide {
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches);
   template <class Put>
-  void write(const Panel& panel, Put&& put);
+  void write(std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(std::size_t chunk, std::size_t lane);
+  void solve_chunk(std::size_t chunk);
   template <int N>
-  void solve_columns(std::size_t chunk, std::size_t lane);
+  void solve_columns(std::size_t chunk);
   void solve_refined(int lane, const Panel& panel);
 
   /// In work_, from a cache line on.
-  double* answer() {
-    return work_.data() + (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double);
+  Number* answer() {
+    return reinterpret_cast<Number*>(work_.data() +
+                                     (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
   }
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t contact) const { return pattern_->iperm.data() + model_->nv + row_offset_[contact]; }
@@ -191,13 +188,12 @@ class SideBySide {
   std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
   std::vector<int> place_;     // of each entry of the panel in B_; -1: that is zero
   std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
-  std::vector<S> packed_;
-  std::vector<double> Bx_, Lx_, packed_x_, inverse_;  // B, L, its packed entries and 1 / D, lane by lane
-  std::vector<double> Dx_, Kx_;                       // one lane's
-  std::vector<Piece> pieces_;                         // of all columns
-  std::vector<double> work_;                          // one lane's panel, chunk after chunk; of solve_refined
-  double rounding_;                                   // sparse::ldl_rounding
-  std::vector<BodyVariationOf<S>> body_;              // products: tangents, or adjoints
+  std::vector<S> packed_;      // sparse::ldl_pack
+  std::vector<double> Lx_, Dx_, Kx_;      // one lane's
+  std::vector<Piece> pieces_;             // of all columns
+  std::vector<double> work_;              // the panels, chunk after chunk; of solve_refined
+  double rounding_;                       // sparse::ldl_rounding
+  std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
 };
@@ -233,9 +229,7 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       columns_(support.columns),
       nonzero_(pattern_->size()),
       packed_(pattern_->schedule().packed.size()),
-      Lx_(W * L_.size()),
-      packed_x_(W * packed_.size()),
-      inverse_(W * D_.size()),
+      Lx_(L_.size()),
       Dx_(D_.size()),
       Kx_(K_.size()),
       work_(sparse::panel_kernels().work_size(pattern_->schedule())),

@@ -1,7 +1,7 @@
 #pragma once
 // A = L D L^T by a compiled schedule, and solves with it, for any value V: a double, or a pack of doubles that belong
 // to as many matrices of one pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), and multiply_add(a, b, c) =
-// a b + c rounded as that of double is, absolute(a), found by its namespace.
+// a b + c and subtract_product(a, b, c) = c - a b rounded as those of double are, absolute(a), found by its namespace.
 //
 // Every lane of a pack sees the same operations in the same order as a double does: a matrix has the same factor, bit
 // for bit, alone and among others. Doubles are worked on several rows of a column at a time.
@@ -24,6 +24,7 @@ inline double multiply_add(double a, double b, double c) {
   return a * b + c;
 #endif
 }
+inline double subtract_product(double a, double b, double c) { return multiply_add(-a, b, c); }
 inline double absolute(double x) { return __builtin_fabs(x); }
 
 namespace kernel {
@@ -38,6 +39,11 @@ struct Tile {
     for (int k = 0; k < N; ++k) t.v[k] = x[k];
     return t;
   }
+  static Tile all(const V& s) {
+    Tile t;
+    for (int k = 0; k < N; ++k) t.v[k] = s;
+    return t;
+  }
   void store(V* x) const {
     for (int k = 0; k < N; ++k) x[k] = v[k];
   }
@@ -48,7 +54,7 @@ struct Tile {
     for (int k = 0; k < N; ++k) v[k] = multiply_add(a.v[k], b.v[k], v[k]);
   }
   void subtract(const V& l, const Tile& x) {  // -= l x
-    for (int k = 0; k < N; ++k) v[k] = multiply_add(-l, x.v[k], v[k]);
+    for (int k = 0; k < N; ++k) v[k] = subtract_product(l, x.v[k], v[k]);
   }
   Tile times(const V& s) const {
     Tile t;
@@ -110,7 +116,7 @@ requires(N > 1) struct Tile<double, N> {
     return c - a * b;
   }
   static Vector at(const double* x, int k) { return *reinterpret_cast<const Vector*>(x + kWidth * k); }
-  static Vector all(double s) {
+  static Vector every(double s) {
     if constexpr (kWidth == 2) return Vector{s, s};
     if constexpr (kWidth == 4) return Vector{s, s, s, s};
     if constexpr (kWidth == 8) return Vector{s, s, s, s, s, s, s, s};  // a loop would not become one instruction
@@ -119,6 +125,11 @@ requires(N > 1) struct Tile<double, N> {
   static Tile load(const double* x) {
     Tile t;
     for (int k = 0; k < kVectors; ++k) t.v[k] = at(x, k);
+    return t;
+  }
+  static Tile all(double s) {
+    Tile t;
+    for (int k = 0; k < kVectors; ++k) t.v[k] = every(s);
     return t;
   }
   void store(double* x) const {
@@ -141,14 +152,14 @@ requires(N > 1) struct Tile<double, N> {
 #endif
   }
   void add(double l, const double* x) {
-    const Vector s = all(l);
+    const Vector s = every(l);
     for (int k = 0; k < kVectors; ++k) v[k] = fused(s, at(x, k), v[k]);
   }
   void add(const Tile& a, const Tile& b) {
     for (int k = 0; k < kVectors; ++k) v[k] = fused(a.v[k], b.v[k], v[k]);
   }
   void subtract(double l, const Tile& x) {
-    const Vector s = all(l);
+    const Vector s = every(l);
     for (int k = 0; k < kVectors; ++k) v[k] = fused_away(s, x.v[k], v[k]);
   }
   Tile times(double s) const {

@@ -1,6 +1,7 @@
 #pragma once
 // Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four rows
-// at a time, so that a row read from the cache serves as many. And what such solves are worth.
+// at a time, so that a row read from the cache serves as many. And what such solves are worth. For any value V, as in
+// ldl_kernels.hpp: packs solve as many panels at once.
 //
 // Compiled for several instruction levels: templates only, plain memory, no other library.
 
@@ -15,12 +16,13 @@ inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows =
 
 /// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
 /// at: in Lx, row r of column `begin`, if there is any; column c + 1 of a row stands `step - c` behind column c's.
-template <int R, int N>
-[[gnu::always_inline]] inline void subtract_columns(Tile<double, N>* t, const double* Lx, int at, int step, int begin,
-                                                    int end, const double* own) {
+/// Of N columns that stand beside each other, M.
+template <int R, int N, int M, class V>
+[[gnu::always_inline]] inline void subtract_columns(Tile<V, M>* t, const V* Lx, int at, int step, int begin, int end,
+                                                    const V* own) {
   for (int c = begin; c < end; ++c) {
-    const auto x = Tile<double, N>::load(own + c * N);
-    const double* l = Lx + at;
+    const auto x = Tile<V, M>::load(own + c * N);
+    const V* l = Lx + at;
 #pragma GCC unroll 8
     for (int i = 0; i < R; ++i) t[i].subtract(l[i], x);
     at += step - c;
@@ -28,54 +30,59 @@ template <int R, int N>
 }
 
 /// X = L \ X for a block. from: its first row that may be other than zero.
-template <int N>
-inline void forward_panel(const LdlSchedule& schedule, int block, int from, const double* Lx, double* X) {
+template <int N, int M, class V>
+inline void forward_panel(const LdlSchedule& schedule, int block, int from, const V* Lx, V* X) {
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
   const int* Lp = schedule.Lp.data() + first;
   const int step = width + (Lp[width] - Lp[width - 1]) - 2;
   const int at = Lp[from] - from - 1;  // row r of column `from`: Lx[at + r]
-  double* own = X + static_cast<std::ptrdiff_t>(first) * N;
+  V* all = X + static_cast<std::ptrdiff_t>(first) * N;
   in_chunks<kPanelRows>(from, width, [&](int r, auto size) {
     constexpr int R = size.value;
-    Tile<double, N> t[R];
+    for (V* own = all; own != all + N; own += M) {
+      Tile<V, M> t[R];
 #pragma GCC unroll 8
-    for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + (r + i) * N);
-    subtract_columns<R, N>(t, Lx, at + r, step, from, r, own);
+      for (int i = 0; i < R; ++i) t[i] = Tile<V, M>::load(own + (r + i) * N);
+      subtract_columns<R, N, M>(t, Lx, at + r, step, from, r, own);
 #pragma GCC unroll 8
-    for (int i = 0; i < R; ++i) {
+      for (int i = 0; i < R; ++i) {
 #pragma GCC unroll 8
-      for (int j = 0; j < i; ++j) t[i].subtract(Lx[Lp[r + j] + i - j - 1], t[j]);
-      t[i].store(own + (r + i) * N);
+        for (int j = 0; j < i; ++j) t[i].subtract(Lx[Lp[r + j] + i - j - 1], t[j]);
+        t[i].store(own + (r + i) * N);
+      }
     }
   });
   const int* run = schedule.run.data() + block;
   for (const LdlSchedule::Run *k = schedule.runs.data() + run[0], *end = schedule.runs.data() + run[1]; k != end; ++k)
     in_chunks<kPanelRows>(k->begin, k->end, [&](int b, auto size) {
       constexpr int R = size.value;
-      double* to = X + static_cast<std::ptrdiff_t>(k->row + b - k->begin) * N;
-      Tile<double, N> t[R];
+      V* to = X + static_cast<std::ptrdiff_t>(k->row + b - k->begin) * N;
+      for (const V* own = all; own != all + N; own += M, to += M) {
+        Tile<V, M> t[R];
 #pragma GCC unroll 8
-      for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(to + i * N);
-      subtract_columns<R, N>(t, Lx, at + width + b, step, from, width, own);
+        for (int i = 0; i < R; ++i) t[i] = Tile<V, M>::load(to + i * N);
+        subtract_columns<R, N, M>(t, Lx, at + width + b, step, from, width, own);
 #pragma GCC unroll 8
-      for (int i = 0; i < R; ++i) t[i].store(to + i * N);
+        for (int i = 0; i < R; ++i) t[i].store(to + i * N);
+      }
     });
 }
 
 /// The R columns of a group, once those behind them are known: rows of X = L^T \ (D \ X).
-/// l: the group's packed entries. store(row, its values).
-template <int R, int N, class Store>
+/// l: the group's packed entries. reached: as solve_columns has it. store(row, its values).
+template <int R, int N, int M, class V, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
-                                                 const double* l, const double* inverse, double* X, Store&& store) {
+                                                 const V* l, const V* inverse, bool reached, V* X, Store&& store) {
   const int row = group.row;
-  double* own = X + static_cast<std::ptrdiff_t>(row) * N;
-  Tile<double, N> t[R];
+  V* own = X + static_cast<std::ptrdiff_t>(row) * N;
+  Tile<V, M> t[R];
 #pragma GCC unroll 8
-  for (int i = 0; i < R; ++i) t[i] = Tile<double, N>::load(own + i * N).times(inverse[row + i]);
+  for (int i = 0; i < R; ++i)
+    t[i] = reached ? Tile<V, M>::load(own + i * N).times(inverse[row + i]) : Tile<V, M>::all(V{});
   for (int k = group.segment; k < group.segment_end; ++k) {
-    const double* x = X + static_cast<std::ptrdiff_t>(segments[k].row) * N;
-    for (const double* end = x - static_cast<std::ptrdiff_t>(segments[k].count) * N; x != end; x -= N, l += R) {
-      const auto of_row = Tile<double, N>::load(x);
+    const V* x = X + static_cast<std::ptrdiff_t>(segments[k].row) * N;
+    for (const V* end = x - static_cast<std::ptrdiff_t>(segments[k].count) * N; x != end; x -= N, l += R) {
+      const auto of_row = Tile<V, M>::load(x);
 #pragma GCC unroll 8
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
     }
@@ -90,23 +97,26 @@ template <int R, int N, class Store>
   }
 }
 
-/// X = A \ X for N columns: X is n x N, in A's order. packed: of L (ldl_pack); inverse: of the pivots. Rows that
-/// `reached` does not flag are zero before they are divided by the pivots (ldl_scheduled_reach). store(k, row k of the
-/// answer as a tile), as each is known.
-template <int N, class Store>
-inline void solve_columns(const LdlSchedule& schedule, const double* Lx, const double* packed, const double* inverse,
-                          const char* reached, double* X, Store&& store) {
+/// X = A \ X for N columns, M of them in registers at a time: X is n x N, in A's order. packed: of L (ldl_pack);
+/// inverse: of the pivots. Rows that `reached` does not flag are zero before they are divided by the pivots
+/// (ldl_scheduled_reach); those of a block none of whose rows it flags may hold anything. store(k, row k of the answer
+/// as a tile), as each is known, of M columns.
+template <int N, int M = N, class V, class Store>
+inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* packed, const V* inverse,
+                          const char* reached, V* X, Store&& store) {
   const int* block = schedule.block.data();
   for (int k = 0; k < schedule.blocks(); ++k) {
     int from = block[k];
     while (from < block[k + 1] && !reached[from]) ++from;
-    if (from < block[k + 1]) forward_panel<N>(schedule, k, from - block[k], Lx, X);
+    if (from < block[k + 1]) forward_panel<N, M>(schedule, k, from - block[k], Lx, X);
   }
   const LdlSchedule::Segment* segments = schedule.segments.data();
   const LdlSchedule::Group* end = schedule.groups.data() + schedule.groups.size();
   for (const LdlSchedule::Group* group = schedule.groups.data(); group != end; ++group) {
     const auto rows = [&](auto size) {
-      backward_rows<size.value, N>(*group, segments, packed + group->at, inverse, X, store);
+      for (int first = 0; first < N; first += M)
+        backward_rows<size.value, N, M>(*group, segments, packed + group->at, inverse,
+                                        reached[group->row + size.value - 1], X + first, store);
     };
     if (group->high == 4)
       rows(Size<4>{});
