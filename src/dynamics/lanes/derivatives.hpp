@@ -46,56 +46,20 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
   }
 }
 
-/// Chunks of columns, each of parts that reach much the same rows; memory, and what never changes of right-hand sides.
+/// What never changes of right-hand sides, and in which chunks of columns they are solved.
 template <class S>
 void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
-  const int size = pattern_->size(), parts = ld / kPart;
+  const int size = pattern_->size();
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
   chunks_.clear();  // so that they are not taken for found, should memory run out
-  std::vector<std::vector<char>> reach(parts, std::vector<char>(size, 0)), reached;
+  std::vector<std::vector<char>> reach(ld / kPart, std::vector<char>(size, 0));
   const auto set = [&](int row, int column) { reach[column / kPart][pattern_->iperm[row]] = 1; };
   for (const auto& [i, j, of_tree] : places_) {
     if (job.request.q) set(i, job.q_first + j);
     if (job.request.v) set(i, job.v_first + j);
   }
   for (int i = 0; job.request.u && i < torques(job); ++i) set(torque(job, i), job.u_first + i);
-  reached = reach;
-  for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
-
-  std::vector<Chunk> chunks;
-  reach_.clear(), reached_.clear();
-  place_.assign(static_cast<std::size_t>(size) * ld, -1);
-  std::size_t count = 0;
-  std::vector<int> order(parts);  // such that those beside each other reach much the same rows; those of none last
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return reached[a] > reached[b]; });
-  for (int next = 0; next < parts;) {
-    const int a = order[next];
-    Chunk chunk{{}, 0, count};
-    for (; chunk.parts < kParts && next < parts; ++chunk.parts, ++next) {
-      const int b = order[next];
-      chunk.first[chunk.parts] = b * kPart;
-      std::transform(reach[a].begin(), reach[a].end(), reach[b].begin(), reach[a].begin(), std::bit_or<>());
-    }
-    for (int k = 0; k < size; ++k)
-      for (int c = 0; reach[a][k] && c < chunk.columns(); ++c, ++count)
-        if (c < chunk.parts * kPart)
-          place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count);
-    chunks.push_back(chunk);
-    reach_.insert(reach_.end(), reach[a].begin(), reach[a].end());
-    sparse::ldl_scheduled_reach(pattern_->schedule(), reach[a].data());
-    reached_.insert(reached_.end(), reach[a].begin(), reach[a].end());
-  }
-  B_.assign(count, S(0));
-  pieces_.resize(parts);
-  std::size_t at = 0;  // in the answer
-  for (Chunk& chunk : chunks) {
-    chunk.answer = at;
-    const int columns = chunk.columns();
-    for (int k = 0; k < chunk.parts; ++k) pieces_[chunk.first[k] / kPart] = {at + k * kPart, columns};
-    at += static_cast<std::size_t>(columns) * size;
-  }
-  work_.resize(std::max(work_.size(), W * at + 8));  // from a cache line on
+  std::vector<Chunk> chunks = form_chunks(reach, ld);
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   unset_.clear();
   for (const auto& [i, j, of_tree] : places_) {
@@ -104,6 +68,56 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
   }
   chunks_ = std::move(chunks);
   request_ = job.request;
+}
+
+/// Bands of columns whose answers stay in the second cache; in each, chunks of parts that reach much the same rows.
+/// reach: of each part, in the pattern's order. Memory, and where right-hand sides and answers stand in it.
+template <class S>
+auto SideBySide<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
+  constexpr std::size_t kBand = 1 << 19;  // bytes
+  constexpr int kWhole = std::lcm(8, kColumns);
+  const std::size_t size = D_.size();
+  const int parts = ld / kPart,
+            wide = std::max(static_cast<int>(kBand / (size * sizeof(Number))), kWhole) / kWhole * kWhole / kPart;
+  std::vector<std::vector<char>> reached(reach.begin(), reach.end());
+  for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
+  std::vector<int> order(parts);  // those that reach nothing come last
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return a / wide != b / wide ? a / wide < b / wide : reached[a] > reached[b]; });
+
+  std::vector<Chunk> chunks;
+  bands_.clear(), reach_.clear(), reached_.clear();
+  place_.assign(size * ld, -1);
+  pieces_.resize(parts);
+  std::size_t count = 0, at = 0, most = 0;  // of right-hand sides; of the band's answers, of any band's
+  for (int next = 0; next < parts;) {
+    const int band = order[next] / wide;
+    if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
+    Chunk chunk{{}, 0, count, at};
+    std::vector<char> rows(size, 0);
+    for (; chunk.parts < kParts && next < parts && order[next] / wide == band; ++chunk.parts, ++next) {
+      const std::vector<char>& of_part = reach[order[next]];
+      chunk.first[chunk.parts] = order[next] * kPart;
+      std::transform(rows.begin(), rows.end(), of_part.begin(), rows.begin(), std::bit_or<>());
+    }
+    const int columns = chunk.columns();
+    for (std::size_t k = 0; k < size; ++k)
+      for (int c = 0; rows[k] && c < columns; ++c, ++count)
+        if (c < chunk.parts * kPart)
+          place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count);
+    for (int k = 0; k < chunk.parts; ++k) pieces_[chunk.first[k] / kPart] = {at + k * kPart, columns};
+    most = std::max(most, at += columns * size);
+    chunks.push_back(chunk);
+    bands_.back().end = std::min((band + 1) * wide, parts);
+    bands_.back().chunk_end = chunks.size();
+    reach_.insert(reach_.end(), rows.begin(), rows.end());
+    sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
+    reached_.insert(reached_.end(), rows.begin(), rows.end());
+  }
+  B_.assign(count, S(0));
+  work_.resize(std::max(work_.size(), W * most + 8));  // from a cache line on
+  return chunks;
 }
 
 /// B = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
@@ -147,20 +161,22 @@ template <class S>
 void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches) {
   for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
   sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
-  for (std::size_t c = 0; c < chunks_.size(); ++c) solve_chunk(c);
-  // Many panels are not in the caches: they are written from one end to the other.
-  if (past_caches) {
-    write(panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
-    sparse::kernel::finish_streams();
-  } else {
-    write(panels, plain, [](const auto& piece, double* to) { piece.store(to); });
+  for (const Band& band : bands_) {
+    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(c);
+    // Many panels are not in the caches: they are written from one end to the other.
+    if (past_caches)
+      write(band, panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
+    else
+      write(band, panels, plain, [](const auto& piece, double* to) { piece.store(to); });
   }
+  if (past_caches) sparse::kernel::finish_streams();
 }
 
-/// What the chunks left in work_, to the panels, which start at a cache line and whose rows are multiples of it.
+/// What the chunks of a band left in work_, to the panels, which start at a cache line and whose rows are multiples of
+/// it.
 template <class S>
 template <class Put>
-void SideBySide<S>::write(std::span<const Panel> panels, Mask plain, Put&& put) {
+void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
   using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
   const Number* x = answer();
   const int ld = panels.front().ld;
@@ -172,14 +188,11 @@ void SideBySide<S>::write(std::span<const Panel> panels, Mask plain, Put&& put) 
     const double sign = i < model_->nv ? 1 : -1;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * ld;
     if constexpr (W == 1) {
-      int j = 0;
-      for (const Piece& piece : pieces_) {
-        put(Row::load(x + piece.at + k * piece.stride).times(sign), *to + row + j);
-        j += kPart;
-      }
+      for (int j = band.first; j < band.end; ++j)
+        put(Row::load(x + pieces_[j].at + k * pieces_[j].stride).times(sign), *to + row + j * kPart);
     } else {
       const S* x_k = x + k * kColumns;
-      for (int j = 0; j < ld; j += W) {
+      for (int j = band.first; j < band.end; j += W) {
         S block[W];
 #pragma GCC unroll 8
         for (int c = 0; c < W; ++c) block[c] = S(sign) * x_k[pieces_[j + c].at];

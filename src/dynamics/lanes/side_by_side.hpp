@@ -79,9 +79,13 @@ class SideBySide {
   static_assert(8 % kPart == 0 && 8 % W == 0);
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;          // in B_: rows that it reaches, its columns side by side
-    std::size_t answer = 0;  // in work_: all rows, likewise
+    std::size_t at;      // in B_: rows that it reaches, its columns side by side
+    std::size_t answer;  // in work_: all rows, likewise
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
+  };
+  struct Band {  // of parts, and their chunks
+    int first, end;
+    std::size_t chunk, chunk_end;
   };
   struct Piece {  // a part of columns in work_: that of row k, in the pattern's order, is at + k stride
     std::size_t at;
@@ -128,13 +132,14 @@ class SideBySide {
   void solve_once_refined();
   BodyVariationOf<S> body(const Attachment& at) const;
   void find_reach(const DerivativeJob& job, int ld);
+  std::vector<Chunk> form_chunks(std::span<const std::vector<char>> reach, int ld);
   void right_sides(const DerivativeJob& job, int ld);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   Mask accurate_unrefined();
   void solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches);
   template <class Put>
-  void write(std::span<const Panel> panels, Mask plain, Put&& put);
+  void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
   void solve_chunk(std::size_t chunk);
   template <int N>
@@ -181,6 +186,7 @@ class SideBySide {
   std::vector<Place> places_;              // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;              // that reach_ is of
   std::vector<Chunk> chunks_;              // of all columns
+  std::vector<Band> bands_;
   // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
   // than zero.
   std::vector<char> reach_, reached_;
@@ -191,7 +197,7 @@ class SideBySide {
   std::vector<S> packed_;      // sparse::ldl_pack
   std::vector<double> Lx_, Dx_, Kx_;      // one lane's
   std::vector<Piece> pieces_;             // of all columns
-  std::vector<double> work_;              // the panels, chunk after chunk; of solve_refined
+  std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
   double rounding_;                       // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
