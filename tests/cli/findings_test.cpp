@@ -166,6 +166,7 @@ TEST_F(FindingsOfTheProgram, SwitchesThatAreNotReached) {
   EXPECT_EQ(alone.err, "manycontact: " + falls + ": " + late + "\n");
   EXPECT_EQ(alone.out, read_text(path("t.csv")));
   expect_lacks(switched("0.002 c here", path("t.csv")).out, "not switched");
+  expect_lacks(switched("0.002 c here, 0.002 c off", path("t.csv")).out, "closed");
 }
 
 // The PD law holds a posture that no torque would; torques from a file act from their time on.

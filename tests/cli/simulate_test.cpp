@@ -96,6 +96,7 @@ TEST_F(Simulate, GainsHoldTheContacts) {
   };
   const double none = drift("0 0");
   EXPECT_LT(drift("400 40"), 0.9 * none);
+  EXPECT_EQ(drift(" 400, 40 "), drift("400 40"));
   EXPECT_LT(drift("400,40"), 0.9 * none);
   EXPECT_LT(drift("recommended"), 0.1 * none);
 }

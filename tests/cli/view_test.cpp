@@ -261,6 +261,12 @@ TEST_F(View, CapsulesAndMeshes) {
   EXPECT_EQ(from_base64<float>(page.scene["meshes"][0]["vertices"]).size(), 12u);
   EXPECT_EQ(from_base64<std::uint32_t>(page.scene["meshes"][0]["triangles"]),
             (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 3}));
+
+  const Outcome over = run({"view", one, "--out", path("parts/m/tip.obj")});
+  EXPECT_EQ(over.status, 2);
+  expect_contains(over.err, "tip.obj', which is read");
+  view(one);
+  expect_lacks(out, "capsules");
 }
 
 // Names cannot leave the data they stand in.

@@ -56,6 +56,7 @@ Gains two_numbers(const std::string& option, const std::string& names, const std
     if (!at) break;
     at = next;
   }
+  while (at && at != end && *at == ' ') ++at;
   if (at != end)
     throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
   return {x[0], x[1]};

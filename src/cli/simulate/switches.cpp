@@ -73,12 +73,12 @@ std::string Switches::not_reached() const {
 
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   std::vector<char> active = sim.dynamics.active;
-  std::vector<std::string> closed;
+  std::vector<const Event*> closing;
   bool any = false;
   for (; done_ < events_.size() && events_[done_].t <= sim.time() + tolerance; ++done_) {
     const Event& event = events_[done_];
     any = true;
-    if (event.what != Event::kOff) closed.push_back(event.contact);
+    if (event.what != Event::kOff) closing.push_back(&event);
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[static_cast<std::size_t>(c)] = event.what != Event::kOff;
       if (event.what == Event::kHere)
@@ -88,6 +88,9 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   if (!any) return true;
   const double t = sim.time();
   const VelocityJump jump = switch_contacts(scene, active, sim);
+  std::vector<std::string> closed;
+  for (const Event* event : closing)
+    if (active[static_cast<std::size_t>(event->first)]) closed.push_back(event->contact);  // not off at once
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump});
   return jump.status != Status::kFailed;
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <ostream>
 
+#include "../common/command.hpp"
 #include "../common/output_file.hpp"
 #include "../common/table.hpp"
 
@@ -106,9 +107,10 @@ template std::string base64_of(const std::vector<std::uint32_t>&);
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path) {
   finish(recording);
   check_size(recording);
-  std::vector<std::string> notes;
+  std::vector<std::string> notes, meshes;
   Json scene = {{"name", file.scene.name}};
-  scene.update(shapes_of(file, notes));
+  scene.update(shapes_of(file, notes, meshes));
+  check_unread("the page", path, meshes);
   scene["contacts"] = contacts_of(recording);
   scene["frames"] = frames_of(recording);
   scene["notes"] = notes;

@@ -21,8 +21,8 @@ void check_page_parts();
 template <class T>
 std::string base64_of(const std::vector<T>& list);
 
-/// Robots, their bodies' shapes and the meshes; what could not be found goes to `notes`.
-Json shapes_of(const SceneFile& file, std::vector<std::string>& notes);
+/// Robots, their bodies' shapes and the meshes; what could not be found goes to `notes`, the meshes' files to `read`.
+Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
 /// Takes the last state.
 void finish(Recording& recording);

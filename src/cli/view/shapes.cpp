@@ -141,7 +141,7 @@ Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
 
 }  // namespace
 
-Json shapes_of(const SceneFile& file, std::vector<std::string>& notes) {
+Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read) {
   Meshes meshes;
   Json models = Json::array(), robots = Json::array();
   for (const RobotGroup& group : file.robot_groups) {
@@ -153,6 +153,7 @@ Json shapes_of(const SceneFile& file, std::vector<std::string>& notes) {
                         {"model", models.size() - 1},
                         {"base", json_of(file.scene.robots[k].base)}});
   }
+  for (const auto& [path, number] : meshes.index) read.push_back(path);
   if (!meshes.lost.empty())
     notes.push_back("capsules stand for " + std::to_string(meshes.lost.size()) +
                     (meshes.lost.size() == 1 ? " mesh: " : " meshes: ") +
