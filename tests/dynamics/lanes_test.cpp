@@ -28,10 +28,10 @@ struct Herd {
 
 // `count` robots of one random model, floating or fixed, each with the same contacts on its bodies (to the world and
 // among its own), in states of their own.
-Herd any_herd(std::mt19937& rng, int count, bool floating, double damping) {
+Herd any_herd(std::mt19937& rng, int count, bool floating, double damping, int njoints) {
   Herd h;
   ModelOptions options;
-  options.njoints = 14;
+  options.njoints = njoints;
   options.branching = 0.1;
   options.floating_base = floating;
   const auto model = std::make_shared<const Model>(random_model(rng, options));
@@ -68,9 +68,9 @@ Herd any_herd(std::mt19937& rng, int count, bool floating, double damping) {
 }
 
 // One whose contacts are independent.
-Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0) {
+Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0, int njoints = 14) {
   for (;;) {
-    Herd h = any_herd(rng, count, floating, damping);
+    Herd h = any_herd(rng, count, floating, damping, njoints);
     SceneData data(h.scene, {Method::kSparseLdl, {}, Lanes::kOff});
     if (solve(h.scene, h.q, h.v, h.u, data).status == Status::kOk) return h;
   }
@@ -148,6 +148,23 @@ TEST_P(InLanes, ARobotsBitsAreItsOwn) {
         expect_same(herd, reversed, 18 - r, alone);
       }
     }
+}
+
+// The panels of large robots, side by side, are solved a band of columns after the other: the same bits.
+TEST_P(InLanes, PanelsOfLargeRobots) {
+  std::mt19937 rng(17);
+  const Herd herd = random_herd(rng, 9, true, 0, 150);
+  SceneData data(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
+  estimate_condition(herd.scene, data);
+  const Answer all = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+  ASSERT_EQ(all.report.status, Status::kOk);
+  ASSERT_GT(2 * 8 * all.X.front().size(), 1 << 19);  // kBand
+  for (const int r : {0, 1, 7, 8}) {
+    expect_same(herd, all, r, answer(part_of(herd, {r}), GetParam()));
+    const double allowed = std::max(1e-12, 100 * 2.2e-16 * data.report.islands[r].condition);
+    EXPECT_LE((all.X[r] - off.X[r]).norm(), 10 * allowed * off.X[r].norm());
+  }
 }
 
 // So many are written past the caches (kCached): the same bits.
