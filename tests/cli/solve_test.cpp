@@ -203,11 +203,11 @@ TEST_F(Solve, SummaryNamesTheLargestDerivatives) {
   const auto line_of = [&](const char* name, const Eigen::MatrixXd& block, bool forces) {
     Eigen::Index row = 0, column = 0;
     block.cwiseAbs().maxCoeff(&row, &column);
-    const Contact& contact = file.scene.contacts[static_cast<std::size_t>(row / 6)];
     char value[32];
     std::snprintf(value, sizeof value, "%.4g", block(row, column));
     const std::string of =
-        forces ? row_name(contact, static_cast<int>(row % 6)) : "humanoid/" + dof_name(humanoid, static_cast<int>(row));
+        forces ? row_name(file.scene.contacts.at(static_cast<std::size_t>(row / 6)), static_cast<int>(row % 6))
+               : "humanoid/" + dof_name(humanoid, static_cast<int>(row));
     return std::vector<std::string>{name, value, of, "humanoid/" + dof_name(humanoid, static_cast<int>(column))};
   };
   std::vector<std::vector<std::string>> found;

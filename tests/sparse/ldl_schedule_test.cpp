@@ -191,7 +191,8 @@ TEST(LdlSchedule, FirstColumnsAlone) {
     ASSERT_TRUE(schedule.compiled);
     ScheduledFactor f(symbolic);
     sparse::ldl_scheduled_factor<double>(schedule, A.x.data(), f.L.data(), f.D.data(), f.scale.data());
-    Eigen::MatrixXd S = f.pivots().tail(left).asDiagonal();
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(left, left);
+    S.diagonal() = f.pivots().tail(left);
     for (int j = columns; j < n; ++j)
       for (int k = symbolic.Lp[j]; k < symbolic.Lp[j + 1]; ++k)
         S(symbolic.Li[k] - columns, j - columns) = S(j - columns, symbolic.Li[k] - columns) = f.L[k];

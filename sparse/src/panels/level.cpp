@@ -97,17 +97,6 @@ void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const
   });
 }
 
-// t += l x
-template <int N>
-inline void add_times(Tile<double, N>& t, double l, const Tile<double, N>& x) {
-  if constexpr (N == 1) {
-    t.v[0] = multiply_add(l, x.v[0], t.v[0]);
-  } else {
-    const auto s = Tile<double, N>::every(l);
-    for (int k = 0; k < Tile<double, N>::kVectors; ++k) t.v[k] = Tile<double, N>::fused(s, x.v[k], t.v[k]);
-  }
-}
-
 // B -= A X for N columns, whose rows are X(k) and B(k).
 template <int N, class RowX, class RowB>
 inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB&& B) {
@@ -116,13 +105,13 @@ inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB
     const int last = p[j + 1] - 1;  // the diagonal
     const auto xj = Tile<double, N>::load(X(j));
     auto bj = Tile<double, N>::load(B(j));
-    add_times<N>(bj, -Ax[last], xj);
+    bj.subtract(Ax[last], xj);
     for (int k = p[j]; k < last; ++k) {
       double* to = B(index[k]);
       auto bi = Tile<double, N>::load(to);
-      add_times<N>(bi, -Ax[k], xj);
+      bi.subtract(Ax[k], xj);
       bi.store(to);
-      bj.add(-Ax[k], X(index[k]));
+      bj.subtract(Ax[k], Tile<double, N>::load(X(index[k])));
     }
     bj.store(B(j));
   }
@@ -137,8 +126,8 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
 }
 
 // As solve; the right-hand sides, the answer and its correction are all in the cache.
-void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
-                   const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
+void solve_refined(const LdlSchedule& schedule, const double* Ax, const double* Lx, const double* D, const int* row,
+                   double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
   double *x = aligned(work), *r = x + n * kernel::kPanel, *inverse = r + n * kernel::kPanel;
@@ -149,17 +138,13 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
     constexpr int N = size.value;
     const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
     const double zeros[N] = {};
-    for (int k = 0; k < schedule.n; ++k) {
-      const auto b = Tile<double, N>::load(nonzero[k] ? at(k) : zeros);
-      b.store(x + k * N);
-      b.store(r + k * N);
-    }
+    const auto b = [&](int k) { return Tile<double, N>::load(nonzero[k] ? at(k) : zeros); };
+    for (int k = 0; k < schedule.n; ++k) b(k).store(x + k * N);
     kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [](int, const auto&) {});
-    subtract_product<N>(
-        A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
+    kernel::residual<N>(schedule, Ax, x, b, [r](int k, const auto& t) { t.store(r + k * N); });
     kernel::solve_columns<N>(schedule, Lx, packed, inverse, everywhere, r, [&](int k, const auto& t) {
       auto sum = Tile<double, N>::load(x + k * N);
-      add_times<N>(sum, 1, t);
+      sum.subtract(-1, t);
       sum.store(at(k));
     });
   });
