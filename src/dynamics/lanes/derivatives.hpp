@@ -18,7 +18,15 @@ void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Isla
   derivative_terms(job.scene, first);
   find_reach(job, panels.front().ld);
   right_sides(job, panels.front().ld);
-  solve_panels(panels, to_be_refined(panels), job.past_caches);
+  Mask plain = S(0) <= S(0);
+  if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
+    S wanted(0);
+    for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
+    plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
+  }
+  if (plain.any()) solve_panels(panels, plain, job.past_caches);
+  for (std::size_t l = 0; l < panels.size(); ++l)
+    if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
 }
 
 /// Contact forces on the bodies, and the terms of -dr.
@@ -108,9 +116,7 @@ auto SideBySide<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
     reached_.insert(reached_.end(), rows.begin(), rows.end());
   }
   B_.assign(count, S(0));
-  work_.resize(W * most + 8);  // from a cache line on
-  residual_.resize(size * kColumns);
-  everywhere_.assign(size, 1);
+  work_.resize(std::max(work_.size(), W * most + 8));  // from a cache line on
   return chunks;
 }
 
@@ -136,13 +142,10 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, int ld) {
   }
 }
 
-/// Lanes whose panels are refined: the factor does not vouch for a backward error of no more than kRefinePanel in every
-/// column as it comes from there, |dK|_1 / |K|_1 of sparse::ldl_rounding.
+/// Lanes in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
+/// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
 template <class S>
-typename S::Mask SideBySide<S>::to_be_refined(std::span<const Panel> panels) {
-  S refined(0);
-  for (std::size_t l = 0; l < panels.size(); ++l) refined.set(static_cast<int>(l), panels[l].refine);
-  if (!(refined > S(0)).any()) return refined > S(0);
+typename S::Mask SideBySide<S>::accurate_unrefined() {
   sparse::ldl_row_sums(pattern_->K, numbers(K_.data()), pattern_->ldl, numbers(L_.data()), numbers(D_.data()),
                        numbers(r_.data()), numbers(scale_.data()));
   S of_factor(0), of_K(0);
@@ -150,21 +153,21 @@ typename S::Mask SideBySide<S>::to_be_refined(std::span<const Panel> panels) {
     of_factor = larger(r_[k], of_factor);
     of_K = larger(scale_[k], of_K);
   }
-  return select(S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K, S(0), refined) > S(0);
+  return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// [da; df] = K^-1 B, into the panels.
+/// [da; df] = K^-1 B, into the panels of the lanes that are plain.
 template <class S>
-void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask refined, bool past_caches) {
+void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches) {
   for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
   sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
   for (const Band& band : bands_) {
-    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(c, refined);
+    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(c);
     // Many panels are not in the caches: they are written from one end to the other.
     if (past_caches)
-      write(band, panels, [](const auto& piece, double* to) { piece.stream(to); });
+      write(band, panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
     else
-      write(band, panels, [](const auto& piece, double* to) { piece.store(to); });
+      write(band, panels, plain, [](const auto& piece, double* to) { piece.store(to); });
   }
   if (past_caches) sparse::kernel::finish_streams();
 }
@@ -173,12 +176,13 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask refined, bo
 /// it.
 template <class S>
 template <class Put>
-void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Put&& put) {
+void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
   using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
   const Number* x = answer();
   const int ld = panels.front().ld;
   double* to[W] = {};
-  for (std::size_t l = 0; l < panels.size(); ++l) to[l] = panels[l].X;
+  for (std::size_t l = 0; l < panels.size(); ++l)
+    if (plain[static_cast<int>(l)]) to[l] = panels[l].X;
   for (int i = 0; i < pattern_->size(); ++i) {
     const int k = pattern_->iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
@@ -203,13 +207,11 @@ void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Put&&
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_chunk(std::size_t chunk, Mask refined) {
-  if (chunks_[chunk].columns() == N) {
+void SideBySide<S>::solve_chunk(std::size_t chunk) {
+  if (chunks_[chunk].columns() == N)
     solve_columns<N>(chunk);
-    if (refined.any()) refine_columns<N>(chunk, refined);
-  } else if constexpr (W == 1 && N > kPart) {
-    solve_chunk<N - kPart>(chunk, refined);
-  }
+  else if constexpr (W == 1 && N > kPart)
+    solve_chunk<N - kPart>(chunk);
 }
 
 template <class S>
@@ -240,34 +242,21 @@ void SideBySide<S>::solve_columns(std::size_t chunk) {
                                                  numbers(correction_.data()), reached, x, [](int, const auto&) {});
 }
 
-/// X + K^-1 (B - K X) for a chunk, in the lanes that are to be refined.
+/// X + K^-1 (B - K X) of one lane, X = K^-1 B.
 template <class S>
-template <int N>
-void SideBySide<S>::refine_columns(std::size_t chunk, Mask refined) {
-  constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
-  using Row = sparse::kernel::Tile<Number, kInRegisters>;
-  const std::size_t size = D_.size();
-  const char* reach = reach_.data() + chunk * size;
-  Number *x = answer() + chunks_[chunk].answer, *r = numbers(residual_.data());
-  for (int first = 0; first < N; first += kInRegisters) {
-    const Number* b = numbers(B_.data()) + chunks_[chunk].at + first;
-    const auto right_side = [&](int k) {
-      const Row row = reach[k] ? Row::load(b) : Row::all(Number(0));
-      b += reach[k] ? N : 0;
-      return row;
-    };
-    sparse::kernel::residual<N, kInRegisters>(pattern_->schedule(), numbers(K_.data()), x + first, right_side,
-                                              [&](int k, const Row& row) { row.store(r + k * N + first); });
-  }
-  sparse::kernel::solve_columns<N, kInRegisters>(pattern_->schedule(), numbers(L_.data()), numbers(packed_.data()),
-                                                 numbers(correction_.data()), everywhere_.data(), r,
-                                                 [](int, const Row&) {});
-  for (std::size_t k = 0; k < size * N; ++k) {
-    if constexpr (W == 1)
-      x[k] += r[k];
-    else
-      x[k] = select(refined, x[k] + r[k], x[k]);
-  }
+void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
+  const auto take = [lane](const S* from, std::size_t count, double* to) {
+    for (std::size_t k = 0; k < count; ++k) to[k] = from[k][lane];
+  };
+  take(D_.data(), D_.size(), Dx_.data());
+  take(K_.data(), K_.size(), Kx_.data());
+  take(L_.data(), L_.size(), Lx_.data());
+  for (std::size_t k = 0; k < place_.size(); ++k) panel.X[k] = place_[k] < 0 ? 0 : B_[place_[k]][lane];
+  std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  sparse::panel_kernels().solve_refined(pattern_->schedule(), Kx_.data(), Lx_.data(), Dx_.data(), pattern_->perm.data(),
+                                        panel.X, panel.ld, 0, panel.ld, nonzero_.data(), work_.data());
+  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < place_.size(); ++k)
+    panel.X[k] = -panel.X[k];
 }
 
 }  // namespace manycontact::lanes

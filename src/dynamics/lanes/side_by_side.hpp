@@ -136,16 +136,15 @@ class SideBySide {
   void right_sides(const DerivativeJob& job, int ld);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
-  Mask to_be_refined(std::span<const Panel> panels);
-  void solve_panels(std::span<const Panel> panels, Mask refined, bool past_caches);
+  Mask accurate_unrefined();
+  void solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches);
   template <class Put>
-  void write(const Band& band, std::span<const Panel> panels, Put&& put);
+  void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(std::size_t chunk, Mask refined);
+  void solve_chunk(std::size_t chunk);
   template <int N>
   void solve_columns(std::size_t chunk);
-  template <int N>
-  void refine_columns(std::size_t chunk, Mask refined);
+  void solve_refined(int lane, const Panel& panel);
 
   /// In work_, from a cache line on.
   Number* answer() {
@@ -190,15 +189,16 @@ class SideBySide {
   std::vector<Band> bands_;
   // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
   // than zero.
-  std::vector<char> reach_, reached_, everywhere_;
+  std::vector<char> reach_, reached_;
+  std::vector<char> nonzero_;  // per row of K
   std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
   std::vector<int> place_;     // of each entry of the panel in B_; -1: that is zero
   std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
   std::vector<S> packed_;      // sparse::ldl_pack
-  std::vector<Piece> pieces_;  // of all columns
-  std::vector<S> residual_;    // of a chunk, if it is refined
-  std::vector<double> work_;   // a band's answers, chunk after chunk
-  double rounding_;            // sparse::ldl_rounding
+  std::vector<double> Lx_, Dx_, Kx_;      // one lane's
+  std::vector<Piece> pieces_;             // of all columns
+  std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
+  double rounding_;                       // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
@@ -233,7 +233,12 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       fext_(model_->njoints()),
       rnea_(*model_),
       columns_(support.columns),
+      nonzero_(pattern_->size()),
       packed_(pattern_->schedule().packed.size()),
+      Lx_(L_.size()),
+      Dx_(D_.size()),
+      Kx_(K_.size()),
+      work_(sparse::panel_kernels().work_size(pattern_->schedule())),
       rounding_(sparse::ldl_rounding(pattern_->ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
