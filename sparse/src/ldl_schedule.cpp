@@ -34,22 +34,6 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     if (!set[slot]) out.fill.push_back(slot);
 }
 
-void list_rows(const UpperCsc& A, LdlSchedule& out) {
-  out.row.assign(A.n + 1, 0);
-  const auto each = [&](auto&& use) {
-    for (int j = 0; j < A.n; ++j)
-      for (int k = A.p[j]; k < A.p[j + 1]; ++k) {
-        use(A.i[k], LdlSchedule::Entry{j, k});
-        if (A.i[k] != j) use(j, LdlSchedule::Entry{A.i[k], k});
-      }
-  };
-  each([&](int i, LdlSchedule::Entry) { ++out.row[i + 1]; });
-  for (int i = 0; i < A.n; ++i) out.row[i + 1] += out.row[i];
-  out.entries.resize(out.row[A.n]);
-  std::vector<int> next(out.row.begin(), out.row.end() - 1);
-  each([&](int i, LdlSchedule::Entry entry) { out.entries[next[i]++] = entry; });
-}
-
 // Columns first+c ... first+c+high-1 of a block of `width` columns.
 void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
   LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
@@ -104,9 +88,9 @@ void find_targets(const int* rows, int begin, int count, const int* T_rows, int 
 
 std::size_t LdlSchedule::bytes() const {
   return sizeof(int) * (diagonal.size() + from.size() + to.size() + fill.size() + Lp.size() + block.size() +
-                        run.size() + packed.size() + row.size()) +
-         sizeof(Entry) * entries.size() + sizeof(Run) * runs.size() + sizeof(Target) * targets.size() +
-         sizeof(Group) * groups.size() + sizeof(Segment) * segments.size();
+                        run.size() + packed.size()) +
+         sizeof(Run) * runs.size() + sizeof(Target) * targets.size() + sizeof(Group) * groups.size() +
+         sizeof(Segment) * segments.size();
 }
 
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) { return compile_ldl(A, s, s.n); }
@@ -142,7 +126,6 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   }
   place_entries(A, s, out);
   find_groups(s, out);
-  list_rows(A, out);
   out.Lp = s.Lp;
   out.compiled = true;
   return out;

@@ -68,11 +68,8 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
   IslandDerivatives& out = data.workspace->derivatives.islands[i];
   if (d.in_lanes) complete_island(scene, data, d, thread);
   differentiate_island(scene, data, i, out, thread);
-  if (!by_bodies(d) || !out.X.hasNaN()) return;
-  const bool was_dependent = d.was_dependent;  // what the next solve tries first stays
-  if (climb_ladder(scene, data, thread.scratch, d, thread.spare_report))  // joint space may do better
+  if (by_bodies(d) && out.X.hasNaN() && climb_again(scene, data, d, thread))  // joint space may do better
     differentiate_island(scene, data, i, out, thread);
-  d.was_dependent = was_dependent;
 }
 
 }  // namespace

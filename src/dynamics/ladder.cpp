@@ -188,10 +188,15 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
   return true;
 }
 
-void factorize_again(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
+bool climb_again(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
   const bool was_dependent = d.was_dependent;
-  if (!climb_ladder(scene, data, thread.scratch, d, thread.spare_report)) d.factor = nullptr;
+  const bool answered = climb_ladder(scene, data, thread.scratch, d, thread.spare_report);
   d.was_dependent = was_dependent;
+  return answered;
+}
+
+void factorize_again(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
+  if (!climb_again(scene, data, d, thread)) d.factor = nullptr;
 }
 
 }  // namespace manycontact::internal

@@ -54,8 +54,9 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
 [[nodiscard]] bool still_dependent(const Scene& scene, const SceneData& data, FactorScratch& scratch,
                                    IslandWork& island, IslandReport& report);
 
-/// The same for an answer that lanes or parts gave: what the next solve tries first stays. island.factor is null where
-/// there is none.
+/// climb_ladder once more for an island that was answered: what the next solve tries first, and the report, stay.
+bool climb_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
+/// The same for an answer that lanes or parts gave. island.factor is null where there is none.
 void factorize_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
 
 /// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of

@@ -126,8 +126,8 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
 }
 
 // As solve; the right-hand sides, the answer and its correction are all in the cache.
-void solve_refined(const LdlSchedule& schedule, const double* Ax, const double* Lx, const double* D, const int* row,
-                   double* X, int ld, int first, int cols, char* nonzero, double* work) {
+void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
+                   const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
   ldl_scheduled_reach(schedule, nonzero);
   double *x = aligned(work), *r = x + n * kernel::kPanel, *inverse = r + n * kernel::kPanel;
@@ -138,10 +138,14 @@ void solve_refined(const LdlSchedule& schedule, const double* Ax, const double* 
     constexpr int N = size.value;
     const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld + c; };
     const double zeros[N] = {};
-    const auto b = [&](int k) { return Tile<double, N>::load(nonzero[k] ? at(k) : zeros); };
-    for (int k = 0; k < schedule.n; ++k) b(k).store(x + k * N);
+    for (int k = 0; k < schedule.n; ++k) {
+      const auto b = Tile<double, N>::load(nonzero[k] ? at(k) : zeros);
+      b.store(x + k * N);
+      b.store(r + k * N);
+    }
     kernel::solve_columns<N>(schedule, Lx, packed, inverse, nonzero, x, [](int, const auto&) {});
-    kernel::residual<N>(schedule, Ax, x, b, [r](int k, const auto& t) { t.store(r + k * N); });
+    subtract_product<N>(
+        A, Ax, [x](int k) { return x + k * N; }, [r](int k) { return r + k * N; });
     kernel::solve_columns<N>(schedule, Lx, packed, inverse, everywhere, r, [&](int k, const auto& t) {
       auto sum = Tile<double, N>::load(x + k * N);
       sum.subtract(-1, t);

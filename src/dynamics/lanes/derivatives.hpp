@@ -253,8 +253,9 @@ void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
   take(L_.data(), L_.size(), Lx_.data());
   for (std::size_t k = 0; k < place_.size(); ++k) panel.X[k] = place_[k] < 0 ? 0 : B_[place_[k]][lane];
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::panel_kernels().solve_refined(pattern_->schedule(), Kx_.data(), Lx_.data(), Dx_.data(), pattern_->perm.data(),
-                                        panel.X, panel.ld, 0, panel.ld, nonzero_.data(), work_.data());
+  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data(), Dx_.data(),
+                                        pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld, nonzero_.data(),
+                                        work_.data());
   for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < place_.size(); ++k)
     panel.X[k] = -panel.X[k];
 }

@@ -42,8 +42,9 @@ class LdlFactor final : public Factor {
   }
   bool refines_panels() const override { return ldl_.schedule; }
   void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
-    sparse::panel_kernels().solve_refined(*ldl_.schedule, K.values.data(), ldl_.L.data(), ldl_.D.data(),
-                                          ldl_.pattern->perm.data(), X, ld, first, cols, nonzero, ldl_.work());
+    sparse::panel_kernels().solve_refined(*ldl_.schedule, ldl_.pattern->K, K.values.data(), ldl_.L.data(),
+                                          ldl_.D.data(), ldl_.pattern->perm.data(), X, ld, first, cols, nonzero,
+                                          ldl_.work());
   }
   double panel_error(const KktMatrix& K) override {
     double *of_factor = ldl_.work(), *of_K = of_factor + ldl_.D.size();

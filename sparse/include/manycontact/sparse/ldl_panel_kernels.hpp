@@ -127,19 +127,6 @@ inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* pac
   }
 }
 
-/// R = B - A X for M of N columns: X is n x N, row k of B is B(k), a tile. store(k, that row of R).
-template <int N, int M = N, class V, class RowB, class Store>
-inline void residual(const LdlSchedule& schedule, const V* Ax, const V* X, RowB&& B, Store&& store) {
-  const int* row = schedule.row.data();
-  const LdlSchedule::Entry* entries = schedule.entries.data();
-  for (int k = 0; k < schedule.n; ++k) {
-    Tile<V, M> r = B(k);
-    for (int e = row[k]; e < row[k + 1]; ++e)
-      r.subtract(Ax[entries[e].slot], Tile<V, M>::load(X + static_cast<std::ptrdiff_t>(entries[e].column) * N));
-    store(k, r);
-  }
-}
-
 }  // namespace kernel
 
 /// L's entries as LdlSchedule::packed has them.

@@ -59,12 +59,6 @@ struct LdlSchedule {
   std::vector<Group> groups;  // the last rows first
   std::vector<Segment> segments;
   std::vector<int> packed;  // slots of L, -1: zero
-  // A's rows, both triangles: entries[row[k]] ... entries[row[k+1]-1]
-  struct Entry {
-    int column, slot;
-  };
-  std::vector<int> row;
-  std::vector<Entry> entries;
 
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;

@@ -24,8 +24,9 @@ struct PanelKernels {
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
   /// The same refined once: with X = A^-1 B, X + A^-1 (B - A X).
-  void (*solve_refined)(const LdlSchedule& schedule, const double* Ax, const double* Lx, const double* D,
-                        const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work);
+  void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
+                        const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
+                        double* work);
   /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
   /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
