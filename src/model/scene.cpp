@@ -76,6 +76,7 @@ std::string problem(const Scene& scene, const Attachment& A, const Attachment& B
 std::string problem_of_support(const Contact& contact) {
   if (contact.mu && !(*contact.mu >= 0 && std::isfinite(*contact.mu))) return "has a mu that is not 0 or more";
   if (contact.mu && contact.type == ContactType::k5D) return "is 5d and has a mu, expected it on other types";
+  if (contact.normal && contact.type == ContactType::k5D) return "is 5d and has a normal, expected it on other types";
   if (!contact.box.allFinite() || (contact.box.array() < 0).any()) return "has a box that is not 0 or more";
   if (contact.box.isZero(0)) return "";
   if (contact.type != ContactType::k6D) return "is " + to_string(contact.type) + " and has a box, expected it on 6d";
@@ -91,15 +92,23 @@ int add_contact(Scene& scene, Contact contact) {
   refuse_if(problem(scene, contact.A));
   refuse_if(problem(scene, contact.B));
   refuse_if(problem(scene, contact.A, contact.B));
+  const bool on_body = contact.B.robot >= 0;
   contact.B = world_if_immovable(scene, std::move(contact.B));
   if (!std::isfinite(contact.alpha) || !std::isfinite(contact.beta)) refuse_if("has gains that are not finite");
   if (contact.type == ContactType::k5D && contact.reference_frame != ReferenceFrame::kLocal)
     refuse_if("is 5d in the world's axes, expected reference_frame local: its axis is part of both bodies");
   refuse_if(problem_of_support(contact));
-  const double norm = contact.axis.stableNorm();
-  if (!std::isfinite(norm)) refuse_if("has an axis that is not finite, expected a direction");
-  if (norm < kZeroDirection) refuse_if("has a zero axis, expected a direction");
-  contact.axis /= norm;
+  const auto make_unit = [&](const std::string& name, Vec3<double>& direction) {
+    const double norm = direction.stableNorm();
+    if (!std::isfinite(norm)) refuse_if("has " + name + " that is not finite, expected a direction");
+    if (norm < kZeroDirection) refuse_if("has a zero " + name.substr(name.find(' ') + 1) + ", expected a direction");
+    direction /= norm;
+  };
+  make_unit("an axis", contact.axis);
+  if (contact.normal) {
+    make_unit("a normal", *contact.normal);
+    if (on_body && contact.B.robot < 0) contact.normal = contact.B.placement.R * *contact.normal;
+  }
   if (!scene.contact_index.emplace(contact.name, static_cast<int>(scene.contacts.size())).second)
     refuse_if("exists already, expected names used once");
   scene.contacts.push_back(std::move(contact));

@@ -73,8 +73,10 @@ struct Contact {
   bool active = true;                         // at the start; data may switch it later
 
   // What a unilateral contact bears: told by analysis/violations.hpp, no part of the equations.
-  std::optional<double> mu = {};                   // friction coefficient; none: the contact may pull
-  Eigen::Vector2d box = Eigen::Vector2d::Zero();   // 6D: length along x and width along y of the support [m]; 0: none
+  std::optional<double> mu = {};                  // friction coefficient; none: the contact may pull
+  std::optional<Vec3<double>> normal = {};        // unit, out of the surface: in the world, or in B' axes where B is on
+                                                  // a body; none: the world's z for points, A's own z for 6D
+  Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length along x and width along y of the support [m]; 0: none
   int rows() const { return contact_rows(type); }  // 1, 2, 3, 5, 6
 };
 
