@@ -43,19 +43,62 @@ std::vector<int> weightless_coordinates(const Robot& robot, const Eigen::Ref<con
   return zero_pivots(model, std::move(M));
 }
 
-std::vector<std::string> weightless_names(const Scene& scene, const SceneData& data,
+namespace {
+
+bool is_nothing(const Inertia<double>& Y) { return Y.m == 0 && Y.h.isZero(0) && Y.I.isZero(0); }
+
+// Neither masses nor moments nor armatures from joint i on.
+bool nothing_below(const Model& model, int i) {
+  for (int j = i; j < model.subtree_end[i]; ++j) {
+    const Joint& joint = model.joints[j];
+    if (!is_nothing(joint.inertia) || !model.armature.segment(joint.idx_v, joint.nv()).isZero(0)) return false;
+  }
+  return true;
+}
+
+// What a body lacks for a joint that nothing resists.
+std::string lacking(JointType type) {
+  switch (type) {
+    case JointType::kPrismatic:
+      return "mass";
+    case JointType::kRevolute:
+      return "a moment of inertia about its axis";
+    default:
+      return "mass or a moment of inertia";
+  }
+}
+
+std::string why_weightless(const Model& model, int i) {
+  if (nothing_below(model, i)) return "no mass below it";
+  const std::string own = "what it carries lacks " + lacking(model.joints[i].type);
+  return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
+}
+
+// Joints, ascending.
+std::set<int> weightless_of(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  const Model& model = *robot.model;
+  std::set<int> joints;
+  if (model.nv > 0 && model.M_begin.empty()) {
+    for (int i = 0; i < model.njoints(); ++i)
+      if (nothing_below(model, i)) joints.insert(i);
+  } else {
+    for (const int k : weightless_coordinates(robot, q)) joints.insert(model.dof_joint[k]);
+  }
+  return joints;
+}
+
+}  // namespace
+
+std::vector<Weightless> weightless_joints(const Scene& scene, const SceneData& data,
                                           const Eigen::Ref<const Eigen::VectorXd>& q) {
-  std::vector<std::string> out;
+  std::vector<Weightless> out;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     if (report.status != Status::kFailed || report.reason != Reason::kSingularInertia) continue;
     for (int r : island_of(data, i).robots) {
       const Robot& robot = scene.robots[r];
-      if (robot.model->nv > 0 && robot.model->M_begin.empty()) continue;
-      std::set<int> joints;  // each named once
-      for (int k : weightless_coordinates(robot, q.segment(robot.idx_q, robot.model->nq)))
-        if (joints.insert(robot.model->dof_joint[k]).second)
-          out.push_back(robot.name + "/" + robot.model->joints[robot.model->dof_joint[k]].name);
+      for (const int j : weightless_of(robot, q.segment(robot.idx_q, robot.model->nq)))
+        out.push_back({robot.name + "/" + robot.model->joints[j].name, why_weightless(*robot.model, j)});
     }
   }
   return out;

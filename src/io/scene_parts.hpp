@@ -42,7 +42,8 @@ struct RobotState {
 /// Models by file and options, so that equal robots share one.
 class ModelCache {
  public:
-  std::shared_ptr<const Model> get(const RobotElement& robot);
+  /// findings: grows by what reading the file found odd, once for all that share the model.
+  std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings);
 
  private:
   std::map<std::string, std::shared_ptr<const Model>> models_;

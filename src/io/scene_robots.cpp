@@ -50,13 +50,15 @@ void read_options(const Element& e, RobotElement& robot) {
   UrdfOptions& options = robot.options;
   options.floating_base = e.choice("base", {"floating", "fixed"}, 1) == 0;
   options.refuse_mimic = e.choice("mimic", {"ignore", "refuse"}, 0) == 1;
+  options.refuse_inertia = e.choice("inertia", {"tell", "refuse"}, 0) == 1;
   options.model_dynamics = e.choice("dynamics", {"ignore", "model"}, 0) == 1;
   options.armature = e.number("armature", 0);
   check_armature(e.where("armature"), e.label("armature"), options.armature);
   robot.joints = by_joint(e, "joint", "name");
   for (const auto& [name, joint] : robot.joints) {
     joint.allow_attributes({"name", "q", "v", "u", "armature", "actuated"});
-    if (joint.choice("actuated", {"false", "true"}, 1) == 0) options.passive.insert(name);
+    if (joint.has("actuated"))
+      (joint.choice("actuated", {"false", "true"}, -1) == 0 ? options.passive : options.actuated).insert(name);
     if (!joint.has("armature")) continue;
     const std::string what = "armature of joint " + quote(name);
     const auto values = parse_numbers(joint.where("armature"), what, joint.required("armature"));
@@ -73,8 +75,8 @@ void read_options(const Element& e, RobotElement& robot) {
 }  // namespace
 
 RobotElement read_robot(const Element& e) {
-  e.allow_attributes(
-      {"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "dynamics", "u", "copies", "arrange", "spacing"});
+  e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies",
+                      "arrange", "spacing"});
   e.allow_children({"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
@@ -100,18 +102,19 @@ RobotElement read_robot(const Element& e) {
   return robot;
 }
 
-std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
+std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vector<Finding>& findings) {
   const UrdfOptions& o = robot.options;
   std::error_code failed;
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
   std::string key = failed ? robot.group.urdf : canonical.string();
   key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") +
-         (o.model_dynamics ? "d" : "-") + show(o.armature);
+         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature);
   for (const auto& [name, values] : o.joint_armature) {
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);
   }
   for (const auto& name : o.passive) key += std::string(1, '\0') + "p" + name;
+  for (const auto& name : o.actuated) key += std::string(1, '\0') + "m" + name;
   for (const auto& [name, at] : o.locked) key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
   std::shared_ptr<const Model>& model = models_[key];
   if (model) return model;
@@ -121,7 +124,12 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot) {
   if (!problem.empty())
     e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
   try {
-    model = std::make_shared<const Model>(load_urdf(robot.group.urdf, o));
+    std::vector<Finding> found;
+    model = std::make_shared<const Model>(load_urdf(robot.group.urdf, o, &found));
+    for (Finding& finding : found) {
+      finding.name = robot.group.name + "/" + finding.name;
+      findings.push_back(std::move(finding));
+    }
   } catch (const UrdfOptionError& error) {
     const auto& blamed = error.lock ? robot.locks : robot.joints;
     const auto joint = blamed.find(error.joint);
@@ -255,7 +263,7 @@ void add_robots(const std::vector<Element>& elements, SceneFile& out) {
       e.where("name").fail("a robot named " + quote(robot.group.name) + " exists already on " +
                            line_of(at->second, e.where()) + ", expected names used once");
     robot.group.first = out.scene.nrobots();
-    add_copies(robot, models.get(robot), out, all);
+    add_copies(robot, models.get(robot, out.findings), out, all);
     out.robot_groups.push_back(robot.group);
   }
   check_names(out, names);

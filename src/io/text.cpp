@@ -66,7 +66,8 @@ std::vector<std::string_view> words(std::string_view text) {
 
 namespace {
 
-double parse_word(const Where& where, const std::string& what, std::string_view word) {
+// Infinite where the word is beyond the largest double, or says so.
+double parse_any_word(const Where& where, const std::string& what, std::string_view word) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double x = 0;
@@ -74,21 +75,38 @@ double parse_word(const Where& where, const std::string& what, std::string_view 
   const bool whole = end == digits.data() + digits.size() && !digits.empty();
   if (!whole || error == std::errc::invalid_argument)
     where.fail(what + ": " + quote(word) + " is not a number, expected one like 0.5 or 1e-3");
-  if (error == std::errc::result_out_of_range) {
-    if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0;
-    where.fail(what + ": " + quote(word) + " is too large, expected a number below 1.8e308");
-  }
-  if (!std::isfinite(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
-  return x;
+  if (std::isnan(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
+  if (error != std::errc::result_out_of_range) return x;
+  const bool tiny = digits.find_first_of("eE") == std::string_view::npos
+                        ? digits.find_first_of("123456789") > digits.find('.')
+                        : digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos;
+  const double beyond = tiny ? 0 : std::numeric_limits<double>::infinity();
+  return digits[0] == '-' ? -beyond : beyond;
+}
+
+double parse_word(const Where& where, const std::string& what, std::string_view word) {
+  const double x = parse_any_word(where, what, word);
+  if (std::isfinite(x)) return x;
+  if (word.find_first_of("iI") != std::string_view::npos)
+    where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
+  where.fail(what + ": " + quote(word) + " is too large, expected a number below 1.8e308");
+}
+
+std::string_view only_word(const Where& where, const std::string& what, std::string_view text) {
+  const auto parts = words(text);
+  if (parts.empty()) where.fail(what + " is empty, expected a number");
+  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number");
+  return parts[0];
 }
 
 }  // namespace
 
 double parse_number(const Where& where, const std::string& what, std::string_view text) {
-  const auto parts = words(text);
-  if (parts.empty()) where.fail(what + " is empty, expected a number");
-  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number");
-  return parse_word(where, what, parts[0]);
+  return parse_word(where, what, only_word(where, what, text));
+}
+
+double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text) {
+  return parse_any_word(where, what, only_word(where, what, text));
 }
 
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text) {

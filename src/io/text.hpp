@@ -32,6 +32,8 @@ std::vector<std::string_view> words(std::string_view text);
 
 /// One finite number. `what` names it in messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);
+/// One number, or an infinity as "inf", "-Infinity" or a number beyond 1.8e308.
+double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text);
 /// Any count of finite numbers, separated by white space.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text);
 /// Exactly `count` of them.

@@ -4,17 +4,19 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <mutex>
 
 #include "urdf_check.hpp"
+#include "urdf_inertia.hpp"
 
 namespace manycontact {
 namespace {
 
-using io::UrdfLines;
+using io::UrdfDetails;
+using io::UrdfJoint;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -33,7 +35,7 @@ class Silence {
   std::lock_guard<std::mutex> lock_;
 };
 
-urdf::ModelInterfaceSharedPtr parse(io::XmlFile& file, const UrdfLines& lines) {
+urdf::ModelInterfaceSharedPtr parse(io::XmlFile& file, const UrdfDetails& details) {
   urdf::ModelInterfaceSharedPtr robot;
   std::string reason;
   try {
@@ -42,7 +44,8 @@ urdf::ModelInterfaceSharedPtr parse(io::XmlFile& file, const UrdfLines& lines) {
   } catch (const std::exception& e) {
     reason = std::string(" (") + e.what() + ")";
   }
-  if (!robot) throw InputError(file.path(), lines.robot, "urdfdom refuses the robot" + reason + ", expected URDF 1.0");
+  if (!robot)
+    throw InputError(file.path(), details.robot, "urdfdom refuses the robot" + reason + ", expected URDF 1.0");
   return robot;
 }
 
@@ -87,16 +90,13 @@ JointType type_of(const urdf::Joint& joint) {
   }
 }
 
-void set_limits(Joint& out, const urdf::Joint* joint) {
+// details: of the file; none: no limits.
+void set_limits(Joint& out, const UrdfJoint& details = {}) {
   const auto all = [&](double x) { return Eigen::VectorXd::Constant(out.nv(), x); };
-  out.lower = all(-kInfinity);
-  out.upper = out.velocity_limit = out.effort_limit = all(kInfinity);
-  if (!joint || !joint->limits) return;
-  out.velocity_limit = all(joint->limits->velocity);
-  out.effort_limit = all(joint->limits->effort);
-  if (joint->type == urdf::Joint::CONTINUOUS) return;
-  out.lower = all(joint->limits->lower);
-  out.upper = all(joint->limits->upper);
+  out.lower = all(details.lower);
+  out.upper = all(details.upper);
+  out.velocity_limit = all(details.velocity);
+  out.effort_limit = all(details.effort);
 }
 
 // Where a link's frame is: on a joint's body (-1: the immovable base).
@@ -108,9 +108,8 @@ struct Place {
 // Builds a Model from urdfdom's tree: walks it depth first, merging as it goes.
 class Builder {
  public:
-  Builder(const urdf::ModelInterface& robot, const UrdfOptions& options, const std::string& path,
-          const UrdfLines& lines)
-      : robot_(robot), options_(options), path_(path), lines_(lines) {}
+  Builder(const urdf::ModelInterface& robot, const UrdfOptions& options, const std::string& path, UrdfDetails& details)
+      : robot_(robot), options_(options), path_(path), details_(details) {}
 
   Model build() {
     model_.name = robot_.getName();
@@ -136,7 +135,7 @@ class Builder {
     try {
       finalize(model_);
     } catch (const std::invalid_argument& e) {
-      throw InputError(path_, lines_.robot, std::string(e.what()) + ", expected a shallower one");
+      throw InputError(path_, details_.robot, std::string(e.what()) + ", expected a shallower one");
     }
     set_armature();
     if (options_.model_dynamics) set_dynamics();
@@ -150,7 +149,7 @@ class Builder {
     base.name = "root";
     while (robot_.joints_.count(base.name)) base.name += "_";
     base.type = JointType::kFloating;
-    set_limits(base, nullptr);
+    set_limits(base);
     return {append(std::move(base), robot_.getRoot()->name), {}};
   }
 
@@ -166,7 +165,7 @@ class Builder {
       model_.notes.locked.push_back(joint.name);
       return {parent.joint, at * motion(joint, lock->second)};
     }
-    note(joint);
+    note(joint, parent);
     Joint out;
     out.name = joint.name;
     out.type = type_of(joint);
@@ -179,7 +178,7 @@ class Builder {
     } else if (out.type != JointType::kFloating) {
       out.axis = axis_of(joint);
     }
-    set_limits(out, &joint);
+    set_limits(out, details_.joint.at(joint.name));
     return {append(std::move(out), child), link};
   }
 
@@ -203,55 +202,57 @@ class Builder {
     frame.placement = place.placement;
     frame.merged = place.joint >= 0 && body_link_[place.joint] != link.name;
     if (link.inertial) frame.inertia = inertia_of(*link.inertial);
+    if (place.joint >= 0 && frame.inertia.m < 0)
+      tell("inertia", link.name, details_.link.at(link.name),
+           "the mass " + io::show(frame.inertia.m) + " kg, made good by what the link is merged with");
     if (place.joint >= 0) model_.joints[place.joint].inertia += frame.inertia.transformed(place.placement);
     model_.frames.push_back(std::move(frame));
   }
 
-  void note(const urdf::Joint& joint) {
-    if (joint.mimic) {
-      if (options_.refuse_mimic)
-        throw InputError(path_, lines_.joint.at(joint.name),
-                         "joint " + quote(joint.name) + " mimics " + quote(joint.mimic->joint_name) +
-                             ", expected none, for mimic=\"refuse\"");
-      model_.notes.mimic.push_back(joint.name);
-    }
-    if (!joint.dynamics || (joint.dynamics->damping == 0 && joint.dynamics->friction == 0)) return;
-    if (!options_.model_dynamics) return model_.notes.dynamics.push_back(joint.name);
-    for (const double x : {joint.dynamics->damping, joint.dynamics->friction})
-      if (!(x >= 0) || !std::isfinite(x))
-        throw InputError(path_, lines_.joint.at(joint.name),
-                         "joint " + quote(joint.name) + " has the damping or friction " + io::show(x) +
-                             ", expected 0 or more, for dynamics=\"model\"");
+  void tell(const char* kind, const std::string& name, int line, const std::string& text) {
+    details_.findings.push_back({kind, name, text, path_, line});
   }
 
-  // The inertia of joint i's body: no negative mass; about the centre of mass no negative principal moment, and none
-  // above the sum of the other two, I_1 + I_2 - I_3 = 2 int x_3^2 dm >= 0. (Massless bodies are ideal ones: a rotor
-  // about one axis is allowed. What is merged first may be anything: Talos' gripper motors alone lack 1.3 % of their
-  // trace.)
-  void judge(int i) const {
-    const Inertia<double>& Y = model_.joints[i].inertia;
+  // What a joint that moves has and is not modelled, or not as most would expect.
+  void note(const urdf::Joint& joint, const Place& parent) {
+    const UrdfJoint& details = details_.joint.at(joint.name);
+    const auto refuse = [&](const std::string& what) { throw InputError(path_, details.line, what); };
+    if (joint.mimic) {
+      if (options_.refuse_mimic)
+        refuse("joint " + quote(joint.name) + " mimics " + quote(joint.mimic->joint_name) +
+               ", expected none, for mimic=\"refuse\"");
+      model_.notes.mimic.push_back(joint.name);
+      tell("mimic", joint.name, details.line, "<mimic> is not modelled: it moves on its own");
+    }
+    if (joint.type == urdf::Joint::FLOATING && options_.floating_base && parent.joint == 0)
+      tell("base", joint.name, details.line,
+           "a floating joint below the floating base: two bases, expected base=\"fixed\" beside this file");
+    if (details.damping == 0 && details.friction == 0) return;
+    if (!options_.model_dynamics) {
+      model_.notes.dynamics.push_back(joint.name);
+      return tell("dynamics", joint.name, details.line, "damping and friction are not modelled");
+    }
+    for (const double x : {details.damping, details.friction}) {
+      if (!std::isfinite(x))
+        refuse("joint " + quote(joint.name) + " has the damping or friction " + io::show(x) +
+               ", expected a finite number, for dynamics=\"model\"");
+      if (x < 0)
+        tell("dynamics", joint.name, details.line,
+             "the damping or friction " + io::show(x) + ", which drives the joint, is taken as it is");
+    }
+  }
+
+  void judge(int i) {
     const std::string& link = body_link_[i];
-    const auto refuse = [&](const std::string& what) {
-      throw InputError(path_, lines_.link.at(link), "link " + quote(link) + " and what is merged into it have " + what);
-    };
-    if (!std::isfinite(Y.m) || !Y.h.allFinite() || !Y.I.allFinite())
-      refuse("an inertia too large to compute with, expected finite numbers");
-    if (Y.m < 0) refuse("the mass " + io::show(Y.m) + " kg, expected none below 0");
-    if (Y.m == 0 && Y.h.squaredNorm() > 0) refuse("no mass but a first moment of it, expected none");
-    const Vec3<double> c = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
-    const Mat3<double> shift = Y.m * (c.squaredNorm() * Mat3<double>::Identity() - c * c.transpose());
-    const Mat3<double> Ic = Y.I - shift;
-    const Eigen::SelfAdjointEigenSolver<Mat3<double>> eigen(Ic, Eigen::EigenvaluesOnly);
-    const Vec3<double> moments = eigen.eigenvalues();  // ascending
-    const double trace = Ic.trace();
-    const double rounding = 64 * std::numeric_limits<double>::epsilon() * (Y.I.norm() + shift.norm());
-    const double allowed = 1e-9 * std::max(trace, 0.0) + rounding;
-    if (!(moments[0] >= -allowed))
-      refuse("the principal moment of inertia " + io::show(moments[0]) + " kg m^2 (trace " + io::show(trace) +
-             "), expected none below -1e-9 of the trace");
-    if (Y.m > 0 && !(moments[0] + moments[1] - moments[2] >= -allowed))
-      refuse("the principal moments of inertia " + io::show(moments[0]) + ", " + io::show(moments[1]) + ", " +
-             io::show(moments[2]) + " kg m^2, which no body has, expected none above the sum of the other two");
+    const int line = details_.link.at(link);
+    const io::InertiaVerdict verdict = io::judge_inertia(model_.joints[i].inertia);
+    const std::string owner = "link " + quote(link) + " and what is merged into it have ";
+    if (!verdict.refused.empty()) throw InputError(path_, line, owner + verdict.refused);
+    if (verdict.odd.empty()) return;
+    if (options_.refuse_inertia)
+      throw InputError(path_, line, owner + verdict.odd + ", expected those of one, for inertia=\"refuse\"");
+    tell("inertia", link, line,
+         "the body, with what is merged into it, has " + verdict.odd + "; computed with as they are");
   }
 
   std::vector<std::string> joint_names() const {
@@ -277,15 +278,27 @@ class Builder {
     }
   }
 
+  int joint_with_torques(const std::string& name) const {
+    const int i = model_.find_joint(name);
+    if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+    if (model_.floating_base && i == 0)
+      throw UrdfOptionError(name, false,
+                            "joint " + quote(name) + " is the floating base, which has no torques, expected another");
+    return i;
+  }
+
+  // No motors hold a body in the air: a floating joint of the file is passive unless the options say otherwise.
   void set_passive() {
-    for (const std::string& name : options_.passive) {
-      const int i = model_.find_joint(name);
-      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-      if (model_.floating_base && i == 0)
-        throw UrdfOptionError(name, false,
-                              "joint " + quote(name) + " is the floating base, which has no torques, expected another");
-      model_.joints[i].actuated = false;
+    for (int i = model_.floating_base ? 1 : 0; i < model_.njoints(); ++i) {
+      Joint& joint = model_.joints[i];
+      if (joint.type != JointType::kFloating) continue;
+      joint.actuated = false;
+      if (options_.passive.count(joint.name) || options_.actuated.count(joint.name)) continue;
+      tell("passive", joint.name, details_.joint.at(joint.name).line,
+           "a floating joint of the file, taken as passive: without torques in u; actuated=\"true\" gives it some");
     }
+    for (const std::string& name : options_.actuated) model_.joints[joint_with_torques(name)].actuated = true;
+    for (const std::string& name : options_.passive) model_.joints[joint_with_torques(name)].actuated = false;
   }
 
   void set_armature() {
@@ -311,14 +324,14 @@ class Builder {
     }
   }
 
-  // A joint's damping and friction, on each of its coordinates.
+  // Of the joints with one coordinate.
   void set_dynamics() {
     model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
     for (const Joint& joint : model_.joints) {
-      const auto found = robot_.joints_.find(joint.name);
-      if (found == robot_.joints_.end() || !found->second->dynamics) continue;
-      model_.damping.segment(joint.idx_v, joint.nv()).setConstant(found->second->dynamics->damping);
-      model_.friction.segment(joint.idx_v, joint.nv()).setConstant(found->second->dynamics->friction);
+      const auto found = details_.joint.find(joint.name);
+      if (found == details_.joint.end() || joint.nv() > 1) continue;
+      model_.damping[joint.idx_v] = found->second.damping;
+      model_.friction[joint.idx_v] = found->second.friction;
     }
   }
 
@@ -331,20 +344,20 @@ class Builder {
   const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
-  const UrdfLines& lines_;
+  UrdfDetails& details_;  // its findings grow
   Model model_;
   std::vector<std::string> body_link_;  // per joint: the link it carries
 };
 
 }  // namespace
 
-Model load_urdf(const std::string& path, const UrdfOptions& options) {
+Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector<Finding>* findings) {
   std::string problem;
   const std::string text = io::read_file(path, problem);
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a URDF file");
   io::XmlFile file(path, text, "robot");
-  const UrdfLines lines = io::check_urdf(file.root());
-  const urdf::ModelInterfaceSharedPtr robot = parse(file, lines);
+  UrdfDetails details = io::check_urdf(file.root());
+  const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
   // urdfdom's links own their children: let go one by one, a long chain is not freed recursively.
   struct Unlink {
     urdf::ModelInterface& robot;
@@ -352,7 +365,13 @@ Model load_urdf(const std::string& path, const UrdfOptions& options) {
       for (auto& [name, link] : robot.links_) link->child_links.clear();
     }
   } unlink{*robot};
-  return Builder(*robot, options, path, lines).build();
+  Model model = Builder(*robot, options, path, details).build();
+  if (findings) {
+    std::stable_sort(details.findings.begin(), details.findings.end(),
+                     [](const Finding& a, const Finding& b) { return a.line < b.line; });
+    *findings = std::move(details.findings);
+  }
+  return model;
 }
 
 }  // namespace manycontact

@@ -1,19 +1,12 @@
 #include "urdf_check.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <set>
+#include <limits>
 #include <vector>
 
 namespace manycontact::io {
 namespace {
-
-void check_number(const Element& e, const char* attribute) { (void)e.required_number(attribute); }
-
-void check_optional_numbers(const Element& parent, const char* child, std::initializer_list<const char*> attributes) {
-  if (const auto e = parent.child(child))
-    for (const char* a : attributes) (void)e->number(a, 0);
-}
 
 void check_origin(const Element& parent) {
   if (const auto origin = parent.child("origin")) {
@@ -28,59 +21,118 @@ Element required_child(const Element& parent, const char* name, const std::strin
   return *e;
 }
 
+int line_of(int line) { return line; }
+int line_of(const UrdfJoint& joint) { return joint.line; }
+
 // A name that is given, not empty and new.
-std::string check_name(const Element& e, std::unordered_map<std::string, int>& lines) {
+template <class Known>
+std::string check_name(const Element& e, Known& known) {
   const std::string name = e.required("name");
   if (name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
-  const auto [at, is_new] = lines.emplace(name, e.line());
+  const auto [at, is_new] = known.emplace(name, typename Known::mapped_type{e.line()});
   if (!is_new)
-    e.where("name").fail(e.name() + " " + quote(name) + " exists already on line " + std::to_string(at->second) +
-                         ", expected names used once");
+    e.where("name").fail(e.name() + " " + quote(name) + " exists already on line " +
+                         std::to_string(line_of(at->second)) + ", expected names used once");
   return name;
 }
 
-void check_link(const Element& link, UrdfLines& lines) {
-  const std::string owner = "<inertial> of link " + quote(check_name(link, lines.link));
+void tell(const Element& e, const char* kind, const std::string& name, const std::string& text,
+          std::vector<Finding>& findings) {
+  findings.push_back({kind, name, text, *e.where().file, e.line()});
+}
+
+void add_to(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
+
+// What is missing is zero, as if the file said so.
+void check_link(const Element& link, UrdfDetails& details) {
+  const std::string name = check_name(link, details.link);
   const auto inertial = link.child("inertial");
   if (!inertial) return;
   check_origin(*inertial);
-  check_number(required_child(*inertial, "mass", owner), "value");
-  const Element inertia = required_child(*inertial, "inertia", owner);
-  for (const char* a : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) check_number(inertia, a);
+  std::string missing;
+  const auto check = [&missing](const std::optional<Element>& e, const char* attribute, const char* called) {
+    if (e && e->has(attribute))
+      (void)e->required_number(attribute);
+    else
+      add_to(missing, called);
+  };
+  check(inertial->child("mass"), "value", "mass");
+  const auto inertia = inertial->child("inertia");
+  if (!inertia) add_to(missing, "inertia");
+  for (const char* a : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+    if (inertia) check(inertia, a, a);
+  if (!missing.empty())
+    tell(*inertial, "inertia", name, "<inertial> lacks " + missing + ", taken as 0", details.findings);
 }
 
-void check_axis(const Element& joint) {
+void check_axis(const Element& joint, UrdfDetails& details) {
   const auto axis = joint.child("axis");
   if (!axis) return;
-  if (!axis->has("xyz")) axis->fail("<axis> has no attribute 'xyz', expected one");
+  const std::string name = joint.required("name");
+  if (!axis->has("xyz"))
+    return tell(*axis, "unread", name, "<axis> has no xyz, taken as 1 0 0, URDF's default", details.findings);
   const auto xyz = *axis->numbers<3>("xyz");
   if (std::hypot(xyz[0], xyz[1], xyz[2]) < kZeroDirection)
-    axis->where("xyz").fail("the axis of joint " + quote(joint.required("name")) + " is zero, expected a direction");
+    axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Of a joint with a range, which needs its limits; what the file leaves out is 0. urdfdom takes any numbers.
-void check_limit(const Element& joint, bool has_range) {
-  const std::string owner = "joint " + quote(joint.required("name"));
-  if (has_range) (void)required_child(joint, "limit", owner);
+// An attribute that bounds something; else `none`, and `told` says why not.
+double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
+  const double x = limit.number_or_infinity(attribute, none);
+  if (limit.has(attribute) && is_sound(x)) return x;
+  add_to(told, attribute + (limit.has(attribute) ? " " + limit.required(attribute) : std::string(" missing")));
+  return none;
+}
+
+// Limits that are infinite, negative, crossed or missing bound nothing. A lower or upper left out is 0, says URDF.
+void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::string name = joint.required("name");
   const auto limit = joint.child("limit");
-  if (!limit) return;
-  for (const char* a : {"effort", "velocity"})
-    if (const double most = limit->required_number(a); most < 0)
-      limit->where(a).fail("the " + std::string(a) + " limit of " + owner + " is " + show(most) +
-                           ", expected 0 or more");
-  const double lower = limit->number("lower", 0), upper = limit->number("upper", 0);
-  if (has_range && lower > upper)
-    limit->where("lower").fail("the limits of " + owner + " are lower " + show(lower) + ", upper " + show(upper) +
-                               ", expected lower <= upper");
+  if (!limit) {
+    if (has_range) tell(joint, "limits", name, "no <limit>, taken as no limits", findings);
+    return;
+  }
+  std::string none, zero;
+  const auto is_size = [](double x) { return x >= 0 && std::isfinite(x); };
+  const auto is_finite = [](double x) { return std::isfinite(x); };
+  out.effort = sound_limit(*limit, "effort", is_size, kInfinity, none);
+  out.velocity = sound_limit(*limit, "velocity", is_size, kInfinity, none);
+  if (has_range) {
+    for (const char* a : {"lower", "upper"})
+      if (!limit->has(a)) add_to(zero, a);
+    out.lower = limit->has("lower") ? sound_limit(*limit, "lower", is_finite, -kInfinity, none) : 0;
+    out.upper = limit->has("upper") ? sound_limit(*limit, "upper", is_finite, kInfinity, none) : 0;
+    if (out.lower > out.upper) {
+      add_to(none, "lower " + show(out.lower) + " above upper " + show(out.upper));
+      out.lower = -kInfinity, out.upper = kInfinity, zero.clear();
+    }
+  }
+  const std::string text = (none.empty() ? "" : "taken as no limit: " + none) +
+                           (none.empty() || zero.empty() ? "" : "; ") +
+                           (zero.empty() ? "" : "taken as 0, as URDF has it: " + zero + " missing");
+  if (!text.empty()) tell(*limit, "limits", name, text, findings);
 }
 
-std::string check_end(const Element& joint, const char* end, const UrdfLines& lines) {
+void check_dynamics(const Element& joint, bool is_modelled, UrdfJoint& out, std::vector<Finding>& findings) {
+  const auto dynamics = joint.child("dynamics");
+  if (!dynamics) return;
+  const double damping = dynamics->number_or_infinity("damping", 0);
+  const double friction = dynamics->number_or_infinity("friction", 0);
+  if (is_modelled)
+    out.damping = damping, out.friction = friction;
+  else if (damping != 0 || friction != 0)
+    tell(*dynamics, "dynamics", joint.required("name"), "damping and friction are read of joints with one coordinate",
+         findings);
+}
+
+std::string check_end(const Element& joint, const char* end, const UrdfDetails& details) {
   const std::string owner = "joint " + quote(joint.required("name"));
   const Element e = required_child(joint, end, owner);
   const std::string link = e.required("link");
-  if (!lines.link.count(link)) {
+  if (!details.link.count(link)) {
     std::vector<std::string> known;
-    for (const auto& [name, line] : lines.link) known.push_back(name);
+    for (const auto& [name, line] : details.link) known.push_back(name);
     std::sort(known.begin(), known.end());
     e.where("link").fail("the " + std::string(end) + " of " + owner + " is an unknown link " + quote(link) + ", " +
                          suggestion(link, known));
@@ -93,22 +145,22 @@ struct Edge {
   int line;
 };
 
-Edge check_joint(const Element& joint, UrdfLines& lines) {
-  const std::string name = check_name(joint, lines.joint);
+Edge check_joint(const Element& joint, UrdfDetails& details) {
+  const std::string name = check_name(joint, details.joint);
+  UrdfJoint& own = details.joint.at(name);
   enum { kRevolute, kPrismatic, kContinuous, kPlanar, kFixed, kFloating };
   const int type = joint.choice("type", {"revolute", "prismatic", "continuous", "planar", "fixed", "floating"}, -1);
   check_origin(joint);
-  if (type <= kPlanar) check_axis(joint);
-  if (type <= kContinuous) check_limit(joint, type != kContinuous);
-  check_optional_numbers(joint, "dynamics", {"damping", "friction"});
-  check_optional_numbers(joint, "mimic", {"multiplier", "offset"});
+  if (type <= kPlanar) check_axis(joint, details);
+  if (type <= kContinuous) check_limit(joint, type != kContinuous, own, details.findings);
+  if (type != kFixed) check_dynamics(joint, type <= kContinuous, own, details.findings);
   if (const auto mimic = joint.child("mimic")) (void)mimic->required("joint");
-  const std::string parent = check_end(joint, "parent", lines);
-  return {parent, check_end(joint, "child", lines), name, joint.line()};
+  const std::string parent = check_end(joint, "parent", details);
+  return {parent, check_end(joint, "child", details), name, joint.line()};
 }
 
 // One root, one parent for every other link, no cycle.
-void check_tree(const Element& robot, const UrdfLines& lines, const std::vector<Edge>& edges) {
+void check_tree(const Element& robot, const UrdfDetails& details, const std::vector<Edge>& edges) {
   std::unordered_map<std::string, const Edge*> above;  // by child link
   for (const Edge& e : edges) {
     const auto [at, is_new] = above.emplace(e.child, &e);
@@ -128,7 +180,7 @@ void check_tree(const Element& robot, const UrdfLines& lines, const std::vector<
       const auto up = above.find(at);
       if (up == above.end()) {
         Where here = robot.where();
-        here.line = lines.link.at(at);
+        here.line = details.link.at(at);
         if (!root.empty())
           here.fail("link " + quote(at) + " has no parent, nor has link " + quote(root) + ", expected one root");
         root = at;
@@ -147,81 +199,19 @@ void check_tree(const Element& robot, const UrdfLines& lines, const std::vector<
 
 }  // namespace
 
-UrdfLines check_urdf(const Element& robot) {
-  UrdfLines lines;
-  lines.robot = robot.line();
+UrdfDetails check_urdf(const Element& robot) {
+  refuse_xacro(robot);
+  UrdfDetails details;
+  details.robot = robot.line();
   (void)robot.required("name");
-  for (auto link = robot.child("link"); link; link = link->next("link")) check_link(*link, lines);
-  if (lines.link.empty()) robot.fail("the robot has no <link>, expected at least one");
+  for (auto link = robot.child("link"); link; link = link->next("link")) check_link(*link, details);
+  if (details.link.empty()) robot.fail("the robot has no <link>, expected at least one");
   std::vector<Edge> edges;
   for (auto joint = robot.child("joint"); joint; joint = joint->next("joint"))
-    edges.push_back(check_joint(*joint, lines));
-  check_tree(robot, lines, edges);
-  return lines;
-}
-
-namespace {
-
-void keep(tinyxml2::XMLNode& node, const std::set<std::string>& wanted) {
-  for (auto* c = node.FirstChild(); c;) {
-    auto* next = c->NextSibling();
-    if (!c->ToElement() || !wanted.count(c->Value())) node.DeleteChild(c);
-    c = next;
-  }
-}
-
-// urdfdom splits at single spaces only: a tab or a line break between numbers makes it fail.
-void tidy_numbers(tinyxml2::XMLElement& e) {
-  std::vector<std::pair<std::string, std::string>> tidied;
-  for (const auto* a = e.FirstAttribute(); a; a = a->Next()) {
-    std::string value;
-    for (const auto word : words(a->Value())) value += (value.empty() ? "" : " ") + std::string(word);
-    tidied.emplace_back(a->Name(), value);
-  }
-  for (const auto& [name, value] : tidied) e.SetAttribute(name.c_str(), value.c_str());
-}
-
-void tidy_link(tinyxml2::XMLElement& link) {
-  keep(link, {"inertial"});
-  for (auto* i = link.FirstChildElement(); i; i = i->NextSiblingElement()) {
-    keep(*i, {"origin", "mass", "inertia"});
-    for (auto* e = i->FirstChildElement(); e; e = e->NextSiblingElement()) tidy_numbers(*e);
-  }
-}
-
-void tidy_joint(tinyxml2::XMLElement& joint) {
-  const std::string type = joint.Attribute("type");
-  if (type == "fixed" || type == "floating")
-    keep(joint, {"origin", "parent", "child"});
-  else if (type == "planar")
-    keep(joint, {"origin", "parent", "child", "axis"});
-  else
-    keep(joint, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"});
-  for (auto* e = joint.FirstChildElement(); e;) {
-    auto* next = e->NextSiblingElement();
-    const std::string name = e->Value();
-    if (name == "mimic") {
-      e->DeleteAttribute("multiplier");
-      e->DeleteAttribute("offset");
-    } else if (name == "dynamics" && !e->Attribute("damping") && !e->Attribute("friction")) {
-      joint.DeleteChild(e);  // which urdfdom refuses
-    } else if (name != "parent" && name != "child") {
-      tidy_numbers(*e);
-    }
-    e = next;
-  }
-}
-
-}  // namespace
-
-std::string text_for_urdfdom(XmlFile& file) {
-  tinyxml2::XMLElement& robot = *file.document().RootElement();
-  keep(robot, {"link", "joint"});
-  for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
-    std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
-  tinyxml2::XMLPrinter printer(nullptr, true);
-  file.document().Print(&printer);
-  return printer.CStr();
+    edges.push_back(check_joint(*joint, details));
+  check_tree(robot, details, edges);
+  tell_unread(robot, details.findings);
+  return details;
 }
 
 }  // namespace manycontact::io

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cstring>
 
+#include "xml_text.hpp"
+
 namespace manycontact::io {
 
 Where Element::where(const char* attribute) const {
@@ -45,6 +47,12 @@ void Element::allow_children(std::initializer_list<const char*> known) const {
   }
 }
 
+std::vector<std::string> Element::attributes() const {
+  std::vector<std::string> names;
+  for (const auto* a = element_->FirstAttribute(); a; a = a->Next()) names.emplace_back(a->Name());
+  return names;
+}
+
 std::string Element::required(const char* attribute) const {
   const char* text = element_->Attribute(attribute);
   if (!text) fail("<" + name() + "> has no attribute '" + attribute + "', expected one");
@@ -74,6 +82,10 @@ double Element::number(const char* attribute, double otherwise) const {
 double Element::required_number(const char* attribute) const {
   const std::string text = required(attribute);
   return parse_number(where(attribute), label(attribute), text);
+}
+
+double Element::number_or_infinity(const char* attribute, double otherwise) const {
+  return has(attribute) ? parse_number_or_infinity(where(attribute), label(attribute), required(attribute)) : otherwise;
 }
 
 std::string Element::text() const {
@@ -110,7 +122,8 @@ std::string plain_words(std::string error) {
 
 }  // namespace
 
-XmlFile::XmlFile(std::string path, const std::string& text, const char* root_name) : path_(std::move(path)) {
+XmlFile::XmlFile(std::string path, const std::string& bytes, const char* root_name) : path_(std::move(path)) {
+  const std::string text = decode_xml(path_, bytes);
   const std::string wanted = std::string("expected XML with one root element <") + root_name + ">";
   const std::size_t zero = text.find('\0');
   if (zero != std::string::npos) {

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "text.hpp"
 
@@ -31,6 +32,7 @@ class Element {
   void allow_children(std::initializer_list<const char*> known) const;
 
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
+  std::vector<std::string> attributes() const;  // their names
   /// An attribute's text; refuses when it is missing.
   std::string required(const char* attribute) const;
   std::string optional(const char* attribute, const std::string& otherwise) const;
@@ -38,6 +40,8 @@ class Element {
   int choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const;
   double number(const char* attribute, double otherwise) const;
   double required_number(const char* attribute) const;
+  /// A number or an infinity ("-Inf", "1e999"), as limits are written.
+  double number_or_infinity(const char* attribute, double otherwise) const;
   /// Exactly n numbers; nothing when the attribute is missing.
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* attribute) const {
@@ -65,8 +69,8 @@ class Element {
 /// A parsed file with one root element.
 class XmlFile {
  public:
-  /// Throws InputError on a syntax error or another root.
-  XmlFile(std::string path, const std::string& text, const char* root_name);
+  /// Bytes in any encoding that decode_xml knows. Throws InputError on a syntax error or another root.
+  XmlFile(std::string path, const std::string& bytes, const char* root_name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 

@@ -101,6 +101,16 @@ void add_models(py::module_& m) {
       .def_readonly("joint", &Frame::joint, "Number of the joint; -1: fixed to the robot's base.")
       .def_readonly("placement", &Frame::placement, "In the joint's frame.");
 
+  py::class_<Finding>(m, "Finding", "Something odd but usable, and how it is taken.")
+      .def_readonly("kind", &Finding::kind, "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base'.")
+      .def_readonly("name", &Finding::name, "Of the joint, link or other element.")
+      .def_readonly("text", &Finding::text)
+      .def_readonly("file", &Finding::file)
+      .def_readonly("line", &Finding::line)
+      .def("__repr__", [](const Finding& f) {
+        return f.file + ":" + std::to_string(f.line) + ": " + f.kind + ": " + f.name + ": " + f.text;
+      });
+
   py::class_<Model, std::shared_ptr<Model>>(m, "Model", "One robot or object: a kinematic tree. Constant.")
       .def_readonly("name", &Model::name)
       .def_readonly("floating_base", &Model::floating_base)
@@ -121,21 +131,37 @@ void add_models(py::module_& m) {
       "load_urdf",
       [](const std::string& path, bool floating_base, double armature,
          const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
-         bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics) {
-        return std::make_shared<Model>(
-            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, passive, model_dynamics}));
+         bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics, bool refuse_inertia,
+         const std::set<std::string>& actuated) {
+        return std::make_shared<Model>(load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic,
+                                                        passive, model_dynamics, refuse_inertia, actuated}));
       },
       py::arg("path"), py::kw_only(), py::arg("floating_base") = false, py::arg("armature") = 0.0,
       py::arg("joint_armature") = std::map<std::string, std::vector<double>>(),
       py::arg("locked") = std::map<std::string, double>(), py::arg("refuse_mimic") = false,
       py::arg("passive") = std::set<std::string>(), py::arg("model_dynamics") = false,
+      py::arg("refuse_inertia") = false, py::arg("actuated") = std::set<std::string>(),
       "A robot from a URDF file.\n\n"
       "floating_base: joint 0 is then 'root', carrying the root link.\n"
       "armature: reflected rotor inertia of every joint [kg m^2; kg for prismatic joints].\n"
       "joint_armature: {joint: [numbers]} overrides it. locked: {joint: position} freezes joints.\n"
       "passive: joints without torques. model_dynamics: the URDF's damping and friction of joints.\n"
+      "refuse_inertia: principal moments that no body has are an error, not a finding.\n"
+      "actuated: floating joints of the file that have torques; by default they are passive.\n"
+      "What is odd but usable is taken, and told by urdf_findings.\n"
       "Joints are numbered depth first, children in byte order of their names.\n"
       "Raises InputError (a ValueError) for the file, ValueError for options that do not fit.");
+  m.def(
+      "urdf_findings",
+      [](const std::string& path, bool floating_base) {
+        std::vector<Finding> findings;
+        UrdfOptions options;
+        options.floating_base = floating_base;
+        (void)load_urdf(path, options, &findings);
+        return findings;
+      },
+      py::arg("path"), py::kw_only(), py::arg("floating_base") = false,
+      "List of Finding: what load_urdf finds odd in a file and takes nevertheless, by line.");
 }
 
 // ---- scenes --------------------------------------------------------------------------------------------------------
@@ -322,7 +348,10 @@ void add_files(py::module_& m) {
       .def_property_readonly(
           "v", [](const SceneFile& f) { return f.v; }, "Velocity (nv) [m/s, rad/s].")
       .def_property_readonly(
-          "u", [](const SceneFile& f) { return f.u; }, "Torques of actuated joints (nu) [N m, N].");
+          "u", [](const SceneFile& f) { return f.u; }, "Torques of actuated joints (nu) [N m, N].")
+      .def_property_readonly(
+          "findings", [](const SceneFile& f) { return f.findings; },
+          "List of Finding: what reading the robots' files found odd; names as 'robot/joint'.");
   m.def(
       "load_scene", [](const std::string& path) { return std::make_shared<SceneFile>(load_scene(path)); },
       py::arg("path"), Unlocked(),

@@ -183,7 +183,9 @@ TEST(Weightless, JointsByName) {
   SceneData data(file.scene);
   (void)solve(file.scene, file.q, file.v, file.u, data);
   ASSERT_EQ(data.report.status, Status::kFailed);
-  EXPECT_EQ(weightless_names(file.scene, data, file.q), std::vector<std::string>{"r/wrist"});
+  const std::vector<Weightless> found = weightless_joints(file.scene, data, file.q);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].joint + ": " + found[0].why, "r/wrist: no mass below it");
   const SceneFile sound = held("");
   EXPECT_TRUE(weightless_coordinates(sound.scene.robots[0], sound.q).empty());
 }

@@ -198,11 +198,11 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
     expect_contains(outcome.err, message);
   };
   refused("", "bad.csv:1: ");
-  refused("time\n", "bad.csv:1: begins with the column 'time', expected t");
+  refused("time\n", "bad.csv:1: there is no column 't', expected");
   refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' is none of the scene's");
-  refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' holds 'x', expected a number");
-  refused("t,u:" + joint + "\n0\n", "bad.csv:2: has 1 columns, expected 2");
-  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: t does not grow");
+  refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' holds 'x', expected a finite number");
+  refused("t,u:" + joint + "\n0\n", "bad.csv:2: has 1 cells, expected 2");
+  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not grow");
 }
 
 }  // namespace

@@ -267,7 +267,8 @@ TEST_F(Solve, MimicJointsAreNamed) {
     </robot>)";
   const std::string scene = this->scene("<robot name=\"m\" urdf=\"m.urdf\" base=\"fixed\"/>");
   for (const char* command : {"solve", "inspect"})
-    expect_contains(run({command, scene}).out, "m: mimic is not modelled, kept independent: second");
+    expect_contains(run({command, scene}).out,
+                    "mimic: m/second (m.urdf:7): <mimic> is not modelled: it moves on its own");
 }
 
 }  // namespace

@@ -309,7 +309,8 @@ TEST_F(View, BadInput) {
   trajectory({"t,x", "0,0"}, ":1: there is no column");
   trajectory({lines[0], lines[1], lines[1]}, ":3: the time does not grow");
   trajectory({lines[0], lines[1] + ",1"}, ":2: has");
-  trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))}, ":2: cell 1 is 'nan', expected a finite number");
+  trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))},
+             ":2: column 't' holds 'nan', expected a finite number");
 }
 
 }  // namespace

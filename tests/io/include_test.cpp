@@ -151,10 +151,17 @@ TEST_F(Include, DynamicsOfTheUrdf) {
   EXPECT_TRUE(with.notes.dynamics.empty());
   EXPECT_EQ(without.damping.size(), 0);
   EXPECT_EQ(without.notes.dynamics, std::vector<std::string>{"hip"});
+  ASSERT_EQ(file.findings.size(), 1u);
+  EXPECT_EQ(file.findings[0].kind + " " + file.findings[0].name, "dynamics s/hip");
   std::string bad = kRobot;
-  bad.replace(bad.find("0.5"), 3, "-1.");
+  bad.replace(bad.find("0.5"), 3, "inf");
   std::ofstream(folder_ / "robot.urdf") << bad;
-  expect_problem("robot.urdf:4: ", "joint 'hip' has the damping or friction -1, expected 0 or more");
+  expect_problem("robot.urdf:4: ", "joint 'hip' has the damping or friction inf, expected a finite number");
+  bad.replace(bad.find("inf"), 3, "-1.");  // drives the joint, and is told
+  std::ofstream(folder_ / "robot.urdf") << bad;
+  const SceneFile driven = read();
+  EXPECT_EQ(driven.scene.robots[0].model->damping[0], -1);
+  EXPECT_EQ(driven.findings.size(), 2u);
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kTight = 1e-14;
 
-Model load(const std::string& inside, const UrdfOptions& options = {}) {
+Model load(const std::string& inside, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr) {
   const test::TemporaryFolder folder;
-  return load_urdf(folder.write("robot.urdf", "<robot name=\"test\">\n" + inside + "</robot>\n"), options);
+  return load_urdf(folder.write("robot.urdf", "<robot name=\"test\">\n" + inside + "</robot>\n"), options, findings);
 }
 
 std::string link(const std::string& name, double mass = 1, const std::string& origin = "") {
@@ -252,35 +252,43 @@ TEST(Urdf, InertiasAreJudgedPerBody) {
   EXPECT_THROW(body("<mass value=\"-6\"/>" + std::string(inertia)), InputError);
 }
 
-// No principal moment is above the sum of the other two: rods and plates reach it, nothing passes it.
-TEST(Urdf, InertiasAreThoseOfBodies) {
-  const auto loads = [](const std::string& xx, const std::string& yy, const std::string& zz,
+// A principal moment above the sum of the other two is taken and told, or refused where that is asked for: rods and
+// plates reach the sum, nothing passes it.
+TEST(Urdf, InertiasThatNoBodyHas) {
+  const auto taken = [](const std::string& xx, const std::string& yy, const std::string& zz,
                         const std::string& mass = "2", const std::string& origin = "", const std::string& merged = "") {
     const std::string inertia =
         "<inertia ixx=\"" + xx + "\" ixy=\"0\" ixz=\"0\" iyy=\"" + yy + "\" iyz=\"0\" izz=\"" + zz + "\"/>";
-    const std::string body = "<link name=\"a\"/><link name=\"b\"><inertial>" + origin + "<mass value=\"" + mass +
+    const std::string body = "<link name=\"a\"/>\n<link name=\"b\"><inertial>" + origin + "<mass value=\"" + mass +
                              "\"/>" + inertia + "</inertial></link>" + joint("j", "revolute", "a", "b") + merged;
-    try {
-      (void)load(body);
+    std::vector<Finding> findings;
+    (void)load(body, {}, &findings);
+    UrdfOptions strict;
+    strict.refuse_inertia = true;
+    if (findings.empty()) {
+      EXPECT_NO_THROW((void)load(body, strict));
       return true;
-    } catch (const InputError&) {
-      return false;
     }
+    const Finding& f = findings.at(0);
+    EXPECT_EQ(f.kind + " " + f.name + " " + std::to_string(f.line), "inertia b 3");
+    EXPECT_NE(f.text.find("which no body has"), std::string::npos) << f.text;
+    EXPECT_THROW((void)load(body, strict), InputError);
+    return false;
   };
   const std::string far = "<origin xyz=\"3 -10 7\" rpy=\"0.4 -0.5 0.6\"/>";
   for (const std::string& origin : {std::string(), far}) {
-    EXPECT_TRUE(loads("0.1", "0.2", "0.3", "2", origin));  // a plate, up to the rounding of these three
-    EXPECT_TRUE(loads("0.3", "0.1", "0.2", "2", origin));
-    EXPECT_TRUE(loads("0.7", "0", "0.7", "2", origin));  // a rod
-    EXPECT_TRUE(loads("0", "0", "0", "2", origin));
-    EXPECT_FALSE(loads("1", "1", "5", "2", origin));
-    EXPECT_FALSE(loads("1", "0", "0", "2", origin));
-    EXPECT_FALSE(loads("0.1", "0.2", "0.301", "2", origin));
+    EXPECT_TRUE(taken("0.1", "0.2", "0.3", "2", origin));  // a plate, up to the rounding of these three
+    EXPECT_TRUE(taken("0.3", "0.1", "0.2", "2", origin));
+    EXPECT_TRUE(taken("0.7", "0", "0.7", "2", origin));  // a rod
+    EXPECT_TRUE(taken("0", "0", "0", "2", origin));
+    EXPECT_FALSE(taken("1", "1", "5", "2", origin));
+    EXPECT_FALSE(taken("1", "0", "0", "2", origin));
+    EXPECT_FALSE(taken("0.1", "0.2", "0.301", "2", origin));
   }
-  EXPECT_TRUE(loads("1", "1", "2.000000001"));  // within 1e-9 of the trace, 4
-  EXPECT_FALSE(loads("1", "1", "2.00000001"));
-  EXPECT_TRUE(loads("1", "0", "0", "0"));  // without mass: a rotor
-  EXPECT_TRUE(loads("0.1", "0.1", "0.25", "2", "", link("c", 3) + joint("f", "fixed", "b", "c")));  // made good
+  EXPECT_TRUE(taken("1", "1", "2.000000001"));  // within 1e-9 of the trace, 4
+  EXPECT_FALSE(taken("1", "1", "2.00000001"));
+  EXPECT_TRUE(taken("1", "0", "0", "0"));  // without mass: a rotor
+  EXPECT_TRUE(taken("0.1", "0.1", "0.25", "2", "", link("c", 3) + joint("f", "fixed", "b", "c")));  // made good
 }
 
 TEST(Urdf, ToleratesWhatRealFilesHold) {

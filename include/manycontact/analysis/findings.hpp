@@ -80,8 +80,15 @@ std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& d
 /// leaf-to-root elimination that are rounding. Throws std::length_error for trees too deep for a joint-space inertia.
 std::vector<int> weightless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
 
-/// The names of those coordinates ("r0/wrist") of all robots in islands that failed for want of inertia. After solve.
-std::vector<std::string> weightless_names(const Scene& scene, const SceneData& data,
+/// A joint that makes the joint-space inertia singular, and why.
+struct Weightless {
+  std::string joint;  // "r0/wrist"
+  std::string why;    // no mass below it; or a moment of inertia that is missing; or what the joints below leave to it
+};
+
+/// Of all robots in islands that failed for want of inertia, each joint once. Of trees too deep for a joint-space
+/// inertia those alone that have no mass below them. After solve.
+std::vector<Weightless> weightless_joints(const Scene& scene, const SceneData& data,
                                           const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace manycontact

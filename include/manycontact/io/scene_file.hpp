@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "manycontact/io/finding.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/model/scene.hpp"
 
@@ -36,6 +37,7 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
   std::vector<int> robot_group;     // per robot: index into robot_groups
   std::vector<SE3<double>> moved;   // per robot: from where its element places it to where `arrange` does
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
+  std::vector<Finding> findings;    // of the robots' files, by the first robot that has the model: "herd/knee"
 };
 
 /// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN: they take a

@@ -3,8 +3,10 @@
 //
 // Fixed joints are merged into the parent's body, so are locked ones; every link stays usable as a frame.
 // Joints are numbered depth first, children in byte order of their names (as urdfdom lists them). Masses and
-// inertias are judged per moving body, after merging. With a fixed base the bodies merged into the root link
-// are immovable and dropped.
+// inertias are judged per moving body, after merging. What is odd but usable is taken, and told as findings: principal
+// moments that no body has, limits that are infinite, negative, crossed or missing (which bound nothing), numbers of an
+// inertia that are missing (which are 0), elements that act on the motion and are not read. With a fixed base the
+// bodies merged into the root link are immovable and dropped.
 
 #include <map>
 #include <set>
@@ -12,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "manycontact/io/finding.hpp"
 #include "manycontact/model/model.hpp"
 
 namespace manycontact {
@@ -23,7 +26,9 @@ struct UrdfOptions {           // What is said of a robot beside its file.
   std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
   bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
   std::set<std::string> passive = {};                              // joints without torques: Joint::actuated is false
-  bool model_dynamics = false;  // <dynamics>: fills Model::damping and friction; else only noted
+  bool model_dynamics = false;          // <dynamics>: fills Model::damping and friction; else only noted
+  bool refuse_inertia = false;          // principal moments that no body has are an InputError; else only noted
+  std::set<std::string> actuated = {};  // floating joints of the file with torques in u: they are passive by default
 
   bool operator==(const UrdfOptions&) const = default;
 };
@@ -36,8 +41,10 @@ struct UrdfOptionError : std::invalid_argument {
   bool lock;  // from UrdfOptions::locked, else from an armature
 };
 
-/// Reads and finalizes. Limits are as URDF has them: efforts and velocities 0 or more, lower <= upper, which are 0
-/// where they are not given. Throws InputError for the file, UrdfOptionError for the options.
-Model load_urdf(const std::string& path, const UrdfOptions& options = {});
+/// Reads and finalizes. Limits are infinite where the file has none that bound anything; a lower or upper that <limit>
+/// leaves out is 0, as URDF has it. Throws InputError for the file, where nothing can be computed from it (no tree,
+/// no numbers, negative masses or moments after merging), UrdfOptionError for the options.
+/// findings, unless null: gets what is odd, by line.
+Model load_urdf(const std::string& path, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr);
 
 }  // namespace manycontact

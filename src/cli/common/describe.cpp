@@ -81,7 +81,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   table.print(out);
 }
 
-void print_notes(std::ostream& out, const SceneFile& file, bool all) {
+void print_notes(std::ostream& out, const SceneFile& file) {
   std::vector<std::pair<std::string, std::string>> notes;  // what is said, of which robots
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
@@ -96,12 +96,8 @@ void print_notes(std::ostream& out, const SceneFile& file, bool all) {
         same->second += ", " + group_name(group);
     };
     const auto joints = [](const std::vector<std::string>& list) { return static_cast<long>(list.size()); };
-    if (all) {
-      note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
-      note(n.locked, count(joints(n.locked), "joint") + " locked");
-    }
-    note(n.mimic, "mimic is not modelled, kept independent");
-    if (all) note(n.dynamics, "damping and friction of <dynamics> are not modelled");
+    note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
+    note(n.locked, count(joints(n.locked), "joint") + " locked");
   }
   for (const auto& [text, robots] : notes) wrap(out, text, 2, robots + ": ");
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -11,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostLimits = 6, kMostWeightless = 8;
+constexpr std::size_t kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
 
 std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   const Robot& robot = scene.robots[limit.robot];
@@ -76,15 +78,59 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
   if (!text.empty()) wrap(out, text, 2, "beyond limits: ");
 }
 
+std::string misplaced_by(const PlacementError& e) {
+  return "by " + two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+
+std::string contradicted_by(const Contradiction& c) {
+  return "by " + two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
+}
+
+// "r/knee (arm.urdf:12)"
+std::string place(const Finding& finding) {
+  return finding.name + " (" + std::filesystem::path(finding.file).filename().string() + ":" +
+         std::to_string(finding.line) + ")";
+}
+
+// A line for each thing that is said, with the places it is said of; of each kind a few.
+void print_files(std::ostream& out, const std::vector<Finding>& findings) {
+  std::map<std::string, std::vector<std::string>> texts;   // by kind, each once
+  std::map<std::string, std::vector<std::string>> places;  // by kind and text
+  std::vector<std::string> kinds;                          // as they are met
+  for (const Finding& f : findings) {
+    if (!texts.count(f.kind)) kinds.push_back(f.kind);
+    auto& said_of = places[f.kind + ":" + f.text];
+    if (said_of.empty()) texts[f.kind].push_back(f.text);
+    said_of.push_back(place(f));
+  }
+  for (const std::string& kind : kinds) {
+    const auto& all = texts.at(kind);
+    const std::size_t shown = all.size() <= kMostTexts + 1 ? all.size() : kMostTexts;
+    for (std::size_t k = 0; k < shown; ++k)
+      wrap(out, join(places.at(kind + ":" + all[k]), kMostPlaces) + ": " + all[k], 2, kind + ": ");
+    if (shown < all.size())
+      wrap(out, "and " + std::to_string(all.size() - shown) + " more such; the JSON of `solve` has all", 2,
+           kind + ": ");
+  }
+}
+
+void print_weightless(std::ostream& out, const std::vector<Weightless>& list) {
+  std::map<std::string, std::vector<std::string>> joints;  // by reason
+  for (const Weightless& w : list) joints[w.why].push_back(w.joint);
+  for (const auto& [why, names] : joints)
+    wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
+}
+
 }  // namespace
 
 Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
+  f.files = file.findings;
   f.misplaced = placement_errors(file.scene, data.active, file.q);
   f.violations = violations(file.scene, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
-  f.weightless = weightless_names(file.scene, data, file.q);
+  f.weightless = weightless_joints(file.scene, data, file.q);
   return f;
 }
 
@@ -100,12 +146,12 @@ std::string in_words(const Scene& scene, const Violation& v) {
 void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   if (f.empty()) return;
   out << "\nTo look at\n";
+  print_files(out, f.files);
   print_contacts(
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
       [&](const PlacementError& e) {
         const Contact& c = scene.contacts[e.contact];
-        return "by " + two_sizes(e.position, "m", e.angle, "rad", kPlacementError) +
-               (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+        return misplaced_by(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
       });
   for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
     std::vector<Violation> alike;
@@ -118,11 +164,8 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   print_limits(out, scene, f.limits);
   print_contacts(
       out, scene, f.contradictions, "contradicted",
-      [](const Contradiction& c) { return std::max(c.linear, c.angular); },
-      [](const Contradiction& c) {
-        return "by " + two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
-      });
-  if (!f.weightless.empty()) wrap(out, join(f.weightless, kMostWeightless), 2, "joints that carry no mass: ");
+      [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
+  print_weightless(out, f.weightless);
 }
 
 Json json_of(const Scene& scene, const Violation& v) {
@@ -141,6 +184,31 @@ Json json_of(const Scene& scene, const LimitPassed& limit) {
           {"limit", limit.limit}};
 }
 
+namespace {
+
+// All findings in words.
+Json all_in_words(const Scene& scene, const Findings& f) {
+  Json list = Json::array();
+  const auto say = [&list](const std::string& kind, const std::string& name, const std::string& text) {
+    list.push_back({{"kind", kind}, {"name", name}, {"text", text}});
+  };
+  for (const Finding& x : f.files) {
+    say(x.kind, x.name, x.text);
+    list.back()["file"] = x.file;
+    list.back()["line"] = x.line;
+  }
+  for (const PlacementError& e : f.misplaced)
+    say("place", scene.contacts[e.contact].name, "out of place " + misplaced_by(e));
+  for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
+  for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
+  for (const Contradiction& c : f.contradictions)
+    say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
+  for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
+  return list;
+}
+
+}  // namespace
+
 void add_findings(const Scene& scene, const Findings& f, Json& to) {
   for (const char* key : {"violations", "placement_errors", "limits_passed", "contradictions"}) to[key] = Json::array();
   for (const Violation& v : f.violations) to["violations"].push_back(json_of(scene, v));
@@ -151,7 +219,9 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
   for (const Contradiction& c : f.contradictions)
     to["contradictions"].push_back(
         {{"contact", scene.contacts[c.contact].name}, {"linear", c.linear}, {"angular", c.angular}});
-  to["massless_joints"] = f.weightless;
+  to["massless_joints"] = Json::array();
+  for (const Weightless& w : f.weightless) to["massless_joints"].push_back(w.joint);
+  to["findings"] = all_in_words(scene, f);
 }
 
 }  // namespace manycontact::cli

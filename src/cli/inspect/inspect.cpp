@@ -34,7 +34,7 @@ int run_inspect(const Arguments& arguments) {
   if (!picture.empty()) write_picture(inspection, picture);
   if (is_standard_output(arguments, {"--picture"})) return kExitOk;
   print_heading(std::cout, file, inspection.data);
-  print_notes(std::cout, file, true);
+  print_notes(std::cout, file);
   print_joints(std::cout, file);
   print_islands(std::cout, inspection);
   print_contact_groups(std::cout, inspection);

@@ -15,8 +15,8 @@ class TimeTable {
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Overwrites the coordinates that have a column, with their values at t: those of the last row that is not later
-  /// (the first before it), or on the line between two rows.
+  /// Overwrites the coordinates that have a column, with their values at t: those of the last row that is not later,
+  /// and nothing before the first; or, `between`, on the line between two rows, and the first before it.
   void at(double t, bool between, Eigen::VectorXd& x) const;
 
  private:
@@ -29,7 +29,8 @@ class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque.
+  /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque, and all do before the
+  /// first row.
   void read_torques(const std::string& path);
   /// Towards columns "q:r0/knee" and "v:r0/knee", in between rows too; what has none: the scene's q, and 0. Throws
   /// InputError where an actuated joint has several coordinates.

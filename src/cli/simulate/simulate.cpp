@@ -33,7 +33,7 @@ struct Run {
   StepStatus stopped = StepStatus::kOk;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
-  Findings at_start;  // contacts out of place; joints without mass, where that ended it
+  Findings at_start;  // of files; contacts out of place; joints without inertia, where that ended it
   std::optional<Recording> view;
 };
 
@@ -258,10 +258,11 @@ int run_simulate(const Arguments& arguments) {
   run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   sim.condition_every = kConditionEvery;
+  run.at_start.files = file.findings;
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
   if (run.stopped == StepStatus::kSolverFailed)
-    run.at_start.weightless = weightless_names(file.scene, sim.dynamics, sim.q);
+    run.at_start.weightless = weightless_joints(file.scene, sim.dynamics, sim.q);
   const std::string late = switches_not_reached(around, sim);
   const bool summary = !is_standard_output(arguments, {"--out", "--forces", "--json"});
   if (summary)
@@ -295,7 +296,8 @@ const Command& simulate_command() {
        {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 carries over singular configurations"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
-       {"--torques", "FILE", "CSV: t and columns u:robot/joint, held from row to row; other joints keep the scene's"},
+       {"--torques", "FILE",
+        "CSV: t and columns u:robot/joint, held from row to row; else, and before the first, the scene's"},
        {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
        {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
        {"--switch", "LIST",

@@ -194,7 +194,6 @@ void print_report(std::ostream& out, const SolvedScene& s) {
 
 void print_summary(std::ostream& out, const SolvedScene& s) {
   print_heading(out, s.file, s.data);
-  print_notes(out, s.file, false);
   out << "\n";
   print_report(out, s);
   print_findings(out, s.file.scene, s.findings);

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstddef>
+#include <fstream>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace manycontact::cli {
+
+/// A CSV with a header and a column t of growing times, read row by row. Cells may be quoted as RFC 4180 has it, but
+/// for line breaks; blanks around numbers, empty lines and a byte order mark are passed over.
+class CsvReader {
+ public:
+  /// Reads the header. Throws InputError: the file cannot be read or is none in UTF-8, a name stands twice in it, a
+  /// quote stays open, there is no column t.
+  explicit CsvReader(const std::string& path);
+
+  /// The next row; false at the end. Throws InputError: another number of cells, a time that does not grow.
+  bool next();
+  double t() const { return t_; }  // of the row; -infinity before the first [s]
+  /// A cell of the row. Throws InputError where it is no finite number.
+  double number(std::size_t column) const;
+
+  const std::vector<std::string>& names() const { return names_; }
+  bool has(const std::string& name) const { return column_.contains(name); }
+  /// The column of that name; throws InputError where there is none.
+  std::size_t column(const std::string& name) const;
+  /// Throws InputError for the line that was read last.
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  std::string path_;
+  std::ifstream stream_;
+  int line_ = 1;
+  std::vector<std::string> names_, cells_;
+  std::unordered_map<std::string, std::size_t> column_;
+  double t_;
+
+  std::vector<std::string> cells_of(std::string_view line) const;
+};
+
+}  // namespace manycontact::cli

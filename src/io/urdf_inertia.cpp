@@ -1,0 +1,36 @@
+#include "urdf_inertia.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "text.hpp"
+
+namespace manycontact::io {
+
+InertiaVerdict judge_inertia(const Inertia<double>& Y) {
+  if (!std::isfinite(Y.m) || !Y.h.allFinite() || !Y.I.allFinite())
+    return {"an inertia too large to compute with, expected finite numbers", ""};
+  if (Y.m < 0) return {"the mass " + show(Y.m) + " kg, expected none below 0", ""};
+  if (Y.m == 0 && Y.h.squaredNorm() > 0) return {"no mass but a first moment of it, expected none", ""};
+  const Vec3<double> c = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
+  const Mat3<double> shift = Y.m * (c.squaredNorm() * Mat3<double>::Identity() - c * c.transpose());
+  const Mat3<double> Ic = Y.I - shift;  // about the centre of mass
+  const Vec3<double> moments =
+      Eigen::SelfAdjointEigenSolver<Mat3<double>>(Ic, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  const double trace = Ic.trace();
+  const double rounding = 64 * std::numeric_limits<double>::epsilon() * (Y.I.norm() + shift.norm());
+  const double allowed = 1e-9 * std::max(trace, 0.0) + rounding;
+  if (!(moments[0] >= -allowed))
+    return {"the principal moment of inertia " + show(moments[0]) + " kg m^2 (trace " + show(trace) +
+                "), expected none below -1e-9 of the trace",
+            ""};
+  // I_1 + I_2 - I_3 = 2 int x_3^2 dm >= 0
+  if (Y.m > 0 && !(moments[0] + moments[1] - moments[2] >= -allowed))
+    return {"", "the principal moments of inertia " + show(moments[0]) + ", " + show(moments[1]) + ", " +
+                    show(moments[2]) + " kg m^2, which no body has: one is above the sum of the other two"};
+  return {};
+}
+
+}  // namespace manycontact::io

@@ -1,0 +1,206 @@
+// What a URDF holds beside the links and joints that are read. Much of it does not act on the motion (shapes, sensors,
+// controllers); what does, or may, is told, so that nothing is dropped in silence.
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "urdf_check.hpp"
+
+namespace manycontact::io {
+namespace {
+
+using Names = std::set<std::string, std::less<>>;
+
+// "drake:gear_ratio" -> "gear_ratio"
+std::string local_name(const std::string& name) { return name.substr(name.rfind(':') + 1); }
+
+// Every element inside, at any depth.
+template <class Visit>
+void each_inside(const Element& e, const Visit& visit) {
+  for (auto inside = e.child(); inside; inside = inside->next(nullptr)) {
+    visit(*inside);
+    each_inside(*inside, visit);
+  }
+}
+
+// Findings of alike elements become one, at the first of them.
+class Unread {
+ public:
+  explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
+
+  void tell(const Element& e, const std::string& name, const std::string& text) {
+    findings_.push_back({"unread", name, text, *e.where().file, e.line()});
+  }
+
+  // `what` is not read, here and in how many other places.
+  void count(const Element& e, const std::string& name, const std::string& what, const std::string& because = "") {
+    const auto [at, is_first] = counted_.emplace(what, Counted{findings_.size(), 0, because});
+    if (is_first) tell(e, name, {});
+    ++at->second.times;
+  }
+
+  void finish() {
+    for (const auto& [what, c] : counted_)
+      findings_[c.finding].text =
+          what + (c.times > 1 ? ", here and in " + std::to_string(c.times - 1) + " more places," : "") +
+          " is not read" + c.because;
+  }
+
+ private:
+  struct Counted {
+    std::size_t finding;
+    int times;
+    std::string because;
+  };
+  std::vector<Finding>& findings_;
+  std::map<std::string, Counted> counted_;
+};
+
+std::string name_of(const Element& e) {
+  const std::string name = e.optional("name", e.optional("reference", ""));
+  return name.empty() ? e.name() : name;
+}
+
+bool constrains(const std::string& name) {
+  for (const char* word : {"joint", "constraint", "loop", "gear", "coupl", "weld", "closure", "equality", "bushing",
+                           "spring", "tendon", "cable"})
+    if (name.find(word) != std::string::npos) return true;
+  return false;
+}
+
+void tell_constraint(const Element& e, Unread& unread) {
+  unread.tell(e, name_of(e),
+              "<" + e.name() + "> acts on the motion and is not read: " +
+                  "what it holds together is free here, unless a contact of the scene holds it");
+}
+
+void look_into_gazebo(const Element& gazebo, Unread& unread) {
+  each_inside(gazebo, [&](const Element& e) {
+    const std::string name = local_name(e.name());
+    if (name == "joint" && e.has("type"))
+      tell_constraint(e, unread);  // one of SDF, which closes a loop
+    else if (name == "springStiffness" || name == "spring_stiffness" || name == "springReference")
+      unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint has no spring here");
+  });
+}
+
+bool is_one(const Element& e) {
+  std::string text;
+  if (!e.child()) text = e.has("value") ? e.required("value") : e.text();
+  const auto parts = words(text);
+  return parts.size() == 1 && (parts[0] == "1" || parts[0] == "1.0" || parts[0] == "+1");
+}
+
+void look_into_transmission(const Element& transmission, Unread& unread) {
+  each_inside(transmission, [&](const Element& e) {
+    const std::string name = local_name(e.name());
+    if ((name == "mechanicalReduction" || name == "gear_ratio" || name == "rotor_inertia") && !is_one(e))
+      unread.count(e, name_of(transmission), "<" + e.name() + ">", ": what motors add behind gears is `armature`");
+  });
+}
+
+// Elements of `parent` that are neither read nor known not to act on the motion; those that are read but once.
+void look_at_children(const Element& parent, const std::string& owner, const Names& read, const Names& harmless,
+                      Unread& unread) {
+  Names seen;
+  for (auto e = parent.child(); e; e = e->next(nullptr)) {
+    const std::string name = e->name();
+    if (read.count(name)) {
+      if (!seen.insert(name).second) unread.count(*e, owner, "a second <" + name + "> in <" + parent.name() + ">");
+    } else if (!harmless.count(local_name(name))) {
+      unread.count(*e, owner, "<" + name + "> in <" + parent.name() + ">");
+    }
+  }
+}
+
+void look_at_attributes(const Element& parent, const char* child, const std::string& owner, const Names& read,
+                        Unread& unread) {
+  const auto e = parent.child(child);
+  if (!e) return;
+  for (const std::string& attribute : e->attributes())
+    if (!read.count(attribute)) unread.count(*e, owner, attribute + " of <" + child + ">");
+}
+
+void look_at_link(const Element& link, Unread& unread) {
+  static const Names harmless = {"visual",       "collision", "contact", "sensor",   "self_collision_checking",
+                                 "self_collide", "material",  "gravity", "kinematic"};
+  const std::string owner = link.required("name");
+  look_at_children(link, owner, {"inertial"}, harmless, unread);
+  const auto inertial = link.child("inertial");
+  if (!inertial) return;
+  look_at_children(*inertial, owner, {"origin", "mass", "inertia"}, {}, unread);
+  look_at_attributes(*inertial, "origin", owner, {"xyz", "rpy"}, unread);
+  look_at_attributes(*inertial, "mass", owner, {"value"}, unread);
+  look_at_attributes(*inertial, "inertia", owner, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, unread);
+}
+
+void look_at_joint(const Element& joint, Unread& unread) {
+  static const Names read = {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"};
+  static const Names harmless = {"safety_controller", "calibration", "controller_gains", "traits",   "sensor",
+                                 "hardwareInterface", "motor",       "visual",           "collision"};
+  const std::string owner = joint.required("name");
+  look_at_children(joint, owner, read, harmless, unread);
+  look_at_attributes(joint, "origin", owner, {"xyz", "rpy"}, unread);
+  if (joint.optional("type", "") == "fixed") return;
+  look_at_attributes(joint, "axis", owner, {"xyz"}, unread);
+  look_at_attributes(joint, "dynamics", owner, {"damping", "friction"}, unread);
+  const std::string type = joint.optional("type", "");
+  if ((type == "floating" || type == "planar") && joint.child("limit"))
+    unread.count(*joint.child("limit"), owner, "<limit> of a " + type + " joint");
+}
+
+}  // namespace
+
+void tell_unread(const Element& robot, std::vector<Finding>& findings) {
+  static const Names harmless = {
+      "material",    "sensor",       "mujoco",        "frame",         "collision_filter_group", "group",
+      "group_state", "end_effector", "virtual_joint", "passive_joint", "disable_collisions",     "ros2_control",
+      "author",      "license",      "texture",       "kinematics"};
+  Unread unread(findings);
+  for (auto e = robot.child(); e; e = e->next(nullptr)) {
+    const std::string name = e->name();
+    if (name == "link")
+      look_at_link(*e, unread);
+    else if (name == "joint")
+      look_at_joint(*e, unread);
+    else if (name == "gazebo")
+      look_into_gazebo(*e, unread);
+    else if (name == "transmission")
+      look_into_transmission(*e, unread);
+    else if (harmless.count(local_name(name)))
+      continue;
+    else if (constrains(name))
+      tell_constraint(*e, unread);
+    else
+      unread.count(*e, name_of(*e), "<" + name + ">");
+  }
+  unread.finish();
+}
+
+namespace {
+
+// The prefixes that stand for xacro in this file.
+Names xacro_prefixes(const Element& robot) {
+  Names prefixes = {"xacro"};
+  for (const std::string& attribute : robot.attributes())
+    if (attribute.starts_with("xmlns:") && robot.required(attribute.c_str()).find("xacro") != std::string::npos)
+      prefixes.insert(attribute.substr(6));
+  return prefixes;
+}
+
+}  // namespace
+
+void refuse_xacro(const Element& robot) {
+  const Names prefixes = xacro_prefixes(robot);
+  each_inside(robot, [&](const Element& e) {
+    const std::string name = e.name();
+    const std::size_t colon = name.find(':');
+    if (colon != std::string::npos && prefixes.count(name.substr(0, colon)))
+      e.fail("<" + name + "> is xacro, from which a URDF is yet to be made, expected one: " +
+             "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
+  });
+}
+
+}  // namespace manycontact::io
