@@ -95,7 +95,7 @@ double parse_word(const Where& where, const std::string& what, std::string_view 
 std::string_view only_word(const Where& where, const std::string& what, std::string_view text) {
   const auto parts = words(text);
   if (parts.empty()) where.fail(what + " is empty, expected a number");
-  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number");
+  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number, expected one");
   return parts[0];
 }
 

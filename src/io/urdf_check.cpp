@@ -80,7 +80,8 @@ void check_axis(const Element& joint, UrdfDetails& details) {
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
-  add_to(told, attribute + (limit.has(attribute) ? " " + limit.required(attribute) : std::string(" missing")));
+  add_to(told, attribute + (limit.has(attribute) ? " " + std::string(words(limit.required(attribute))[0])
+                                                 : std::string(" missing")));
   return none;
 }
 

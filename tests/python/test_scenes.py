@@ -125,3 +125,23 @@ def test_any_array_of_numbers_will_do(humanoid):
     assert not strided.flags.c_contiguous
     mc.solve(file.scene, strided, list(file.v), file.u.astype(">f8"), data)
     assert (data.a == expected).all()
+
+
+def test_findings(tmp_path):
+    """What is odd in a URDF is taken, and told with file and line."""
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(
+        """<robot name="r"><link name="a"/>
+<link name="b"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="5"/></inertial></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><limit lower="-Inf" upper="Inf" effort="2"/></joint>
+</robot>"""
+    )
+    file = mc.load_scene_text('<scene><robot name="x" urdf="arm.urdf"/></scene>', str(tmp_path / "scene.xml"))
+    assert [(f.kind, f.name, f.line) for f in file.findings] == [("inertia", "x/b", 2), ("limits", "x/j", 3)]
+    assert file.findings[1].file == str(urdf)
+    assert file.findings[1].text == "taken as no limit: velocity missing, lower -Inf, upper Inf"
+    assert "arm.urdf:2: inertia: x/b: " in repr(file.findings[0])
+    assert [f.name for f in mc.urdf_findings(str(urdf))] == ["b", "j"]
+    assert np.isinf(mc.load_urdf(str(urdf)).joints[0].upper[0])
+    with pytest.raises(mc.InputError, match=r"arm.urdf:2: .*no body has"):
+        mc.load_urdf(str(urdf), refuse_inertia=True)

@@ -3,10 +3,12 @@
 //
 // Fixed joints are merged into the parent's body, so are locked ones; every link stays usable as a frame.
 // Joints are numbered depth first, children in byte order of their names (as urdfdom lists them). Masses and
-// inertias are judged per moving body, after merging. What is odd but usable is taken, and told as findings: principal
-// moments that no body has, limits that are infinite, negative, crossed or missing (which bound nothing), numbers of an
-// inertia that are missing (which are 0), elements that act on the motion and are not read. With a fixed base the
-// bodies merged into the root link are immovable and dropped.
+// inertias are judged per moving body, after merging. With a fixed base the bodies merged into the root link
+// are immovable and dropped.
+//
+// What is odd but usable is taken, and told as findings: principal moments that no body has; limits that are infinite,
+// negative, crossed or missing, which bound nothing; numbers that an inertia lacks, which are 0; elements that act on
+// the motion and are not read.
 
 #include <map>
 #include <set>
