@@ -46,7 +46,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
   if (closest.share < least_share_) least_share_ = closest.share, share_time_ = t - (1 - closest.at) * sim.h;
   if (closest.share < kPassed && singular_time_ < 0) singular_time_ = t - (1 - closest.at) * sim.h;
-  for (const Violation& x : violations(scene, sim.f, sim.f_offset)) {
+  for (const Violation& x : violations(scene, q, sim.f, sim.f_offset)) {
     const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
     if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
   }
