@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "at_rest.hpp"
+#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/contact/normal.hpp"
 
 namespace manycontact {
 
@@ -36,16 +39,38 @@ namespace {
 
 constexpr double kRoundingOfForces = 1e-9;  // of the largest force on a contact's robots
 
-// Normal and tangential force of a contact with a mu.
-struct Pressure {
-  double normal = 0;
-  Eigen::Vector2d tangential = Eigen::Vector2d::Zero();
+// A contact's axes in the world.
+class AxesOf {
+ public:
+  AxesOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) : scene_(scene), kin_(scene, q) {}
+  Mat3<double> operator()(const Attachment& at) {
+    if (at.robot < 0) return at.placement.R;
+    return frame_placement<double>(kin_.of(at.robot), scene_.robots[at.robot].base, at.joint, at.placement).R;
+  }
+
+ private:
+  const Scene& scene_;
+  internal::AtRest kin_;
 };
 
-Pressure pressure(const Contact& contact, const double* f) {
-  if (contact.type == ContactType::k1D) return {f[0]};
-  if (contact.type == ContactType::k2D) return {f[1], {f[0], 0}};
-  return {f[2], {f[0], f[1]}};
+// What a contact with a mu presses with.
+struct Pressure {
+  double normal = 0, tangential = 0;            // N
+  Vec6<double> in_foot = Vec6<double>::Zero();  // of a 6D contact: force and moment in A's axes
+};
+
+Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
+  const Mat3<double> oRA = axes_of(contact.A);
+  const Mat3<double> axes =
+      contact.reference_frame == ReferenceFrame::kLocal ? oRA : Mat3<double>(Mat3<double>::Identity());
+  const Vec3<double> n = contact_normal(contact, oRA, contact.normal ? axes_of(contact.B) : Mat3<double>());
+  const Vec3<double> force = axes * linear_force(contact, f);
+  Pressure out;
+  out.normal = n.dot(force);
+  out.tangential = (force - out.normal * n).norm();
+  if (contact.type == ContactType::k6D)
+    out.in_foot << oRA.transpose() * force, oRA.transpose() * (axes * Vec3<double>(f[3], f[4], f[5]));
+  return out;
 }
 
 // How far m_z is beyond what friction at the corners of a box X, Y (half sides) bears: tau_min <= m_z <= tau_max with
@@ -84,18 +109,19 @@ void judge_box(const Contact& contact, const double* f, int c, double rounding, 
 
 }  // namespace
 
-std::vector<Violation> violations(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
+std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                  const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
+  AxesOf axes_of(scene, q);
   const std::vector<double> largest = largest_forces(scene, f, f_offset);
   std::vector<Violation> out;
   for (std::size_t i = 0; i < f_offset.size(); ++i) {
     const Contact& contact = scene.contacts[i];
     if (f_offset[i] < 0 || !contact.mu) continue;
     const int c = static_cast<int>(i);
-    const double* force = f.data() + f_offset[i];
-    const Pressure p = pressure(contact, force);
+    const Pressure p = pressure(contact, f.data() + f_offset[i], axes_of);
     const double on_B = contact.B.robot < 0 ? 0 : largest[contact.B.robot];
     const double rounding = kRoundingOfForces * std::max(largest[contact.A.robot], on_B);
-    const double tangential = p.tangential.norm();
+    const double tangential = p.tangential;
     if (p.normal < -rounding) {
       out.push_back({c, Violating::kPulls, -p.normal});
       continue;
@@ -103,7 +129,7 @@ std::vector<Violation> violations(const Scene& scene, const Eigen::VectorXd& f, 
     if (tangential > *contact.mu * p.normal + rounding)
       out.push_back(
           {c, Violating::kSlips, tangential - *contact.mu * p.normal, p.normal > 0 ? tangential / p.normal : INFINITY});
-    if (!contact.box.isZero(0)) judge_box(contact, force, c, rounding, out);
+    if (!contact.box.isZero(0)) judge_box(contact, p.in_foot.data(), c, rounding, out);
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "row_terms.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -40,10 +41,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
 void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
                       double f, double& of_row, std::vector<double>& w) {
   const double size = motion_size(c, d);
-  const double v = std::max(largest(d.vA), largest(d.vB));
-  of_row = largest(d.aA) + largest(d.aB) + v * v + std::abs(c.beta) * v +
-           std::abs(c.alpha) * (1 + d.aMA.p.cwiseAbs().maxCoeff() + d.bMA.p.cwiseAbs().maxCoeff() +
-                                c.B.placement.p.cwiseAbs().maxCoeff());
+  of_row = internal::row_terms(c, d);
   for (int column : columns) {
     of_row += size * std::abs(a[column]);
     w[column] += size * f;
@@ -58,7 +56,8 @@ double rounding(const Scene& scene, const IslandWork& d) {
   return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
 }
 
-// |r| + c eps (everything the rows were computed from), in elimination order.
+// |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
+// contacts contradict each other by is no error of least squares.
 std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
   const KktVectors& s = d.v;
   const int* iperm = d.K.pattern->iperm.data();
@@ -78,10 +77,12 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
   const double c = rounding(scene, d);
+  const bool deficient = internal::rank_deficient(d);
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
-    out[at] = std::abs(s.r[at]) + c * (s.scale[at] + w[k]);
+    const double left = deficient ? s.r[at] - s.null_part[at] : s.r[at];
+    out[at] = std::abs(left) + c * (s.scale[at] + w[k]);
   }
   return out;
 }
@@ -127,6 +128,22 @@ double turned_forces(const Scene& scene, const Workspace& work, IslandWork& d) {
       w, kept);
 }
 
+// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (the same
+// equation). |dJ^T r| in elimination order.
+std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const IslandWork& d) {
+  const int* iperm = d.K.pattern->iperm.data();
+  std::vector<double> w(d.island.size(), 0.0);
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const int c = d.island.contacts[k];
+    double missed = 0;
+    for (int i = 0; i < scene.contacts[c].rows(); ++i)
+      missed += std::abs(d.v.null_part[iperm[d.island.nv + d.island.row_offset[k] + i]]);
+    const double of_column = rounding(scene, d) * motion_size(scene.contacts[c], work.contacts[c]) * missed;
+    for (int column : d.shape->support().columns[k]) w[iperm[column]] += of_column;
+  }
+  return w;
+}
+
 // By how much the answer given (a, f) differs from x = [a; -f], which another factor may have found since (`complete`):
 // the bounds are x's.
 std::pair<double, double> moved(const SceneData& data, const Scene& scene, const IslandWork& d) {
@@ -159,6 +176,10 @@ void estimate_errors(const Scene& scene, SceneData& data) {
     const int* iperm = d.K.pattern->iperm.data();
     const auto [moved_a, moved_f] = moved(data, scene, d);
     std::vector<char> kept(w.size());
+    const bool contradiction = internal::rank_deficient(d) && d.contradiction;
+    const std::vector<double> turned =
+        contradiction ? turned_contradiction(scene, *data.workspace, d) : std::vector<double>();
+    const auto twice = [&d](double* x) { d.factor->solve(x), d.factor->solve(x); };
     const auto relative = [&](int first, int count, double more) {
       double size = 0;
       std::fill(kept.begin(), kept.end(), 0);
@@ -166,7 +187,8 @@ void estimate_errors(const Scene& scene, SceneData& data) {
         kept[iperm[k]] = 1;
         size = std::max(size, std::abs(d.v.x[iperm[k]]));
       }
-      const double error = count > 0 ? bound(inverse(d), w, kept) + more : 0;
+      const double error =
+          count > 0 ? bound(inverse(d), w, kept) + (contradiction ? bound(twice, turned, kept) : 0) + more : 0;
       return error == 0 ? 0 : error / size;
     };
     report.error_acceleration = relative(0, d.island.nv, moved_a);

@@ -7,6 +7,7 @@
 
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "row_terms.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {
@@ -45,25 +46,31 @@ bool has_vanishing_row(const Scene& scene, const IslandWork& d) {
   return !d.J.empty() && !(smallest > tolerance::kRank * d.K.row_size);
 }
 
-// The largest term that the contacts' a0 are computed from, and gravity.
+// The largest term that the contacts' a0 are computed from. Of the bodies' velocities and accelerations as the tree has
+// them, about its base: at the contact they may cancel.
 double drift_size(const Scene& scene, const Workspace& w, const Island& island) {
-  double largest = scene.gravity.norm();
+  double largest = 0;
+  const auto moving = [&](const Attachment& at) {
+    if (at.robot < 0 || at.joint < 0) return;
+    const Kinematics<double>& kin = w.robots[at.robot].kin;
+    const double v = kin.v[at.joint].cwiseAbs().maxCoeff();
+    largest = std::max({largest, kin.a[at.joint].cwiseAbs().maxCoeff(), v * v});
+  };
   for (int c : island.contacts) {
-    const ContactData<double>& rows = w.contacts[c];
-    const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
-    largest = std::max({largest, rows.aA.cwiseAbs().maxCoeff(), rows.aB.cwiseAbs().maxCoeff(), v * v,
-                        std::abs(scene.contacts[c].beta) * v});
+    moving(scene.contacts[c].A), moving(scene.contacts[c].B);
+    largest = std::max(largest, row_terms(scene.contacts[c], w.contacts[c]));
   }
   return largest;
 }
 
-// |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms. Where contacts hold everything all of these are rounding of
-// the terms of drift_size: that is no contradiction.
+// |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the null space of J^T: what dependent rows cannot
+// agree on, which is all that exact arithmetic leaves of J a + a0. (What rounding leaves there beside it was judged as
+// a residual.) It may still be rounding of the terms of drift_size: that is no contradiction.
 bool contradictory(const KktPattern& p, const KktVectors& v, double drift) {
   double left = 0, Ja = 0, a0 = 0;
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
-    left = sparse::larger_or_nan(left, std::abs(v.r[at]));
+    left = sparse::larger_or_nan(left, std::abs(v.null_part[at]));
     Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
     a0 = std::max(a0, std::abs(v.b[at]));
   }

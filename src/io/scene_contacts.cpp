@@ -45,7 +45,8 @@ class ContactReader {
 
   ContactElement read(const Element& e) {
     e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
-                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap", "mu", "box"});
+                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap", "mu", "normal",
+                        "box"});
     e.allow_children({});
     ContactElement c;
     c.contact.name = e.required("name");
@@ -57,6 +58,7 @@ class ContactReader {
     if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
     read_axis(e, c.contact);
     if (e.has("mu")) c.contact.mu = e.required_number("mu");
+    if (const auto normal = e.numbers<3>("normal")) c.contact.normal = Vec3<double>(normal->data());
     if (const auto box = e.numbers<2>("box")) c.contact.box = Eigen::Vector2d(box->data());
     c.A = ends_.read(e, "frame");
     if (c.A.shifted)
@@ -113,12 +115,21 @@ class ContactReader {
     return {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
   }
 
+  // What turns the first copy of a robot into copy i.
+  Mat3<double> turn_of_copy(const End& end, int i) const {
+    const auto base = [&](int robot) -> const Mat3<double>& { return out_.scene.robots[robot].base.R; };
+    return base(end.first + i) * base(end.first).transpose();
+  }
+
   void add_one(const Element& e, const ContactElement& c, int i, int target) {
     Contact contact = c.contact;
     if (c.A.copied) contact.name += std::to_string(i);
     contact.A = attachment(c.A, c.A.first + i, c.A_offset);
     contact.B.placement = c.B_offset;
-    if (c.to_robot) contact.B = attachment(c.B, target, c.B_offset);
+    if (c.to_robot)
+      contact.B = attachment(c.B, target, c.B_offset);
+    else if (contact.normal)  // of the world: turned as the copy is
+      contact.normal = turn_of_copy(c.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
     try {

@@ -240,6 +240,12 @@ void add_contacts(py::module_& m) {
       .def_readwrite("beta", &Contact::beta, "[1/s]")
       .def_readwrite("mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.")
       .def_property(
+          "normal", [](const Contact& c) -> std::optional<Eigen::Vector3d> { return c.normal; },
+          [](Contact& c, const std::optional<Eigen::Vector3d>& normal) { c.normal = normal; },
+          "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
+          "A's "
+          "own z for 6D.")
+      .def_property(
           "box", [](const Contact& c) -> Eigen::Vector2d { return c.box; },
           [](Contact& c, const Eigen::Vector2d& box) { c.box = box; }, "Length and width of the support (2) [m].")
       .def_readwrite("active", &Contact::active, "At the start; SceneData.active may switch it later.")

@@ -42,7 +42,7 @@ void keep_forces(SimulationData& data) {
 
 SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const ConstVector& v_, Integrator integrator_,
                                double h_, const Options& options)
-    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options), at_rest(scene) {
+    : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options), at_rest(scene), free_groups(scene) {
   if (q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");

@@ -29,6 +29,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.at_rest.follow(scene, h);
   d.stage_v = d.v / -h;
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
+  begin_free_motion(scene, d.dynamics.active, u, h, d.at_rest.kin, d.free_groups);
   d.tau *= -h;  // M v - h h(q, v)
   for (const Robot& robot : scene.robots) {
     add_friction(*robot.model, d.v.data() + robot.idx_v, d.tau.data() + robot.idx_v, h);
@@ -47,6 +48,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.w = h * d.next_v;
   integrate_scene(scene, d.q, d.w, d.next_q);
   d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
+  end_free_motion(scene, d.next_q, d.next_v, d.at_rest.kin, d.free_groups);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;
 }

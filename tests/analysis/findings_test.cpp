@@ -67,7 +67,8 @@ Scene one_contact(ContactType type, double mu, const Eigen::Vector2d& box = Eige
 
 std::vector<Violation> judged(const Scene& scene, std::initializer_list<double> force) {
   const std::vector<double> f(force);
-  return violations(scene, Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())), {0});
+  return violations(scene, neutral(*scene.robots[0].model),
+                    Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())), {0});
 }
 
 TEST(Violations, PullAndSlip) {
@@ -89,6 +90,66 @@ TEST(Violations, PullAndSlip) {
   Scene without = point;
   without.contacts[0].mu.reset();
   EXPECT_TRUE(judged(without, {6, 8, -10}).empty());
+}
+
+// A foot tilted by 40 degrees on flat ground: what it presses with is judged by the ground, in any axes.
+TEST(Violations, TheGroundIsTheNormal) {
+  const auto of_tilted = [](ContactType type, ReferenceFrame frame, const Vec3<double>& in_world,
+                            std::optional<Vec3<double>> normal) {
+    Scene scene = one_contact(type, 0.5);
+    scene.contacts[0].reference_frame = frame;
+    scene.contacts[0].normal = normal;
+    const Mat3<double> R = rotation_about<double>(Vec3<double>::UnitY(), 0.7);
+    const Eigen::VectorXd q = pose_of_placement(SE3<double>{R, {0, 0, 1}});
+    Eigen::VectorXd f = frame == ReferenceFrame::kLocal ? Vec3<double>(R.transpose() * in_world) : in_world;
+    if (type == ContactType::k2D) f = Eigen::Vector2d(f[0], f[2]);
+    if (type == ContactType::k6D) f.conservativeResizeLike(Eigen::VectorXd::Zero(6));
+    std::string out;
+    for (const Violation& v : violations(scene, q, f, {0})) out += to_string(v.kind);
+    return out;
+  };
+  const Vec3<double> up(0, 0, 10), along_foot(10 * std::sin(0.7), 0, 10 * std::cos(0.7)), wall(1, 0, 0);
+  for (ReferenceFrame frame : {ReferenceFrame::kLocal, ReferenceFrame::kWorld}) {
+    for (ContactType type : {ContactType::k2D, ContactType::k3D}) {
+      EXPECT_EQ(of_tilted(type, frame, up, {}), "");
+      EXPECT_EQ(of_tilted(type, frame, along_foot, {}), "slips");
+      EXPECT_EQ(of_tilted(type, frame, -up, {}), "pulls");
+      EXPECT_EQ(of_tilted(type, frame, up, wall), "slips");
+      EXPECT_EQ(of_tilted(type, frame, 10 * wall, wall), "");
+      EXPECT_EQ(of_tilted(type, frame, 10 * wall, Vec3<double>(-wall)), "pulls");
+    }
+    EXPECT_EQ(of_tilted(ContactType::k6D, frame, along_foot, {}), "");  // a sole lies on what it stands on
+    EXPECT_EQ(of_tilted(ContactType::k6D, frame, up, {}), "slips");
+    EXPECT_EQ(of_tilted(ContactType::k6D, frame, up, Vec3<double>(0, 0, 2)), "");
+  }
+}
+
+// With `to` the normal is in B' axes, on a body and where that body cannot move.
+TEST(Violations, TheNormalOfAnotherBody) {
+  for (const std::string base : {"floating", "fixed"}) {
+    const SceneFile file = load_text(
+        "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><robot name=\"wall\" urdf=\"box.urdf\" base=\"" +
+        base + "\" xyz=\"2 0 0\" rpy=\"0 0.5 0\"/>" +
+        "<contact name=\"c\" type=\"3d\" frame=\"b/crate\" to=\"wall/crate\" mu=\"0.1\" normal=\"-3 0 0\" "
+        "to_offset_quat_xyzw=\"0 0 0 1\"/></scene>");
+    const Vec3<double> n = rotation_about<double>(Vec3<double>::UnitY(), 0.5) * -Vec3<double>::UnitX();
+    EXPECT_TRUE(violations(file.scene, file.q, Eigen::VectorXd(n), {0}).empty());
+    EXPECT_EQ(violations(file.scene, file.q, Eigen::VectorXd(-n), {0}).at(0).kind, Violating::kPulls);
+    EXPECT_EQ(violations(file.scene, file.q, Eigen::VectorXd(Vec3<double>::UnitY()), {0}).at(0).kind,
+              Violating::kSlips);
+  }
+}
+
+// Copies in a circle turn the normals of walls with them; of the floor there is nothing to turn.
+TEST(Violations, NormalsOfCopiesAreTurned) {
+  const SceneFile file = load_text(
+      "<scene><robot name=\"h\" urdf=\"box.urdf\" base=\"floating\" copies=\"4\" arrange=\"circle\" spacing=\"2\"/>"
+      "<contact name=\"c\" type=\"3d\" frame=\"h/crate\" mu=\"0.5\" normal=\"1 0 1\"/></scene>");
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Mat3<double> R = file.scene.robots[k].base.R * file.scene.robots[0].base.R.transpose();
+    EXPECT_LE((*file.scene.contacts[k].normal - R * Vec3<double>(1, 0, 1).normalized()).norm(), 1e-15);
+  }
+  EXPECT_GT((*file.scene.contacts[1].normal - *file.scene.contacts[0].normal).norm(), 0.5);
 }
 
 TEST(Violations, TipAndTurn) {
@@ -123,7 +184,7 @@ TEST(Violations, NoneOfForcesAtTheCorners) {
         sum.tail<3>() += r.cross(f);
       }
     const Eigen::VectorXd f = sum;
-    EXPECT_TRUE(violations(sole, f, {0}).empty()) << f.transpose();
+    EXPECT_TRUE(violations(sole, neutral(*sole.robots[0].model), f, {0}).empty()) << f.transpose();
   }
 }
 

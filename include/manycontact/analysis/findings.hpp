@@ -39,16 +39,17 @@ struct Violation {  // A force that no unilateral contact bears, and how far bey
   double needs = 0;  // kSlips: the mu that would do
 };
 
-/// Of the active contacts with a mu, those whose forces f (f_offset: as in Solution) no unilateral contact bears, in
-/// the scene's order. The normal is z of the contact's reference frame (1D: its axis); with n the normal force, t the
-/// tangential one, (c_x, c_y) = (-m_y, m_x) / n the centre of pressure, l and w the sides of the box:
+/// Of the active contacts with a mu, those whose forces f at q (scene.nq; f_offset: as in Solution) no unilateral
+/// contact bears, in the scene's order. With n the force along the contact's normal (contact/normal.hpp), t the
+/// tangential one, and, in A's axes, (c_x, c_y) = (-m_y, m_x) / n the centre of pressure, l and w the sides of the box:
 ///
 ///     pulls: n < 0    slips: |t| > mu n    tips: |c_x| > l / 2 or |c_y| > w / 2
 ///     turns: m_z beyond what friction at the box's four corners gives (friction pyramid |t_x|, |t_y| <= mu n)
 ///
 /// A contact that pulls does nothing else. What is below 1e-9 of the largest force on its robots counts as rounding.
 /// Source of the last: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
-std::vector<Violation> violations(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset);
+std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                  const Eigen::VectorXd& f, const std::vector<int>& f_offset);
 
 enum class Limited { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".

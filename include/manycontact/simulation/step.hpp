@@ -6,7 +6,8 @@
 //     [ M  J^T     ] [ v+   ]   [ M v + h (S^T u - h(q, v)) ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// with e the contact's error and c its velocity as the last step left it: J v at the start, then J of the last
+// and then gives what nothing ties to the world the momentum that it has to have (simulation/momentum.hpp). Here e is
+// the contact's error and c its velocity as the last step left it: J v at the start, then J of the last
 // configuration times v. Where e = c = 0 this takes v + h a_free to the nearest velocity that the contacts allow, in
 // the kinetic metric: contacts never add energy but for e and c. (Accelerations J a = -J' v - beta J v - alpha e with
 // beta near 1/h do: J v has grown by h J' v since the last step, so that the curvature J' v is answered twice, and
@@ -32,6 +33,7 @@
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/simulation/integrator.hpp"
+#include "manycontact/simulation/momentum.hpp"
 
 namespace manycontact {
 
@@ -88,6 +90,7 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   SceneAtRest at_rest;
 
   // by semi-implicit Euler
+  FreeGroups free_groups;
   Eigen::VectorXd contact_v;  // c, rows as in f, for the state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;

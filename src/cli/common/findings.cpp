@@ -127,7 +127,7 @@ Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
   f.files = file.findings;
   f.misplaced = placement_errors(file.scene, data.active, file.q);
-  f.violations = violations(file.scene, data.f, data.f_offset);
+  f.violations = violations(file.scene, file.q, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
   f.weightless = weightless_joints(file.scene, data, file.q);

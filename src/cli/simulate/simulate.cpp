@@ -221,7 +221,7 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
 
 // Torques over time or a PD law, switches, and the file for forces.
 Around around_of(const Arguments& arguments, const SceneFile& file) {
-  Around out{Control(file), Watch(), std::nullopt, nullptr};
+  Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr};
   if (const auto torques = arguments.value("--torques")) out.control.read_torques(*torques);
   const auto pd = arguments.value("--pd"), reference = arguments.value("--reference");
   if (reference && !pd) throw UsageError("option --reference needs --pd");

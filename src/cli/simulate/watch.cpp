@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "../common/table.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 
 namespace manycontact::cli {
 
@@ -11,13 +12,26 @@ namespace {
 
 constexpr std::size_t kMostShown = 8;
 constexpr double kSingular = 1e4;  // a condition that has grown by this
-constexpr double kGained = 0.01;   // energy out of nothing, of the largest kinetic energy
+constexpr double kPassed = 1e-2;   // of the largest sigma of the contacts: closer is a singular posture passed
+constexpr double kGained = 0.01;   // energy that nothing gave or took, of the largest kinetic energy
 
 double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {
   double power = 0;
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k)
       power += u[robot.idx_u + k] * v[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+  return power;
+}
+
+double friction_power(const Scene& scene, const Eigen::VectorXd& v) {
+  double power = 0;
+  Eigen::VectorXd tau;
+  for (const Robot& robot : scene.robots) {
+    if (!has_friction(*robot.model)) continue;
+    tau.setZero(robot.model->nv);
+    add_friction(*robot.model, v.data() + robot.idx_v, tau.data());
+    power += tau.dot(v.segment(robot.idx_v, robot.model->nv));
+  }
   return power;
 }
 
@@ -28,7 +42,11 @@ double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
 void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                  const Eigen::VectorXd& u, const SimulationData& sim) {
   work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
-  for (const Violation& x : violations(scene, sim.f, sim.f_offset)) {
+  friction_work_ += sim.h * (friction_power(scene, v) + friction_power(scene, sim.v)) / 2;
+  const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
+  if (closest.share < least_share_) least_share_ = closest.share, share_time_ = t - (1 - closest.at) * sim.h;
+  if (closest.share < kPassed && singular_time_ < 0) singular_time_ = t - (1 - closest.at) * sim.h;
+  for (const Violation& x : violations(scene, q, sim.f, sim.f_offset)) {
     const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
     if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
   }
@@ -64,20 +82,31 @@ void Watch::print(std::ostream& out, const Scene& scene, const SimulationData& s
   };
   list(by_time(violations_), ", at most: ");
   list(by_time(limits_), ", farthest: ");
-  if (rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
+  const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
+  if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
-         "near a singular posture at t = " + number(rank_time_ >= 0 ? rank_time_ : condition_time_, 4) + " s: " +
-             (rank_time_ >= 0
-                  ? "contact rows lose rank"
-                  : "condition " + scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
+         (passed ? "passes a singular posture at t = " + number(singular_time_, 4) + " s: contact rows lose rank there"
+          : rank_time_ >= 0 ? "near a singular posture at t = " + number(rank_time_, 4) + " s: contact rows lose rank"
+                            : "near a singular posture at t = " + number(condition_time_, 4) + " s: condition " +
+                                  scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
              "; forces there hang on the step, --damping 1e-8 to 1e-6 carries over",
          2);
-  const double gained = end.energy() - start.energy() - work_;
-  if (gained > kGained * most_kinetic && gained > 1e-9 * std::abs(start.potential))
-    wrap(out,
-         "energy grew by " + number(gained) + " J more than the torques gave: steps of " + number(sim.h) +
-             " s are too long for this motion, or gains correct contacts that are out of place",
-         2);
+  print_energy(out, scene, sim, start, end, most_kinetic);
+}
+
+void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+                         const Invariants& end, double most_kinetic) const {
+  const double gained = end.energy() - start.energy() - work_ - friction_work_;
+  if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
+  const std::string why = "steps of " + number(sim.h) + " s are too long for this motion, or gains correct contacts " +
+                          (gained > 0          ? "that are out of place"
+                           : scene.damping > 0 ? "that are out of place, or --damping takes it"
+                                               : "that are out of place");
+  wrap(out,
+       gained > 0 ? "energy grew by " + number(gained) + " J more than the torques gave: " + why
+                  : "energy fell by " + number(-gained) + " J more than torques" +
+                        (friction_work_ < 0 ? ", friction" : "") + " and impacts took: " + why,
+       2);
 }
 
 void Watch::add_to(Json& json, const Scene& scene) const {
@@ -92,6 +121,9 @@ void Watch::add_to(Json& json, const Scene& scene) const {
   list("violations", by_time(violations_));
   list("limits_passed", by_time(limits_));
   json["work_of_torques"] = work_;
+  json["work_of_friction"] = friction_work_;
+  json["closest_to_singular"] = least_share_;
+  json["closest_to_singular_time"] = share_time_;
   json["largest_condition"] = largest_condition_;
   json["largest_condition_time"] = condition_time_;
 }

@@ -1,16 +1,18 @@
 #pragma once
 // What a simulation passes on its way and its end does not show: contacts that pull, slip or tip, joints beyond limits,
-// singular postures, energy that nothing gave.
+// singular postures, energy that nothing gave or took.
 
 #include <map>
 
 #include "../common/findings.hpp"
+#include "manycontact/simulation/posture.hpp"
 #include "simulate.hpp"
 
 namespace manycontact::cli {
 
 class Watch {
  public:
+  Watch(const Scene& scene, const Options& options) : posture_(scene, options) {}
   /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
@@ -19,7 +21,8 @@ class Watch {
   double work() const { return work_; }  // J, of the torques, less what impacts took
   void print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
-  /// violations and limits_passed, each with first_time [s]; work [J]; largest_condition, at its time.
+  /// violations and limits_passed, each with first_time [s]; work [J]; largest_condition and what came closest to a
+  /// singular posture, at their times.
   void add_to(Json& json, const Scene& scene) const;
 
  private:
@@ -33,7 +36,13 @@ class Watch {
 
   std::map<std::vector<int>, Seen<Violation>> violations_;  // by contact and kind
   std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // by robot, coordinate and quantity
-  double work_ = 0;
+  void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+                    const Invariants& end, double most_kinetic) const;
+
+  double work_ = 0, friction_work_ = 0;
+  PostureData posture_;
+  double least_share_ = 1, share_time_ = 0;  // the least sigma of its largest, and when
+  double singular_time_ = -1;                // when it first was next to nothing, -1: never
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;
   double rank_time_ = -1;  // when rows became dependent that were not, -1: never

@@ -100,7 +100,7 @@ void draw_drift(const Stability& s, const std::string& base) {
 void draw_energy(const Stability& s, const std::string& base) {
   std::ostringstream out;
   double kinetic = 0, h = 0;
-  long steps = 1;
+  long steps = 2;  // an axis has a length
   for (std::size_t k = 0; k < s.energy.size(); ++k) {
     const EnergyRun& run = s.energy[k];
     out << "$run" << k << " << EOD\n";

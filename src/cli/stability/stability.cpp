@@ -72,6 +72,7 @@ EnergyRun measure_energy(SceneFile file, const Options& options, Integrator inte
   const double start = invariants(file.scene, sim.dynamics.active, sim.q, sim.v, room).energy();
   EnergyRun out{integrator, choice.name, h, {}, StepStatus::kOk, 0, 0};
   double largest = 0, next = 1;
+  const double growth = std::pow(static_cast<double>(steps), 1.0 / kEnergyRows);
   while (sim.steps < steps && out.stopped == StepStatus::kOk) {
     out.stopped = step(file.scene, file.u, sim);
     if (out.stopped != StepStatus::kOk) break;
@@ -81,7 +82,7 @@ EnergyRun measure_energy(SceneFile file, const Options& options, Integrator inte
     each(sim.steps);
     if (static_cast<double>(sim.steps) < next && sim.steps != steps) continue;
     out.rows.push_back({sim.steps, largest, at.position_drift});
-    while (next <= static_cast<double>(sim.steps)) next *= std::pow(static_cast<double>(steps), 1.0 / kEnergyRows);
+    while (growth > 1 && next <= static_cast<double>(sim.steps)) next *= growth;
   }
   out.steps = sim.steps;
   return out;
@@ -171,6 +172,12 @@ void write_energy(const Stability& s, const fs::path& path) {
   csv.close();
 }
 
+// Whether any run has an energy error to draw.
+bool has_energy_error(const Stability& s) {
+  return std::any_of(s.energy.begin(), s.energy.end(),
+                     [](const EnergyRun& run) { return !run.rows.empty() && run.rows.back().error > 0; });
+}
+
 void print_summary(std::ostream& out, const Stability& s) {
   Table table({{"integrator", Table::kLeft},
                {"gains", Table::kLeft},
@@ -215,8 +222,10 @@ int run_stability(const Arguments& arguments) {
     return kExitUnsound;
   }
   draw_drift(s, (fs::path(*folder) / "drift").string());
-  draw_energy(s, (fs::path(*folder) / "energy").string());
-  std::cout << "charts: drift and energy, .png and .svg, in " << printable(*folder) << "\n";
+  const bool energy = has_energy_error(s);
+  if (energy) draw_energy(s, (fs::path(*folder) / "energy").string());
+  std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(*folder) << "\n";
+  if (!energy) std::cout << "no energy chart: no run that took a step has an energy error\n";
   return kExitOk;
 }
 

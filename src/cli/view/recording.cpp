@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "manycontact/algorithm/frames.hpp"
+#include "manycontact/contact/normal.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "page.hpp"
@@ -28,11 +29,10 @@ void record_bodies(Recording& r) {
     }
 }
 
-// The force of a contact's rows, in the axes of its reference frame.
-Vec3<double> force_of(const Contact& contact, const Eigen::Ref<const Eigen::VectorXd>& f) {
-  if (contact.type == ContactType::k1D) return f[0] * contact.axis;
-  if (contact.type == ContactType::k2D) return {f[0], 0, f[1]};
-  return f.head<3>();
+Mat3<double> axes_at(const Attachment& at, const Recording& r) {
+  if (at.robot < 0) return at.placement.R;
+  const auto robot = static_cast<std::size_t>(at.robot);
+  return frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, at.joint, at.placement).R;
 }
 
 void record_contact(const Contact& contact, const std::optional<Vec3<double>>& force, Recording& r) {
@@ -41,7 +41,7 @@ void record_contact(const Contact& contact, const std::optional<Vec3<double>>& f
       frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, contact.A.joint, contact.A.placement);
   const Mat3<double> axes = contact.reference_frame == ReferenceFrame::kLocal ? oMA.R : Mat3<double>::Identity();
   append(oMA.p, r.points);
-  append(axes.col(2), r.normals);
+  append(contact_normal(contact, oMA.R, contact.normal ? axes_at(contact.B, r) : Mat3<double>()), r.normals);
   append(force ? Vec3<double>(axes * *force) : Vec3<double>::Constant(kUnknown), r.forces);
 }
 
@@ -62,8 +62,8 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k)
       if (dependent[static_cast<std::size_t>(first + k)]) flags |= Recording::kRedundant;
     std::optional<Vec3<double>> force;
-    if (state.forces && state.active[c]) force = force_of(contact, (*state.forces)[c]);
-    if (state.u && first >= 0) force = force_of(contact, r.dynamics.f.segment(first, contact.rows()));
+    if (state.forces && state.active[c]) force = linear_force(contact, (*state.forces)[c].data());
+    if (state.u && first >= 0) force = linear_force(contact, r.dynamics.f.data() + first);
     record_contact(contact, force, r);
     r.flags.push_back(flags);
   }

@@ -1,6 +1,8 @@
 #include "trajectory_file.hpp"
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "../common/csv_read.hpp"
 #include "manycontact/analysis/names.hpp"
@@ -35,18 +37,30 @@ class Forces {
     more_ = row_.next();
   }
 
-  /// Into a state, where the file has its time.
+  /// Into a state, where the file has its time. States come in the order of theirs.
   void set(ViewState& state) {
-    while (more_ && row_.t() < state.t) more_ = row_.next();
-    if (!more_ || row_.t() != state.t) return;
+    const double early = state.t - 1e-9 * std::abs(state.t);
+    if (more_ && row_.t() < early) refuse();
+    if (!more_ || row_.t() > 2 * state.t - early) return;
     state.forces.emplace();
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       state.forces->push_back(numbers(row_, columns_[c]));
       state.active[c] = !state.forces->back().isZero(0);
     }
+    more_ = row_.next();
+  }
+  /// After the last state: no row may be left.
+  void finish() const {
+    if (more_) refuse();
   }
 
  private:
+  [[noreturn]] void refuse() const {
+    std::ostringstream t;
+    t << std::setprecision(15) << row_.t();
+    row_.fail("holds forces at t = " + t.str() + ", where the trajectory has no state, expected its times");
+  }
+
   CsvReader row_;
   std::vector<Columns> columns_;  // per contact
   bool more_ = false;
@@ -71,6 +85,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
     add_state(state, recording);
   }
   if (row.t() == -INFINITY) row.fail("has no states, expected a row for each");
+  if (forces_file) forces_file->finish();
 }
 
 }  // namespace manycontact::cli

@@ -78,7 +78,7 @@ const Command& view_command() {
        {"--trajectory", "FILE", "CSV in the columns of `simulate`; default: the scene's state, with the forces there"},
        {"--forces", "FILE", "CSV: the forces at states of the trajectory, t and f:left[0] ...; 0: not active"},
        {"--rate", "HZ", "frames per second at most (50)"},
-       {"--friction", "MU", "draws cones at contacts with the world, about the z axis of their reference frames"}},
+       {"--friction", "MU", "draws cones at contacts with the world, about their normals"}},
       "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring.\n"
       "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "
       "ROS_PACKAGE_PATH.\n"

@@ -38,8 +38,8 @@ struct Recording {
   std::vector<float> positions;                       // 3 per body, m: bodies of all robots, in their order
   std::vector<std::int16_t> quaternions;              // 4 per body, x y z w times 32767
   std::vector<std::int32_t> islands;                  // per robot: the first robot of its island
-  std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the normal of
-                                                      // its reference frame, the force on A [N], NaN: unknown
+  std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
+                                                      // normal, the force on A [N], NaN: unknown
   std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant
   static constexpr std::uint8_t kActive = 1, kRedundant = 2;
 

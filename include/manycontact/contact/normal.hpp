@@ -1,0 +1,24 @@
+#pragma once
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// The normal of the surface that a contact's A presses on, unit and out of it, in the world: the contact's own, or
+/// where it has none the world's z for points and A's z for what holds turning. oRA: A's axes in the world; oRB: those
+/// of B', not read where B is the world.
+inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
+  if (contact.normal) {
+    const Vec3<double> n = contact.normal->normalized();  // set after add_contact, it may be of any length
+    return contact.B.robot < 0 ? n : Vec3<double>(oRB * n);
+  }
+  return holds_turning(contact.type) ? Vec3<double>(oRA.col(2)) : Vec3<double>(Vec3<double>::UnitZ());
+}
+
+/// The linear force of a contact's rows f, in the axes of its reference frame.
+inline Vec3<double> linear_force(const Contact& contact, const double* f) {
+  if (contact.type == ContactType::k1D) return f[0] * contact.axis;
+  if (contact.type == ContactType::k2D) return {f[0], 0, f[1]};
+  return {f[0], f[1], f[2]};
+}
+
+}  // namespace manycontact

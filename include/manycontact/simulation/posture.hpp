@@ -1,0 +1,43 @@
+#pragma once
+// Singular postures that a motion passes, between its states too. With w a unit vector of contact rows, x = M^-1 J^T w
+// and sigma^2 = w^T J M^-1 J^T w, the smallest sigma says how near an island's contacts are to losing rank. It is
+// followed by one inverse iteration per state, which a solve of the island at rest does,
+//
+//     [ M  J^T ] [  a ]   [ 0 ]
+//     [ J   0  ] [ -f ] = [ w ]      w+ = f / |f|,   x = a / |f|,   sigma^2 = w^T w+ / |f|
+//
+// Where the motion passes a singular posture x goes through zero and comes out on its other side; where it passes close
+// by, past it. Between two states x is taken for straight, so that the least sigma of a step is
+//
+//     min over s in [0, 1] of | (1 - s) x_k + s x_k+1 |_M
+//
+// A state that is singular itself shows as a lost rank, not here. Inverse iteration: Golub, Van Loan, Matrix
+// Computations, section 8.2.
+
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact {
+
+struct ClosestPosture {
+  double share = 1;  // least sigma between the last state and this one, of the largest sigma so far
+  double at = 0;     // where between them: 0 the last, 1 this one
+};
+
+struct PostureData {  // What is known of the islands' smallest sigma; and the memory of its solves.
+  explicit PostureData(const Scene& scene, const Options& options = {});
+
+  SceneAtRest rest;
+  SceneData dynamics;
+  std::vector<char> active;  // contacts at the last state
+  bool known = false;        // w, x, sigma are those of the last state
+  Eigen::VectorXd w, x;      // rows of f; nv
+  Eigen::VectorXd asked, Jx, scratch;
+  std::vector<double> sigma, largest;  // per island: at the last state; the largest so far
+};
+
+/// Goes on to the state q (nq), with the contacts flagged `active`; of all islands the closest. The first state, and
+/// one whose contacts are others than the last one's, begin anew.
+ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
+                              PostureData& data);
+
+}  // namespace manycontact

@@ -1,0 +1,121 @@
+#include "manycontact/simulation/posture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr int kFirstIterations = 6;  // from a start that knows nothing
+
+// Calls do(first, count) for the rows of each of the island's contacts.
+template <class Do>
+void each_row_block(const Scene& scene, const SceneData& data, const Island& island, Do&& act) {
+  for (int c : island.contacts) act(data.f_offset[c], scene.contacts[c].rows());
+}
+
+// x^T y and |x| of the rows of an island.
+double product(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& x,
+               const Eigen::VectorXd& y) {
+  double sum = 0;
+  each_row_block(scene, data, island, [&](int at, int n) { sum += x.segment(at, n).dot(y.segment(at, n)); });
+  return sum;
+}
+
+// One inverse iteration at q: dynamics.a, dynamics.f for w. False where a solve failed.
+bool iterate(const Eigen::VectorXd& q, PostureData& d) {
+  return solve_tau(d.rest.scene, q, d.rest.zero, d.rest.zero, d.w, d.dynamics).status != Status::kFailed;
+}
+
+// The island's w+ = f / |f| into w; |f|, or 0 where there is no such number.
+double take_rows(const Scene& scene, const Island& island, PostureData& d) {
+  const Eigen::VectorXd& f = d.dynamics.f;
+  const double size = std::sqrt(product(scene, d.dynamics, island, f, f));
+  if (!(size > 0 && std::isfinite(size))) return 0;
+  each_row_block(scene, d.dynamics, island, [&](int at, int n) { d.w.segment(at, n) = f.segment(at, n) / size; });
+  return size;
+}
+
+// Rows of different weights, so that no symmetry of the scene is left out; of unit length in every island.
+void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) {
+  d.active = active;
+  d.dynamics.active = active;
+  prepare(d.rest.scene, d.dynamics);
+  d.w.resize(d.dynamics.f.size());
+  for (Eigen::Index k = 0; k < d.w.size(); ++k) d.w[k] = std::cos(static_cast<double>(k * k));
+  for (std::size_t i = 0; i < island_count(d.dynamics); ++i) {
+    const Island& island = island_of(d.dynamics, i);
+    const double size = std::sqrt(product(scene, d.dynamics, island, d.w, d.w));
+    each_row_block(scene, d.dynamics, island, [&](int at, int n) { d.w.segment(at, n) /= size; });
+  }
+  d.sigma.assign(island_count(d.dynamics), 0);
+  d.largest = d.sigma;
+  d.known = false;
+}
+
+// min over s of |(1 - s) x0 + s x1|, of |x0|, |x1| and x0^T x1.
+ClosestPosture closest_between(double size0, double size1, double product01) {
+  const double step2 = size0 * size0 + size1 * size1 - 2 * product01;
+  const double at = step2 > 0 ? std::clamp((size0 * size0 - product01) / step2, 0.0, 1.0) : 1;
+  const double least2 = (1 - at) * (1 - at) * size0 * size0 + at * at * size1 * size1 + 2 * at * (1 - at) * product01;
+  return {std::sqrt(std::max(least2, 0.0)), at};
+}
+
+// w+, x and sigma of an island after an iteration, and the closest between the last state and this one.
+ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
+  const Island& island = island_of(d.dynamics, i);
+  const double size = take_rows(scene, island, d);
+  if (size == 0) return {};
+  double sigma2 = 0;  // w+^T J x = w+^T w / |f|
+  each_row_block(scene, d.dynamics, island,
+                 [&](int at, int n) { sigma2 += d.w.segment(at, n).dot(d.asked.segment(at, n)) / size; });
+  const double sigma = std::sqrt(std::max(sigma2, 0.0));
+  ClosestPosture out;
+  if (d.known) out = closest_between(d.sigma[i], sigma, product(scene, d.dynamics, island, d.Jx, d.w));
+  d.sigma[i] = sigma;
+  d.largest[i] = std::max(d.largest[i], sigma);
+  out.share = d.known && d.largest[i] > 0 ? out.share / d.largest[i] : 1;
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    d.x.segment(robot.idx_v, robot.model->nv) = d.dynamics.a.segment(robot.idx_v, robot.model->nv) / size;
+  }
+  return out;
+}
+
+}  // namespace
+
+PostureData::PostureData(const Scene& scene, const Options& options)
+    : rest(scene), dynamics(rest.scene, options), x(Eigen::VectorXd::Zero(scene.nv)), scratch(x) {}
+
+ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
+                              PostureData& d) {
+  d.rest.follow(scene, 0);
+  d.rest.scene.damping = 0;
+  const bool anew = d.active != active;
+  if (anew) begin(scene, active, d);
+  if (d.w.size() == 0) return {};
+  for (int k = anew ? kFirstIterations : 1; k > 0; --k) {
+    d.asked = d.w;
+    if (!iterate(q, d)) {
+      d.active.clear();  // begin anew
+      return {};
+    }
+    for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)
+      (void)take_rows(scene, island_of(d.dynamics, i), d);
+  }
+  // J x with the last state's x, for x_k^T M x_k+1 = w_k+1^T J x_k
+  d.Jx.resize(d.w.size());
+  d.rest.inverse_dynamics_of(d.rest.scene, q, d.x, d.rest.zero, Vec3<double>::Zero(), d.scratch);
+  d.rest.contact_velocities(d.dynamics.f_offset, d.Jx);
+  ClosestPosture out;
+  for (std::size_t i = 0; i < island_count(d.dynamics); ++i)
+    if (const ClosestPosture of_island = advance(scene, i, d); of_island.share < out.share) out = of_island;
+  d.known = true;
+  return out;
+}
+
+}  // namespace manycontact
