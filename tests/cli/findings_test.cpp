@@ -61,7 +61,7 @@ TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   ASSERT_EQ(j.at("violations").size(), 1u);
   EXPECT_EQ(j.at("violations")[0].at("kind"), "slips");
   EXPECT_NEAR(j.at("violations")[0].at("needs_mu").get<double>(), 1, 1e-9);
-  expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N beyond mu 0.5, 1 would do");
+  expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N more than mu 0.5 holds; mu 1 would hold it");
 }
 
 // A humanoid that stands does not tip; collapsing without torques it does, and the first time is told.

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "../common/describe.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/names.hpp"
 
 namespace manycontact::cli {
 
@@ -22,6 +25,31 @@ double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::V
 }
 
 double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
+
+// A line for the copies that a key has in common: since when, who, and the worst of them. `seen`: by time.
+template <class List, class Key, class Size, class Member, class Names>
+void print_copies(std::ostream& out, const Scene& scene, const List& seen, const std::string& most, Key&& key,
+                  Size&& size, Member&& member, Names&& names) {
+  std::map<std::vector<int>, std::size_t> line_of;
+  std::vector<List> lines;
+  for (const auto* x : seen) {
+    const auto [at, fresh] = line_of.try_emplace(key(x->worst), lines.size());
+    if (fresh) lines.emplace_back();
+    lines[at->second].push_back(x);
+  }
+  for (std::size_t k = 0; k < lines.size() && k < kMostShown; ++k) {
+    const List& alike = lines[k];
+    const auto* worst = *std::max_element(
+        alike.begin(), alike.end(), [&](const auto* a, const auto* b) { return size(a->worst) < size(b->worst); });
+    std::set<int> members;
+    for (const auto* x : alike) members.insert(member(x->worst));
+    const std::string who = members.size() > 1 ? names({members.begin(), members.end()}) + "; " : "";
+    wrap(out,
+         "from t = " + number(alike.front()->first, 4) + " s on, " + who + most + ": " + in_words(scene, worst->worst),
+         2);
+  }
+  if (lines.size() > kMostShown) out << "  ... and " << lines.size() - kMostShown << " more, later\n";
+}
 
 }  // namespace
 
@@ -52,18 +80,24 @@ std::vector<const Watch::Seen<Finding>*> Watch::by_time(const std::map<std::vect
   return out;
 }
 
-void Watch::print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
                   const Invariants& end, double most_kinetic) const {
-  const auto list = [&](const auto& seen, const char* most) {
-    std::size_t shown = 0;
-    for (const auto* x : seen) {
-      if (++shown > kMostShown) break;
-      wrap(out, "from t = " + number(x->first, 4) + " s on" + most + in_words(scene, x->worst), 2);
-    }
-    if (seen.size() > kMostShown) out << "  ... and " << seen.size() - kMostShown << " more, later\n";
-  };
-  list(by_time(violations_), ", at most: ");
-  list(by_time(limits_), ", farthest: ");
+  const Scene& scene = file.scene;
+  const std::vector<int> contact_group = group_of_contacts(file);
+  print_copies(
+      out, scene, by_time(violations_), "at most",
+      [&](const Violation& x) {
+        return std::vector<int>{contact_group[x.contact], static_cast<int>(x.kind)};
+      },
+      [](const Violation& x) { return x.by; }, [](const Violation& x) { return x.contact; },
+      [&](const std::vector<int>& contacts) { return contact_names(scene, contacts); });
+  print_copies(
+      out, scene, by_time(limits_), "farthest",
+      [&](const LimitPassed& x) {
+        return std::vector<int>{file.robot_group[x.robot], x.dof, static_cast<int>(x.quantity)};
+      },
+      share, [](const LimitPassed& x) { return x.robot; },
+      [&](const std::vector<int>& robots) { return robot_names(scene, robots); });
   if (rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
          "near a singular posture at t = " + number(rank_time_ >= 0 ? rank_time_ : condition_time_, 4) + " s: " +
