@@ -88,6 +88,23 @@ TEST_F(FindingsOfTheProgram, TheFirstTime) {
   expect_contains(outcome.out, "from t = ");
 }
 
+// Copies share a line, with the worst of them.
+TEST_F(FindingsOfTheProgram, CopiesAreOneLine) {
+  const std::string herd = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating" xyz="0 0 0.5" copies="9">
+      <joint name="LF_knee" q="0.3"/></robot>
+    <contact name="LF" type="3d" frame="q/LF_foot" mu="0.1"/> <contact name="RH" type="3d" frame="q/RH_foot" mu="0.1"/>)");
+  const Outcome outcome = run({"simulate", herd, "--time", "0.3", "--step", "0.001", "--out", path("t.csv"), "--json",
+                               path("s.json"), "--passive", "--gains", "recommended"});
+  const json told = json::parse(read_text(path("s.json")), nullptr, false);
+  ASSERT_GE(told.at("violations").size(), 9u);
+  std::size_t lines = 0;
+  for (const std::string& line : lines_of(outcome.out)) lines += line.starts_with("  from t = ");
+  EXPECT_GE(lines, 1u);
+  EXPECT_LE(lines, 16u);
+  expect_contains(outcome.out, "s on, LF0 .. LF8; at most: LF");
+  for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 100u);
+}
+
 TEST_F(FindingsOfTheProgram, LimitsAndJoints) {
   const std::string beyond = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating">
     <joint name="LF_knee" q="3" u="1000"/></robot>)");

@@ -42,6 +42,7 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
                {"A at [m]"},
                {"gains"},
                {"mu"},
+               {"normal"},
                {"off by", Table::kLeft},
                {"", Table::kLeft}});
   std::size_t elements = 0;
@@ -62,7 +63,8 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
                    (contact.reference_frame == ReferenceFrame::kLocal ? " in A's axes" : " in the world's"),
                place_name(scene, {&contact.A}), place_name(scene, {&contact.B}), three_numbers(oMA.p),
                number(contact.alpha) + " " + number(contact.beta), contact.mu ? number(*contact.mu) : "",
-               off_by(position, angle), contact.active ? "" : "not active"});
+               contact.normal ? three_numbers(*contact.normal) : "", off_by(position, angle),
+               contact.active ? "" : "not active"});
   }
   if (table.empty()) return;
   out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], and how far A is from where it is held;\n"

@@ -225,6 +225,7 @@ class Page {
     element('clock').textContent = now.toFixed(3) + ' / ' + this.times[this.times.length - 1].toFixed(3) + ' s';
     for (const plot of this.plots) plot.draw(now);
     document.body.dataset.frame = at.frame;
+    document.body.dataset.distance = show(this.camera.distance);
     document.body.dataset.triangles = this.renderer.info.render.triangles;
   }
 
