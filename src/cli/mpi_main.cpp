@@ -51,6 +51,14 @@ class MpiTeam final : public Team {
     at_work_ = false;
   }
 
+  std::string told(const std::string& text) override {
+    int size = static_cast<int>(text.size());
+    MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    std::string out = text;
+    out.resize(static_cast<std::size_t>(size));
+    MPI_Bcast(out.data(), size, MPI_CHAR, 0, MPI_COMM_WORLD);
+    return out;
+  }
   void sum(std::vector<std::int64_t>& numbers) override {
     MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   }

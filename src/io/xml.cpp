@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <string_view>
+#include <utility>
 
 #include "xml_text.hpp"
 
@@ -21,8 +23,43 @@ bool among(const char* name, std::initializer_list<const char*> known) {
   return std::any_of(known.begin(), known.end(), [&](const char* k) { return std::strcmp(k, name) == 0; });
 }
 
+// Our attributes, and what other formats call them.
+constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction friction_coefficient "},
+                                                           {"frame", " link body frame1 parent "},
+                                                           {"to", " frame2 body2 child target "},
+                                                           {"xyz", " pos position translation origin "},
+                                                           {"quat_xyzw", " rotation orientation quaternion "},
+                                                           {"rpy", " rotation euler "},
+                                                           {"urdf", " file model filename "},
+                                                           {"copies", " count number "},
+                                                           {"q", " position "},
+                                                           {"v", " velocity "},
+                                                           {"u", " torque effort tau "},
+                                                           {"armature", " rotor_inertia "},
+                                                           {"gains", " kp kd stabilization "},
+                                                           {"box", " size "},
+                                                           {"active", " enabled "},
+                                                           {"step", " dt timestep "},
+                                                           {"nodes", " knots "},
+                                                           {"reference", " ref target goal "},
+                                                           {"lower", " min "},
+                                                           {"upper", " max "},
+                                                           {"iterations", " maxiter "},
+                                                           {"tolerance", " tol "}};
+
+// The known name that another format's stands for, or that begins so: "quat" for quat_xyzw; null where none is.
+const char* meant(const std::string& name, std::initializer_list<const char*> known) {
+  for (const auto& [ours, theirs] : kTheirs)
+    if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;
+  constexpr std::size_t kLeast = 3;  // letters
+  for (const char* k : known)
+    if (name.size() >= kLeast && std::string_view(k).starts_with(name)) return k;
+  return nullptr;
+}
+
 std::string expected(const char* name, std::initializer_list<const char*> known) {
   if (known.size() == 0) return "expected none";
+  if (const char* ours = meant(name, known)) return "did you mean " + quote(ours) + "?";
   return suggestion(name, {known.begin(), known.end()});
 }
 

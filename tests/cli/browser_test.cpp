@@ -58,5 +58,18 @@ TEST_F(Browser, ShowsTheBodiesAndPlays) {
   EXPECT_GT(png.size(), 20000u);  // an empty picture has 2 kB
 }
 
+// The camera sees where the motion goes, not only where it begins.
+TEST_F(Browser, FitsTheWholeMotion) {
+  const std::string falls = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 9\"/>");
+  ASSERT_EQ(run({"view", falls, "--out", path("still.html")}).status, 0);
+  ASSERT_EQ(run({"simulate", falls, "--time", "1", "--step", "1e-2", "--out", path("t.csv"), "--view", path("v.html")})
+                .status,
+            0);
+  const double near = std::stod(data(chromium("--dump-dom", path("still.html")), "distance"));
+  const double far = std::stod(data(chromium("--dump-dom", path("v.html")), "distance"));
+  EXPECT_LT(near, 4);
+  EXPECT_GT(far, 7);  // half of 4.9 m over the tangent of half of 35 degrees
+}
+
 }  // namespace
 }  // namespace manycontact::cli

@@ -206,6 +206,16 @@ TEST_F(ChartOf, SeveralScenesShareOnePage) {
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
 }
 
+// Rows of two scenes of one name are told apart by their files.
+TEST_F(ChartOf, NamesakesHaveTheirPaths) {
+  const std::string one = scene(R"(<robot name="b" urdf="box.urdf" base="floating"/>)");
+  std::filesystem::copy_file(one, path("other.xml"));
+  std::set<std::string> scenes;
+  for (const Row& row : chart({one, path("other.xml")})) scenes.insert(row.at("scene"));
+  EXPECT_EQ(scenes, (std::set<std::string>{"test (" + one + ")", "test (" + path("other.xml") + ")"}));
+  expect_contains(read_text(path("out/README.md")), "## test (" + one + ")");
+}
+
 TEST_F(ChartOf, WhatWouldTakeTooLongIsSkipped) {
   const std::vector<Row> rows = chart({model("arm_pushes_box.xml"), "--longest", "0"});
   for (const Row& row : rows) {
@@ -241,6 +251,18 @@ TEST_F(ChartOf, WithoutGnuplotThereIsTheCsv) {
   expect_contains(outcome.err, "gnuplot is not installed");
   EXPECT_GT(read_csv(path("out/chart.csv")).size(), 40u);
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
+}
+
+// A gnuplot that cannot be started is not one that is not installed.
+TEST_F(ChartOf, OutOfDescriptorsIsSaid) {
+  if (!has_gnuplot()) GTEST_SKIP() << "there is no gnuplot here";
+  const auto outcome = run({"-c", "ulimit -n 6; exec '" MANYCONTACT_BINARY "' chart '" + model("arm_pushes_box.xml") +
+                                      "' --seconds 0 --out '" + path("out") + "'"},
+                           "/bin/sh");
+  EXPECT_EQ(outcome.status, 1);
+  expect_contains(outcome.err, "gnuplot cannot be started: Too many open files");
+  expect_lacks(outcome.err, "not installed");
+  expect_no_parts();
 }
 
 TEST_F(ChartOf, FolderThatCannotBeIsBadInput) {

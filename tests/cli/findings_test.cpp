@@ -61,7 +61,7 @@ TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   ASSERT_EQ(j.at("violations").size(), 1u);
   EXPECT_EQ(j.at("violations")[0].at("kind"), "slips");
   EXPECT_NEAR(j.at("violations")[0].at("needs_mu").get<double>(), 1, 1e-9);
-  expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N beyond mu 0.5, 1 would do");
+  expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N more than mu 0.5 holds; mu 1 would hold it");
 }
 
 // A humanoid that stands does not tip; collapsing without torques it does, and the first time is told.
@@ -86,6 +86,23 @@ TEST_F(FindingsOfTheProgram, TheFirstTime) {
   }
   EXPECT_LT(before, 0.4);
   expect_contains(outcome.out, "from t = ");
+}
+
+// Copies share a line, with the worst of them.
+TEST_F(FindingsOfTheProgram, CopiesAreOneLine) {
+  const std::string herd = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating" xyz="0 0 0.5" copies="9">
+      <joint name="LF_knee" q="0.3"/></robot>
+    <contact name="LF" type="3d" frame="q/LF_foot" mu="0.1"/> <contact name="RH" type="3d" frame="q/RH_foot" mu="0.1"/>)");
+  const Outcome outcome = run({"simulate", herd, "--time", "0.3", "--step", "0.001", "--out", path("t.csv"), "--json",
+                               path("s.json"), "--passive", "--gains", "recommended"});
+  const json told = json::parse(read_text(path("s.json")), nullptr, false);
+  ASSERT_GE(told.at("violations").size(), 9u);
+  std::size_t lines = 0;
+  for (const std::string& line : lines_of(outcome.out)) lines += line.starts_with("  from t = ");
+  EXPECT_GE(lines, 1u);
+  EXPECT_LE(lines, 16u);
+  expect_contains(outcome.out, "s on, LF0 .. LF8; at most: LF");
+  for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 100u);
 }
 
 TEST_F(FindingsOfTheProgram, LimitsAndJoints) {

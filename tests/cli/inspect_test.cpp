@@ -1,6 +1,7 @@
 // `manycontact inspect`: ranks, advice that holds, the picture.
 
 #include <cmath>
+#include <set>
 
 #include "cli/program.hpp"
 
@@ -100,6 +101,35 @@ TEST_F(Inspect, HerdAndRingAreSummedUp) {
   const std::string ring = inspect(model("ring_of_humanoids.xml"));
   expect_contains(ring, "1 ring x16 608 288 288");
   expect_contains(ring, "16 ring0/left_hand ring1/right_hand hold0 6d 6 6");
+}
+
+// What each holds, where, by which gains, and how far the state is from it.
+TEST_F(Inspect, ContactsAreListed) {
+  const std::string out = inspect(scene(R"(<robot name="b" urdf="box.urdf" base="floating" xyz="1 2 3"/>
+    <robot name="c" urdf="box.urdf" base="floating" xyz="0 0 5" copies="5"/>
+    <contact name="far" type="3d" frame="b/crate" xyz="1 2 3.25" gains="25 10" mu="0.7" reference_frame="world"/>
+    <contact name="turned" type="6d" frame="b/crate" to="c0/crate" to_offset="1 2 -2"
+             to_offset_quat_xyzw="0 0 1 0" active="false"/>
+    <contact name="each" type="1d" frame="c/crate"/>)"));
+  expect_contains(out, "far 3d in the world's b/crate world 1.00 2.00 3.00 25 10 0.7 0.25 m");
+  expect_contains(out, "turned 6d in A's axes b/crate c0/crate 1.00 2.00 3.00 0 0 3.14 rad not active");
+  expect_contains(out, "each0 .. each4 1d in A's axes c0/crate world 0.00 0.00 5.00 0 0 0");
+}
+
+// What is cut out of the middle of two names is not what they differ by.
+TEST_F(Inspect, LongNamesStayApart) {
+  const std::string before(20, 'x'), after(20, 'y');
+  std::string robots;
+  for (const char* middle : {"left", "right"})
+    robots += "<robot name=\"" + before + middle + after + "\" urdf=\"box.urdf\" base=\"floating\"/>";
+  const std::string path_of = scene(robots);
+  for (const std::string& command : {"inspect", "solve"}) {
+    const std::vector<std::string> lines = lines_of(run({command, path_of}).out);
+    std::set<std::string> names;
+    for (const std::string& line : lines)
+      if (line.starts_with("  xxx") && line.find("box.urdf") != std::string::npos) names.insert(line);
+    EXPECT_EQ(names.size(), 2u) << command;
+  }
 }
 
 // Offsets may reach nearer to another frame.

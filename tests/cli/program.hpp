@@ -90,6 +90,17 @@ class Program : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
   }
 
+  /// Files under the names they have until they are whole.
+  std::vector<std::string> parts() const {
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
+      if (entry.path().extension() == ".part") found.push_back(entry.path());
+    return found;
+  }
+  void expect_no_parts() const {
+    for (const std::string& part : parts()) ADD_FAILURE() << part << " was left";
+  }
+
   nlohmann::json solve(std::vector<std::string> words, int expected_status = 0) const {
     words.insert(words.begin(), "solve");
     words.insert(words.end(), {"--json", "-"});

@@ -245,6 +245,23 @@ TEST_F(Solve, AlikeCopiesShareALine) {
   expect_contains(out, "LF0 .. LF63");
 }
 
+// Copies or not: a summary does not grow with the robots, and of a few all are named.
+TEST_F(Solve, ManyRobotsAreCutShort) {
+  std::string robots;
+  for (int k = 0; k < 300; ++k)
+    robots += "<robot name=\"b" + std::to_string(k) + "\" urdf=\"" + (k % 100 == 50 ? "arm" : "box") +
+              ".urdf\" base=\"floating\"/>\n";
+  for (const std::string command : {"solve", "inspect"}) {
+    const std::string out = run({command, scene(robots)}).out;
+    EXPECT_LT(lines_of(out).size(), 150u) << out;
+    expect_contains(out, "b0 .. b49 box.urdf");
+    expect_contains(out, "b251 .. b299 box.urdf");
+  }
+  const std::string few = run({"solve", model("two_humanoids_carry_beam.xml")}).out;
+  expect_contains(few, "a humanoid.urdf");
+  expect_contains(few, "b humanoid.urdf");
+}
+
 TEST_F(Solve, ManyContactsAreCutShort) {
   std::string contacts;
   for (int k = 0; k < 30; ++k)

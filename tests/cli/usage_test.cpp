@@ -134,6 +134,20 @@ TEST_F(Usage, BadInputIsOneLineWithFileAndLine) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__
+// Where addresses are few OpenBLAS' own thread would ask for memory for ever, and the program not end.
+TEST_F(Usage, EndsWhereAddressesAreFew) {
+  for (const char* kilobytes : {"100000", "150000", "400000"}) {
+    const Outcome outcome =
+        run({"-c", std::string("ulimit -v ") + kilobytes +
+                       " && unset OPENBLAS_NUM_THREADS && exec timeout 60 '" MANYCONTACT_BINARY "' solve '" +
+                       model("humanoid_standing.xml") + "'"},
+            "/bin/sh");
+    EXPECT_NE(outcome.status, 124) << kilobytes;  // of timeout
+  }
+}
+#endif
+
 TEST_F(Usage, OutputThatCannotBeWrittenIsSaid) {
   const std::string scene = model("humanoid_standing.xml");
   expect_bad_input(run({"solve", scene, "--json", "/nowhere/out.json"}), "/nowhere/out.json:1: cannot be written");

@@ -269,6 +269,44 @@ TEST_F(View, CapsulesAndMeshes) {
   expect_lacks(out, "capsules");
 }
 
+// A leaf ends where its farthest frame is, not in the floor below; one whose mass reaches farther ends with that.
+TEST_F(View, LeavesEndAtTheirFrames) {
+  const auto length = [&](double mass_at, double frame_at) {
+    std::ofstream(path("leg.urdf"))
+        << "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><origin xyz=\"0 0 " << mass_at
+        << "\"/><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" "
+           "iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"j\" "
+           "type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis "
+           "xyz=\"0 1 0\"/></joint><link name=\"foot\"/><joint name=\"f\" "
+           "type=\"fixed\"><parent link=\"b\"/><child link=\"foot\"/><origin xyz=\"0 0 "
+        << frame_at << "\"/></joint></robot>";
+    const auto shape =
+        view(scene("<robot name=\"r\" urdf=\"leg.urdf\" base=\"fixed\"/>")).scene["models"][0]["shapes"].back();
+    EXPECT_EQ(shape["shape"], "capsule");
+    return shape["size"][1].get<double>() + shape["size"][0].get<double>();  // to the tip of its round end
+  };
+  EXPECT_NEAR(length(-0.115, -0.213), 0.213, 1e-6);
+  EXPECT_NEAR(length(-0.2, -0.213), 0.213, 1e-6);
+  EXPECT_NEAR(length(-0.2, -0.05), 0.4, 1e-6);
+}
+
+// Where a contact holds its frame to, and the frame that holds it: the line between them.
+TEST_F(View, ContactsKnowWhereTheyHold) {
+  const std::string apart = scene(R"(<robot name="b" urdf="box.urdf" base="floating" copies="2" spacing="3"/>
+    <contact name="rope" type="3d" frame="b0/crate" to="b1/face_top"/>
+    <contact name="far" type="3d" frame="b0/crate" xyz="0 0 2"/>)");
+  const ViewPage page = view(apart);
+  const auto held = page.list<float>("held"), points = page.list<float>("points");
+  ASSERT_EQ(held.size(), 12u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(held[k], points[k], 1e-6) << k;  // where it was found
+  EXPECT_NEAR(held[3], 3, 1e-6);                                                   // the other box's frame
+  EXPECT_GT(held[5], 0.1);
+  for (const std::size_t k : {6u, 9u}) {
+    EXPECT_NEAR(held[k], 0, 1e-6);
+    EXPECT_NEAR(held[k + 2], 2, 1e-6);
+  }
+}
+
 // Names cannot leave the data they stand in.
 TEST_F(View, NamesAreData) {
   const ViewPage page =

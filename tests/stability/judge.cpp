@@ -153,7 +153,7 @@ double beyond_bound(const Problem& p, const Truths& truths, SceneData& data) {
 std::string classes(const std::string& letters) {
   std::string out = letters;
   for (char& c : out)
-    if (c == 'r' || c == 'o' || c == 'f') c = 'e';
+    if (c == 'e' || c == 'r' || c == 'o' || c == 'f') c = 'a';
   return out;
 }
 

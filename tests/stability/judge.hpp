@@ -27,7 +27,8 @@ enum class Outcome {
 inline constexpr char kLetters[] = "erofDIG-WM.";
 inline char letter(Outcome outcome) { return kLetters[static_cast<int>(outcome)]; }
 
-/// How an answer came about may depend on the machine's rounding, whether there is one does not.
+/// The same with 'a' for e, r, o and f: how an answer came about may depend on the machine's rounding, whether there is
+/// one does not.
 std::string classes(const std::string& letters);
 
 struct Cell {

@@ -76,7 +76,7 @@ TEST_P(Stability, NoWrongAnswers) {
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
     for (const Row& row : rows)
-      EXPECT_EQ(classes(row.letters()), classes(committed[row.which->name]))
+      EXPECT_EQ(classes(row.letters()), committed[row.which->name])
           << row.which->name << ": not as on the page";
     EXPECT_EQ(committed.size(), rows.size());
   }
@@ -102,12 +102,12 @@ TEST(Cases, AreManyAndDistinct) {
   EXPECT_GE(n, 200u);
 }
 
-// The page is what the cases gave; each outcome that the library has today is on it.
+// The page is what the cases gave; each kind of outcome that the library has today is on it.
 TEST(Cases, ReachEveryOutcome) {
   std::string letters;
   for (const auto& [cause, rows] : read_page())
     for (const auto& [name, cells] : rows) letters += cells;
-  for (char c : std::string("erofDIG-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
+  for (char c : std::string("aDIG-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
   EXPECT_EQ(letters.find_first_of("WM"), std::string::npos);
 }
 

@@ -24,10 +24,7 @@ when a number or a derivative is wrong, whatever the status.
 
 | Letter | Outcome |
 |---|---|
-| `e` | exact: by the method and order asked for, with at most one step of refinement |
-| `r` | refined: the same with more steps |
-| `o` | reordered: the order asked for was unsound, leaf-to-root answered |
-| `f` | fallback: another method answered |
+| `a` | answered: status `ok` |
 | `D` | redundant: contacts depend on each other and agree; accelerations unique, forces of least norm |
 | `I` | inconsistent: contacts contradict each other; least squares |
 | `G` | regularised: the damping is lost in rounding; the answer without it |
@@ -36,8 +33,28 @@ when a number or a derivative is wrong, whatever the status.
 | `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up, or no damping was lost |
 | `.` | not tried: too large |
 
-How an answer came about (`e`, `r`, `o`, `f`) may differ on other machines; whether there is one may not.
+How an answer came about is counted, not pinned: it may differ from machine to machine, whether there is one may not.
+*exact* is by the method and order asked for with at most one step of refinement, *refined* the same with more,
+*reordered* in leaf-to-root order because the order asked for was unsound, *fallback* by another method.
 )";
+
+// How often each way reached each outcome, as columns of a table.
+std::string counts_by_way(const std::vector<Row>& rows) {
+  std::ostringstream out;
+  out << "| column | method |";
+  for (const char* name : kNames) out << " " << name << " |";
+  out << "\n|--:|---|";
+  for (std::size_t j = 0; j < std::size(kNames); ++j) out << "--:|";
+  out << "\n";
+  for (std::size_t k = 0; k < table_ways().size(); ++k) {
+    int n[std::size(kNames)] = {};
+    for (const Row& row : rows) ++n[static_cast<int>(row.cells[k].outcome)];
+    out << "| " << k + 1 << " | " << table_ways()[k].name << " |";
+    for (const int count : n) out << " " << count << " |";
+    out << "\n";
+  }
+  return out.str();
+}
 
 std::string number(double x) {
   std::ostringstream out;
@@ -92,8 +109,7 @@ std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& ca
   std::ostringstream out;
   std::vector<Row> all;
   for (const auto& [cause, rows] : causes) all.insert(all.end(), rows.begin(), rows.end());
-  out << kIntroduction << "\n" << all.size() << " cases. The columns:\n\n";
-  for (std::size_t k = 0; k < table_ways().size(); ++k) out << k + 1 << ". " << table_ways()[k].name << "\n";
+  out << kIntroduction << "\n" << all.size() << " cases, by the columns of the tables below:\n\n" << counts_by_way(all);
   for (const auto& [cause, rows] : causes) {
     out << "\n## " << cause << "\n\n| case |";
     for (std::size_t k = 0; k < table_ways().size(); ++k) out << " " << k + 1 << " |";
@@ -102,7 +118,7 @@ std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& ca
     out << "\n";
     for (const Row& row : rows) {
       out << "| " << row.which->name << " |";
-      for (char c : row.letters()) out << " " << c << " |";
+      for (char c : classes(row.letters())) out << " " << c << " |";
       out << "\n";
     }
   }

@@ -226,13 +226,15 @@ int run_batch(const Arguments& arguments, Team& team) {
       if (team.rank() == 0) out.create();
   });
   team.begin();
-  if (team.rank() > 0)
-    for (NpyOutput& out : run.out) out.join();
+  for (NpyOutput& out : run.out) {
+    const std::string name = team.told(team.rank() == 0 ? out.temporary() : "");
+    if (team.rank() > 0) out.join(name);
+  }
   std::vector<std::int64_t> counts = work(run, team);
-  for (NpyOutput& out : run.out) out.close();
-  team.sum(counts);  // all are done
-  // the answers last: where they are, the derivatives are too
-  for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) team.rank() == 0 ? out->publish() : out->leave();
+  for (NpyOutput& out : run.out) out.finish();
+  team.sum(counts);      // all are done
+  if (team.rank() == 0)  // the answers last: where they are, the derivatives are too
+    for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   team.end();
   if (team.rank() == 0) print_summary(run, counts);
   int worst = 0;
@@ -258,9 +260,9 @@ const Command& batch_command() {
        {"--islands", "", "under mpirun: processes share the scene's islands, not the states"},
        method_option(),
        order_option()},
-      "Islands that failed have NaN in a, f and the derivatives. A file appears under its name when it is whole; "
-      "until\n"
-      "then it is called FILE.npy.part. The bytes do not depend on the number of threads or processes.\n"
+      "Islands that failed have NaN in a, f and the derivatives. A file appears under its name when it is whole. "
+      "The\n"
+      "bytes do not depend on the number of threads or processes.\n"
       "Under mpirun the program manycontact-mpi (option MANYCONTACT_MPI) works in several processes, which must all "
       "see\n"
       "the files.\n"

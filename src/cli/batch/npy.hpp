@@ -2,6 +2,7 @@
 // NumPy's .npy files of float64 numbers: little endian, C order. Read a few rows at a time, and written so.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,24 +37,23 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// The file of --out, or one beside it. Several processes may write it: create, join, close, publish and leave are
-/// those of PartFile.
+/// The file of --out, or one beside it. Several processes may write it: one creates it, the others join it.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
 
   /// With its header. Throws InputError where it is no regular file, too.
   void create();
-  void join() { file_.join(); }
+  void join(const std::string& temporary);
+  const std::string& temporary() const { return file_->temporary(); }
   /// `count` numbers from number `first` on.
   void write(std::int64_t first, std::int64_t count, const double* numbers);
-  void close() { file_.close(); }
-  void publish() { file_.publish(); }
-  void leave() { file_.leave(); }
+  void finish() { file_->finish(); }
+  void publish() { file_->publish(); }
 
  private:
-  PartFile file_;
-  std::string header_;
+  std::string path_, header_;
+  std::unique_ptr<OutputFile> file_;
   std::int64_t bytes_;
 };
 

@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <functional>
 #include <numeric>
 
@@ -21,22 +20,23 @@ std::string npy_header(const std::vector<std::int64_t>& shape) {
 }
 
 NpyOutput::NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape)
-    : file_(path, "--out"),
+    : path_(path),
       header_(npy_header(shape)),
       bytes_(std::accumulate(shape.begin(), shape.end(), std::int64_t{8}, std::multiplies<>())) {}
 
 void NpyOutput::create() {
-  std::error_code error;
-  if (file_.is_straight() || std::filesystem::is_directory(file_.path(), error))
-    throw InputError(file_.path(), 1, "is not a regular file, expected one that --out may create");
-  file_.create();
-  file_.write(header_.data(), header_.size());
-  file_.resize(static_cast<std::int64_t>(header_.size()) + bytes_);
+  if (is_written_straight(path_))
+    throw InputError(path_, 1, "is not a regular file, expected one that --out may create");
+  file_ = std::make_unique<OutputFile>(path_, "--out");
+  file_->write(header_.data(), header_.size());
+  file_->resize(static_cast<std::int64_t>(header_.size()) + bytes_);
 }
 
+void NpyOutput::join(const std::string& temporary) { file_ = std::make_unique<OutputFile>(path_, "--out", temporary); }
+
 void NpyOutput::write(std::int64_t first, std::int64_t count, const double* numbers) {
-  file_.write_at(static_cast<std::int64_t>(header_.size()) + 8 * first, reinterpret_cast<const char*>(numbers),
-                 8 * static_cast<std::size_t>(count));
+  file_->write_at(static_cast<std::int64_t>(header_.size()) + 8 * first, reinterpret_cast<const char*>(numbers),
+                  8 * static_cast<std::size_t>(count));
 }
 
 }  // namespace manycontact::cli

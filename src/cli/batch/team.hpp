@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <string>
 #include <vector>
 
 namespace manycontact::cli {
@@ -22,6 +23,8 @@ class Team {
   virtual void begin() {}
   virtual void end() {}
 
+  /// What rank 0 says, known to all.
+  virtual std::string told(const std::string& text) { return text; }
   /// Sums over all processes, known to all.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
   /// At rank 0: numbers that one process has and that are zero elsewhere; the largest of each entry.

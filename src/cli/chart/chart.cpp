@@ -1,5 +1,6 @@
 #include "chart.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -43,6 +44,13 @@ std::vector<std::string> files_written(const std::vector<std::string>& pictures)
   return files;
 }
 
+// The scene's name, with its path where several have that name.
+std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
+  const auto namesakes = std::count_if(all.begin(), all.end(),
+                                       [&](const SceneFile& other) { return other.scene.name == file.scene.name; });
+  return file.scene.name + (namesakes > 1 ? " (" + file.path + ")" : "");
+}
+
 void say(const Chart& chart, std::ostream& out) {
   out << chart.scene << ": " << chart.title << "\n";
   for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
@@ -71,6 +79,7 @@ int run_chart(const Arguments& arguments) {
     std::cerr << "manycontact: chart of " << printable(file.path) << " (" << charts.size() + 1 << "/" << files.size()
               << ")" << std::endl;
     charts.push_back(make_chart(file, limits));
+    charts.back().scene = label_of(file, files);
     say(charts.back(), std::cout);
     write_csv(charts, *out + "/chart.csv");
     images.push_back(draws ? names[images.size()] : "");

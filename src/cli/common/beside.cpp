@@ -1,7 +1,9 @@
 #include "beside.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
@@ -17,6 +19,13 @@ int run_beside(const std::string& name, const std::string& command, const std::v
   argv.push_back(nullptr);
   execv(path.c_str(), argv.data());
   throw std::runtime_error(command + " is done by another program, " + path + ", which cannot be run: " + how);
+}
+
+void restart_without_blas_threads(char** argv) {
+  rlimit addresses{};
+  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
+  if (!std::getenv("OPENBLAS_NUM_THREADS") && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0)
+    execv("/proc/self/exe", argv);  // where that fails this one goes on
 }
 
 }  // namespace manycontact::cli

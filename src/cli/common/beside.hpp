@@ -11,4 +11,8 @@ namespace manycontact::cli {
 int run_beside(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                const std::string& how);
 
+/// Where memory for addresses is limited (ulimit -v): this program once more, without OpenBLAS' own threads, which
+/// would ask for memory for ever. They start before main() does, so only the environment can keep them from it.
+void restart_without_blas_threads(char** argv);
+
 }  // namespace manycontact::cli

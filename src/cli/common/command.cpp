@@ -13,25 +13,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether it is there or not, and whichever links lead to it.
+// Whether it is there or not, and whichever links lead to it. Another name of the same file (a hard link) is a place of
+// its own: renaming what was written there leaves the other as it is.
 fs::path place_of(const std::string& path) {
   std::error_code error;
-  const fs::path absolute = fs::absolute(behind_links(path), error), place = fs::weakly_canonical(absolute, error);
+  const fs::path absolute = fs::absolute(path, error), place = fs::weakly_canonical(absolute, error);
   return error ? absolute.lexically_normal() : place;
 }
 
+// Devices and pipes take what several write.
 bool one_file(const std::string& a, const std::string& b) {
-  if (a == "-" || b == "-") return false;
-  std::error_code error;
-  const fs::path at = place_of(a), other = place_of(b);
-  const bool there = fs::exists(at, error);
-  return !there || !fs::exists(other, error) ? at == other
-                                             : fs::is_regular_file(at, error) && fs::equivalent(at, other, error);
-}
-
-// What is written is called FILE.part at first.
-bool meets(const std::string& file, const std::string& other) {
-  return one_file(file, other) || (file != "-" && one_file(file + ".part", other));
+  return !is_written_straight(a) && b != "-" && place_of(a) == place_of(b);
 }
 
 }  // namespace
@@ -44,13 +36,12 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  PartFile file(path, option);
-  if (!file.is_straight()) file.create();  // a pipe may wait when it is opened, and ends when it is closed
+  if (!is_written_straight(path)) OutputFile(path, option);  // a pipe may wait when it is opened, and ends when closed
 }
 
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {
   for (const std::string& input : read)
-    if (meets(file, input)) throw UsageError(option + " would be written over '" + input + "', which is read");
+    if (one_file(file, input)) throw UsageError(option + " would be written over '" + input + "', which is read");
 }
 
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
@@ -63,7 +54,7 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
       const auto other = arguments.value(written[j]);
       if (other && is_standard_output(*file) && is_standard_output(*other))
         throw UsageError(written[j] + " and " + written[k] + " are both standard output");
-      if (other && (meets(*file, *other) || meets(*other, *file)))
+      if (other && one_file(*file, *other))
         throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
     }
   }
@@ -74,8 +65,7 @@ void check_folder(const std::string& option, const std::string& folder, const st
   for (const std::string& name : names) {
     const std::string file = (fs::path(folder) / name).string();
     for (const std::string& other : others)
-      if (meets(file, other) || meets(other, file))
-        throw UsageError(option + " would write '" + file + "' over '" + other + "'");
+      if (one_file(file, other)) throw UsageError(option + " would write '" + file + "' over '" + other + "'");
   }
 }
 

@@ -43,10 +43,10 @@ std::string scene_operand(const Arguments& arguments, const std::string& name = 
 
 /// Before hours of work: the file that an option names can be written, or is standard output (-). Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
-/// UsageError where a file that an option names, or its FILE.part, is one that is read.
+/// UsageError where a file that an option names is one that is read.
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read);
 /// UsageError where one of the options `written` names a file that is read, or the file, or standard output, of
-/// another one; by FILE.part, too.
+/// another one.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written);
 /// UsageError where one of the files `names` that an option writes into a folder is one of the others.

@@ -4,9 +4,15 @@
 #include <filesystem>
 #include <map>
 
-#include "table.hpp"
+#include "lines.hpp"
 
 namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostRobotLines = 24;  // lines, and kinds of notes
+
+}  // namespace
 
 std::string group_name(const RobotGroup& group) {
   return group.copied ? group.name + " x" + std::to_string(group.count) : group.name;
@@ -50,6 +56,14 @@ std::string islands_name(const SceneFile& file, const std::vector<const Island*>
   return text;
 }
 
+std::vector<int> group_of_contacts(const SceneFile& file) {
+  std::vector<int> group(file.scene.contacts.size());
+  for (std::size_t g = 0; g < file.contact_groups.size(); ++g)
+    for (int k = 0; k < file.contact_groups[g].count; ++k)
+      group[file.contact_groups[g].first + k] = static_cast<int>(g);
+  return group;
+}
+
 std::size_t count_islands(const Scene& scene, const SceneData& data) {
   const bool whole = data.options.method == Method::kDenseSchur;
   return whole ? find_islands(scene, data.active).size() : island_count(data);
@@ -64,25 +78,28 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
            " in " + count(static_cast<long>(count_islands(scene, data)), "island"),
        0);
-  Table table({{"robot", Table::kLeft, 24},
-               {"urdf", Table::kLeft, 24},
-               {"base", Table::kLeft},
-               {"velocities"},
-               {"mass [kg]"},
-               {"joints", Table::kLeft}});
+  Lines lines;  // of many robots those that read alike are one line
+  const bool many = file.robot_groups.size() > kMostRobotLines;
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
     const Model& model = *scene.robots[group.first].model;
-    table.add({group_name(group), std::filesystem::path(group.urdf).filename().string(),
-               model.floating_base ? "floating" : "fixed", std::to_string(model.nv), number(model.mass(), 4),
-               joint_types(model)});
+    add_line(lines, many ? 0 : group.first, group_name(group),
+             {std::filesystem::path(group.urdf).filename().string(), model.floating_base ? "floating" : "fixed",
+              std::to_string(model.nv), number(model.mass(), 4), joint_types(model)});
   }
   out << "\n";
-  table.print(out);
+  print_lines(out,
+              Table({{"robot", Table::kLeft, 24},
+                     {"urdf", Table::kLeft, 24},
+                     {"base", Table::kLeft},
+                     {"velocities"},
+                     {"mass [kg]"},
+                     {"joints", Table::kLeft}}),
+              lines, kMostRobotLines, false);
 }
 
 void print_notes(std::ostream& out, const SceneFile& file) {
-  std::vector<std::pair<std::string, std::string>> notes;  // what is said, of which robots
+  std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // what is said, of which robots
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
     const ModelNotes& n = file.scene.robots[group.first].model->notes;
@@ -91,15 +108,15 @@ void print_notes(std::ostream& out, const SceneFile& file) {
       const std::string text = what + ": " + join(joints);
       const auto same = std::find_if(notes.begin(), notes.end(), [&](const auto& said) { return said.first == text; });
       if (same == notes.end())
-        notes.emplace_back(text, group_name(group));
+        notes.emplace_back(text, std::vector<std::string>{group_name(group)});
       else
-        same->second += ", " + group_name(group);
+        same->second.push_back(group_name(group));
     };
     const auto joints = [](const std::vector<std::string>& list) { return static_cast<long>(list.size()); };
     note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
     note(n.locked, count(joints(n.locked), "joint") + " locked");
   }
-  for (const auto& [text, robots] : notes) wrap(out, text, 2, robots + ": ");
+  for (const auto& [text, robots] : notes) wrap(out, text, 2, join(robots, 4) + ": ");
 }
 
 }  // namespace manycontact::cli

@@ -15,6 +15,9 @@ std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// The same for several islands: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
 
+/// Per contact of the scene: the index of its element in contact_groups, which its copies share.
+std::vector<int> group_of_contacts(const SceneFile& file);
+
 /// Islands of the scene; with method dense-schur, whose report has a single entry for all of it, too.
 std::size_t count_islands(const Scene& scene, const SceneData& data);
 

@@ -50,8 +50,8 @@ std::string amount(const Scene& scene, const Violation& v) {
     case Violating::kPulls:
       return by;
     case Violating::kSlips:
-      return by + " beyond mu " + number(*contact.mu) +
-             (std::isfinite(v.needs) ? ", " + number(v.needs) + " would do" : "");
+      return by + " more than mu " + number(*contact.mu) + " holds" +
+             (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would hold it" : "");
     case Violating::kTips:
       return by + " beyond its box";
     case Violating::kTurns:

@@ -26,7 +26,7 @@ Findings find(const SceneFile& file, const SceneData& data);
 
 /// "r0/knee: position 3.2, beyond 2.5"
 std::string in_words(const Scene& scene, const LimitPassed& limit);
-/// "left slips by 30 N beyond mu 0.6, 0.82 would do"
+/// "left slips by 30 N more than mu 0.6 holds; mu 0.82 would hold it"
 std::string in_words(const Scene& scene, const Violation& violation);
 
 /// "To look at": a line per kind of finding, the worst first; nothing where there are none.

@@ -8,82 +8,51 @@
 
 namespace manycontact::cli {
 
-/// What a link to a file means; links to open files in /proc, which may have no name any more, are not followed.
-std::string behind_links(const std::string& path);
-/// "-", /dev/stdout and whatever else leads to descriptor 1.
+/// "-", /dev/stdout and the other names of descriptor 1.
 bool is_standard_output(const std::string& path);
+/// Standard output, and what is there and is no regular file: a device, a pipe, a folder (which then cannot be opened).
+bool is_written_straight(const std::string& path);
 
-/// The file of an option. It is called FILE.part until it is published: FILE is never half written, and an older one
-/// stays until then. Several processes may write it, several runs may not. Standard output (-), what is there and is no
-/// regular file (a device, a pipe), and open files by their names in /proc and /dev/fd are written straight; those of
-/// this process go on where they are. Throws InputError where it cannot be written.
-class PartFile {
+/// The file of an option. It is written under a temporary name in the same folder, and renamed when it is whole: an
+/// older file of its name stays until then, and where the run fails. All methods throw InputError where it cannot be
+/// written.
+class OutputFile : private std::streambuf {
  public:
   /// option: for the message; "" where there is none.
-  explicit PartFile(std::string path, std::string option = "");
+  explicit OutputFile(std::string path, std::string option = "");
+  /// In another process: the file that one has begun under that temporary name, and will publish.
+  OutputFile(std::string path, std::string option, std::string temporary);
   /// Removes what was not published.
-  ~PartFile();
-  PartFile(PartFile&&) noexcept;
-  PartFile(const PartFile&) = delete;
+  ~OutputFile() override;
+  OutputFile(const OutputFile&) = delete;
 
-  bool is_straight() const { return part_ == target_; }
   const std::string& path() const { return path_; }
-  /// Where the bytes go meanwhile.
-  const std::string& part() const { return part_; }
+  /// Its name until it is published; empty where it is written straight.
+  const std::string& temporary() const { return temporary_; }
 
-  /// Opens it, empty.
-  void create();
-  /// Opens it in another process, once it was created.
-  void join();
-  void resize(std::int64_t bytes);
-  void write(const char* bytes, std::size_t size);  // after what was written before
+  /// Written one after the other, or at a place of its own. Errors come out of the stream's operators, too.
+  std::ostream& stream() { return stream_; }
+  void write(const char* bytes, std::size_t size);
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
+  void resize(std::int64_t bytes);
+
   /// All that this process wrote is with the file system.
-  void close();
-  /// FILE.part becomes FILE: by one process, once all have closed it. The others leave it to that one.
+  void finish();
+  /// It has its name, once all processes have finished: by the one that has begun it.
   void publish();
-  void leave() { unfinished_ = false; }
+  void close() { finish(), publish(); }
 
  private:
-  void open(int flags);
-  void open_again();  // what this process has open
-  bool take();        // FILE.part for this run; false where another one has just given it up
-  template <class Put>
-  void put(const char* bytes, std::size_t size, Put&& put_some);
-  [[noreturn]] void refuse(const std::string& reason) const;
+  int_type overflow(int_type c) override;
+  int sync() override;
+  void begin();
   [[noreturn]] void refuse(int error) const;
 
-  std::string path_, option_, target_, part_;
-  int file_ = -1, lock_ = -1;  // lock_: FILE.part too, until it has its name
-  bool unfinished_ = false;
-};
-
-/// A PartFile written from its beginning to its end. Errors come out of the stream's operators, as InputError.
-class OutputFile {
- public:
-  explicit OutputFile(const std::string& path, const std::string& option = "");
-  std::ostream& stream() { return stream_; }
-  /// It is whole: it has its name.
-  void close();
-
- private:
-  class Buffer final : public std::streambuf {
-   public:
-    explicit Buffer(PartFile& file) : file_(file), bytes_(1 << 16) {
-      setp(bytes_.data(), bytes_.data() + bytes_.size());
-    }
-
-   private:
-    int_type overflow(int_type c) override;
-    int sync() override;
-
-    PartFile& file_;
-    std::vector<char> bytes_;
-  };
-
-  PartFile file_;
-  Buffer buffer_;
-  std::ostream stream_;
+  std::string path_, option_, target_, temporary_;
+  bool joined_ = false;
+  int file_ = -1;
+  std::vector<char> buffer_ = std::vector<char>(1 << 16);
+  std::ostream stream_{this};
 };
 
 }  // namespace manycontact::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <sstream>
 
 namespace manycontact::cli {
@@ -27,8 +28,8 @@ std::string tail(const std::string& text, int n) {
   return text.substr(front.size());
 }
 
-std::string shortened(const std::string& text, int widest) {
-  if (widest <= 0 || width(text) <= widest) return text;
+std::string without_middle(const std::string& text, int widest) {
+  if (width(text) <= widest) return text;
   const int back = (widest - 2) / 2;
   return head(text, widest - 2 - back) + ".." + tail(text, back);
 }
@@ -45,6 +46,18 @@ std::string print_as(const char* format, int digits, double x) {
 }
 
 }  // namespace
+
+std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest) {
+  const std::size_t different = std::set<std::string>(texts.begin(), texts.end()).size();
+  int longest = 0;
+  for (const std::string& text : texts) longest = std::max(longest, width(text));
+  for (; widest < longest; ++widest) {
+    std::vector<std::string> out;
+    for (const std::string& text : texts) out.push_back(without_middle(text, widest));
+    if (std::set<std::string>(out.begin(), out.end()).size() == different) return out;
+  }
+  return texts;
+}
 
 std::string number(double x, int digits) {
   if (std::isnan(x)) return "nan";
@@ -86,14 +99,22 @@ void wrap(std::ostream& out, const std::string& text, int indent, const std::str
 
 void Table::add(std::vector<std::string> cells) {
   cells.resize(columns_.size());
-  for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = shortened(printable(cells[k]), columns_[k].widest);
+  for (std::string& cell : cells) cell = printable(std::move(cell));
   rows_.push_back(std::move(cells));
 }
 
 void Table::print(std::ostream& out, int indent) const {
   if (rows_.empty()) return;
+  std::vector<std::vector<std::string>> rows = rows_;
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    if (columns_[k].widest == 0) continue;
+    std::vector<std::string> cells;
+    for (const auto& row : rows_) cells.push_back(row[k]);
+    cells = shortened(cells, columns_[k].widest);
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r][k] = std::move(cells[r]);
+  }
   std::vector<int> widths(columns_.size(), 0);
-  for (const auto& row : rows_)
+  for (const auto& row : rows)
     for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], width(row[k]));
   bool titled = false;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -111,7 +132,7 @@ void Table::print(std::ostream& out, int indent) const {
     out << text.substr(0, text.find_last_not_of(' ') + 1) << "\n";
   };
   if (titled) line([&](std::size_t k) { return columns_[k].title; });
-  for (const auto& row : rows_) line([&](std::size_t k) { return row[k]; });
+  for (const auto& row : rows) line([&](std::size_t k) { return row[k]; });
 }
 
 }  // namespace manycontact::cli

@@ -22,6 +22,10 @@ using text::join;
 /// Control characters replaced, so that no name disturbs the terminal.
 std::string printable(std::string text);
 
+/// The texts without their middles, `widest` characters long or, so that no two that differ read alike, a little
+/// longer.
+std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest);
+
 /// Words of `text` in lines no wider than kLineWidth: the first after `indent` blanks and `bullet`, the others below
 /// it.
 void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
@@ -32,7 +36,7 @@ class Table {
   struct Column {
     std::string title;
     Align align = kRight;
-    int widest = 0;  // longer cells lose their middle; 0: any width
+    int widest = 0;  // longer cells lose their middle (shortened); 0: any width
   };
 
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}

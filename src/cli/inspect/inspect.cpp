@@ -36,6 +36,7 @@ int run_inspect(const Arguments& arguments) {
   print_heading(std::cout, file, inspection.data);
   print_notes(std::cout, file);
   print_joints(std::cout, file);
+  print_contacts(std::cout, file);
   print_islands(std::cout, inspection);
   print_contact_groups(std::cout, inspection);
   print_costs(std::cout, inspection);

@@ -111,8 +111,13 @@ std::vector<Block> contact_blocks(const Inspection& x) {
 
 // Names left of the panel, where there is room for them, and lines between the blocks.
 void draw_blocks(std::ostream& svg, const std::vector<Block>& blocks, int n) {
+  constexpr int kLongest = 20;
+  std::vector<std::string> names;
+  for (const Block& b : blocks) names.push_back(b.name);
+  names = shortened(names, kLongest);
   double below = -1;  // of the last name
-  for (const Block& b : blocks) {
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const Block& b = blocks[k];
     const double top = kTop + kSide * b.first / n, height = kSide * b.size / n, middle = top + height / 2;
     if (b.first > 0 && height >= 4) {
       draw_line(svg, kLeft, top, kLeft + kSide, top);
@@ -120,8 +125,7 @@ void draw_blocks(std::ostream& svg, const std::vector<Block>& blocks, int n) {
     }
     if (middle - kLabelHeight / 2 < below) continue;
     below = middle + kLabelHeight / 2;
-    const std::string name = b.name.size() > 20 ? b.name.substr(0, 18) + ".." : b.name;
-    draw_text(svg, kLeft - kStrip - 6, middle + 4, name, "end", 11);
+    draw_text(svg, kLeft - kStrip - 6, middle + 4, names[k], "end", 11);
   }
 }
 

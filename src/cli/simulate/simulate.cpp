@@ -193,13 +193,13 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   table.add({"drift, velocity", short_of(run.start.velocity_drift), short_of(run.end.velocity_drift),
              short_of(run.largest.velocity_drift), "m/s, rad/s"});
   table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
-  table.add({"work of torques", "", number(around.watch.work(), 6), "", "J, less that of impacts"});
+  table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; what impacts took is subtracted"});
   table.print(out);
   print_impacts(out, around);
   const std::string late = switches_not_reached(around, sim);
   if (!late.empty()) wrap(out, printable(late), 2);
   print_findings(out, file.scene, run.at_start);
-  around.watch.print(out, file.scene, sim, run.start, run.end, run.largest.kinetic);
+  around.watch.print(out, file, sim, run.start, run.end, run.largest.kinetic);
   print_advice(out, file.scene, sim);
 }
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "../common/describe.hpp"
 #include "../common/table.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/analysis/names.hpp"
 
 namespace manycontact::cli {
 
@@ -36,6 +39,31 @@ double friction_power(const Scene& scene, const Eigen::VectorXd& v) {
 }
 
 double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
+
+// A line for the copies that a key has in common: since when, who, and the worst of them. `seen`: by time.
+template <class List, class Key, class Size, class Member, class Names>
+void print_copies(std::ostream& out, const Scene& scene, const List& seen, const std::string& most, Key&& key,
+                  Size&& size, Member&& member, Names&& names) {
+  std::map<std::vector<int>, std::size_t> line_of;
+  std::vector<List> lines;
+  for (const auto* x : seen) {
+    const auto [at, fresh] = line_of.try_emplace(key(x->worst), lines.size());
+    if (fresh) lines.emplace_back();
+    lines[at->second].push_back(x);
+  }
+  for (std::size_t k = 0; k < lines.size() && k < kMostShown; ++k) {
+    const List& alike = lines[k];
+    const auto* worst = *std::max_element(
+        alike.begin(), alike.end(), [&](const auto* a, const auto* b) { return size(a->worst) < size(b->worst); });
+    std::set<int> members;
+    for (const auto* x : alike) members.insert(member(x->worst));
+    const std::string who = members.size() > 1 ? names({members.begin(), members.end()}) + "; " : "";
+    wrap(out,
+         "from t = " + number(alike.front()->first, 4) + " s on, " + who + most + ": " + in_words(scene, worst->worst),
+         2);
+  }
+  if (lines.size() > kMostShown) out << "  ... and " << lines.size() - kMostShown << " more, later\n";
+}
 
 }  // namespace
 
@@ -70,18 +98,24 @@ std::vector<const Watch::Seen<Finding>*> Watch::by_time(const std::map<std::vect
   return out;
 }
 
-void Watch::print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
                   const Invariants& end, double most_kinetic) const {
-  const auto list = [&](const auto& seen, const char* most) {
-    std::size_t shown = 0;
-    for (const auto* x : seen) {
-      if (++shown > kMostShown) break;
-      wrap(out, "from t = " + number(x->first, 4) + " s on" + most + in_words(scene, x->worst), 2);
-    }
-    if (seen.size() > kMostShown) out << "  ... and " << seen.size() - kMostShown << " more, later\n";
-  };
-  list(by_time(violations_), ", at most: ");
-  list(by_time(limits_), ", farthest: ");
+  const Scene& scene = file.scene;
+  const std::vector<int> contact_group = group_of_contacts(file);
+  print_copies(
+      out, scene, by_time(violations_), "at most",
+      [&](const Violation& x) {
+        return std::vector<int>{contact_group[x.contact], static_cast<int>(x.kind)};
+      },
+      [](const Violation& x) { return x.by; }, [](const Violation& x) { return x.contact; },
+      [&](const std::vector<int>& contacts) { return contact_names(scene, contacts); });
+  print_copies(
+      out, scene, by_time(limits_), "farthest",
+      [&](const LimitPassed& x) {
+        return std::vector<int>{file.robot_group[x.robot], x.dof, static_cast<int>(x.quantity)};
+      },
+      share, [](const LimitPassed& x) { return x.robot; },
+      [&](const std::vector<int>& robots) { return robot_names(scene, robots); });
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
@@ -98,10 +132,9 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
                          const Invariants& end, double most_kinetic) const {
   const double gained = end.energy() - start.energy() - work_ - friction_work_;
   if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
-  const std::string why = "steps of " + number(sim.h) + " s are too long for this motion, or gains correct contacts " +
-                          (gained > 0          ? "that are out of place"
-                           : scene.damping > 0 ? "that are out of place, or --damping takes it"
-                                               : "that are out of place");
+  const std::string why = "steps of " + number(sim.h) +
+                          " s are too long for this motion, or gains correct contacts that are out of place" +
+                          (gained < 0 && scene.damping > 0 ? ", or --damping takes it" : "");
   wrap(out,
        gained > 0 ? "energy grew by " + number(gained) + " J more than the torques gave: " + why
                   : "energy fell by " + number(-gained) + " J more than torques" +

@@ -19,7 +19,8 @@ class Watch {
   void lost(double energy) { work_ -= energy; }  // in an impact
 
   double work() const { return work_; }  // J, of the torques, less what impacts took
-  void print(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
+  /// Copies of a robot or a contact share a line.
+  void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
   /// violations and limits_passed, each with first_time [s]; work [J]; largest_condition and what came closest to a
   /// singular posture, at their times.

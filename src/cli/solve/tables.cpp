@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "../common/describe.hpp"
-#include "../common/table.hpp"
+#include "../common/lines.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "solve.hpp"
@@ -15,46 +14,6 @@ namespace manycontact::cli {
 namespace {
 
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
-
-// A line of a table and what it is ranked by. Neighbouring copies that read alike are one line, "foot0 .. foot63".
-struct Line {
-  int group = 0;  // of copies
-  std::string first, last;
-  std::vector<std::string> cells;
-  double size = 0;
-  std::size_t count = 1;
-};
-using Lines = std::vector<Line>;
-
-void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size) {
-  if (std::isnan(size)) size = INFINITY;
-  if (lines.empty() || lines.back().group != group || lines.back().cells != cells)
-    return lines.push_back({group, name, "", std::move(cells), size});
-  Line& line = lines.back();
-  line.last = name;
-  line.size = std::max(line.size, size);
-  ++line.count;
-}
-
-// Prints the `most` largest lines in their old order, and how many more there are.
-void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most) {
-  std::vector<std::size_t> at(lines.size());
-  std::iota(at.begin(), at.end(), 0);
-  std::size_t more = 0;
-  if (at.size() > most) {
-    std::stable_sort(at.begin(), at.end(), [&](std::size_t i, std::size_t j) { return lines[i].size > lines[j].size; });
-    for (std::size_t k = most; k < at.size(); ++k) more += lines[at[k]].count;
-    at.resize(most);
-    std::sort(at.begin(), at.end());
-  }
-  for (std::size_t i : at) {
-    std::vector<std::string> cells{lines[i].first + (lines[i].last.empty() ? "" : " .. " + lines[i].last)};
-    cells.insert(cells.end(), lines[i].cells.begin(), lines[i].cells.end());
-    table.add(cells);
-  }
-  table.print(out);
-  if (more > 0) out << "  ... and " << more << " more, none larger\n";
-}
 
 // The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
 int fastest_joint(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& a) {
@@ -173,10 +132,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
 
 void print_forces(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
-  std::vector<int> group(scene.contacts.size());
-  for (std::size_t g = 0; g < s.file.contact_groups.size(); ++g)
-    for (int k = 0; k < s.file.contact_groups[g].count; ++k)
-      group[s.file.contact_groups[g].first + k] = static_cast<int>(g);
+  const std::vector<int> group = group_of_contacts(s.file);
   Lines lines;
   for (int c : active_contacts(s)) {
     const Contact& contact = scene.contacts[c];

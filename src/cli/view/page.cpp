@@ -60,6 +60,7 @@ Json frames_of(const Recording& r) {
           {"quaternions", base64_of(r.quaternions)},
           {"islands", base64_of(r.islands)},
           {"points", base64_of(r.points)},
+          {"held", base64_of(r.held)},
           {"normals", base64_of(r.normals)},
           {"forces", base64_of(r.forces)},
           {"flags", base64_of(r.flags)}};
@@ -89,7 +90,7 @@ void check_size(const Recording& r) {
   const double frames = static_cast<double>(r.t.size());
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
-                        12. * static_cast<double>(r.points.size()));
+                        20. * static_cast<double>(r.points.size()));  // with normals, forces and what is held to
   if (bytes > kLargestPage)
     throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
                      " frames, expected at most " + number(kLargestPage / 1e6) + ": a shorter motion or fewer robots");

@@ -29,19 +29,30 @@ void record_bodies(Recording& r) {
     }
 }
 
-Mat3<double> axes_at(const Attachment& at, const Recording& r) {
-  if (at.robot < 0) return at.placement.R;
+SE3<double> placement_of(const Attachment& at, const Recording& r) {
+  if (at.robot < 0) return at.placement;
   const auto robot = static_cast<std::size_t>(at.robot);
-  return frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, at.joint, at.placement).R;
+  return frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, at.joint, at.placement);
+}
+
+// The frame that B was attached by, before its offset; B' where that is not known.
+SE3<double> frame_of(const Attachment& at, const Recording& r) {
+  if (at.robot < 0 || at.frame.empty()) return placement_of(at, r);
+  const Model& model = *r.scene->robots[static_cast<std::size_t>(at.robot)].model;
+  const int frame = model.find_frame(at.frame);
+  if (frame < 0) return placement_of(at, r);
+  Attachment bare = at;
+  bare.placement = model.frames[static_cast<std::size_t>(frame)].placement;
+  return placement_of(bare, r);
 }
 
 void record_contact(const Contact& contact, const std::optional<Vec3<double>>& force, Recording& r) {
-  const auto robot = static_cast<std::size_t>(contact.A.robot);
-  const SE3<double> oMA =
-      frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, contact.A.joint, contact.A.placement);
+  const SE3<double> oMA = placement_of(contact.A, r);
   const Mat3<double> axes = contact.reference_frame == ReferenceFrame::kLocal ? oMA.R : Mat3<double>::Identity();
   append(oMA.p, r.points);
-  append(contact_normal(contact, oMA.R, contact.normal ? axes_at(contact.B, r) : Mat3<double>()), r.normals);
+  append(placement_of(contact.B, r).p, r.held);
+  append(frame_of(contact.B, r).p, r.held);
+  append(contact_normal(contact, oMA.R, contact.normal ? placement_of(contact.B, r).R : Mat3<double>()), r.normals);
   append(force ? Vec3<double>(axes * *force) : Vec3<double>::Constant(kUnknown), r.forces);
 }
 

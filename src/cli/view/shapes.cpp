@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "decimate.hpp"
+#include "manycontact/analysis/text.hpp"
 #include "manycontact/io/mesh.hpp"
 #include "manycontact/io/visuals.hpp"
 #include "page.hpp"
@@ -55,8 +56,10 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
   return at->second;
 }
 
-// A capsule from the body's origin to p, in the body's frame; a ball where they meet.
-Json capsule(int body, const Vec3<double>& p, double radius) {
+// A capsule from the body's origin to p, in the body's frame; a ball where they meet. `ends`: its tip is at p, not the
+// middle of its round end.
+Json capsule(int body, Vec3<double> p, double radius, bool ends) {
+  if (ends && p.norm() > 0) p *= 1 - radius / p.norm();
   const double length = p.norm();
   SE3<double> at;
   at.p = p / 2;
@@ -76,8 +79,19 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Bodies without a shape, or short of one: from their joint to those they carry, leaves to their farthest frame or
-// through their centre of mass. The body -1 is a fixed base.
+// Where a body that carries no others ends: at its farthest frame, unless its centre of mass is farther out; then as far
+// beyond that.
+Vec3<double> tip_of(const Model& model, int joint) {
+  const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
+  const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
+  Vec3<double> tip = Vec3<double>::Zero();
+  for (const Frame& frame : model.frames)
+    if (frame.joint == joint && frame.placement.p.norm() > tip.norm()) tip = frame.placement.p;
+  return tip.norm() < centre.norm() ? Vec3<double>(2 * centre) : tip;
+}
+
+// Bodies without a shape, or short of one: from their joint to those they carry, leaves to their tips. The body -1 is a
+// fixed base.
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
   std::vector<std::vector<Vec3<double>>> ends(whole.size());  // per body, the base first
@@ -85,16 +99,11 @@ void add_capsules(const Model& model, const std::vector<char>& whole, Json& shap
   for (std::size_t body = model.floating_base ? 1 : 0; body < ends.size(); ++body) {
     if (whole[body]) continue;
     const int joint = static_cast<int>(body) - 1;
-    if (ends[body].empty() && joint >= 0) {
-      const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
-      Vec3<double> end = Y.m > 0 ? Vec3<double>(2 * Y.h / Y.m) : Vec3<double>::Zero();
-      for (const Frame& frame : model.frames)
-        if (frame.joint == joint && frame.placement.p.norm() > end.norm()) end = frame.placement.p;
-      ends[body].push_back(end);
-    }
+    const bool leaf = ends[body].empty() && joint >= 0;
+    if (leaf) ends[body].push_back(tip_of(model, joint));
     for (const Vec3<double>& end : ends[body]) {
       const double slim = end.norm() > 0 ? std::min(radius, end.norm() / 3) : radius;
-      shapes.push_back(capsule(joint, end, std::max(slim, 0.3 * radius)));
+      shapes.push_back(capsule(joint, end, leaf ? slim : std::max(slim, 0.3 * radius), leaf));
     }
   }
 }

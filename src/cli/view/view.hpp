@@ -40,6 +40,7 @@ struct Recording {
   std::vector<std::int32_t> islands;                  // per robot: the first robot of its island
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
+  std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
   std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant
   static constexpr std::uint8_t kActive = 1, kRedundant = 2;
 

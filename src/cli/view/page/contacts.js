@@ -1,6 +1,8 @@
-// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow, its cone.
+// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow, its cone; a line from
+// A to where it is held, and on to the frame that holds it, where these are apart.
 
 const kActive = 1, kRedundant = 2;
+const kApart = 0.05;  // of a robot's size
 const kForceColour = 0xd9480f, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a;
 
 class Contacts {
@@ -22,6 +24,8 @@ class Contacts {
       parts.cone = new THREE.Mesh(cone, flat(0x69db7c, {transparent: true, opacity: 0.3, side: THREE.DoubleSide, depthWrite: false}));
       parts.ball.userData.contact = c;
       parts.arrow = this.arrow(shaft, head);
+      parts.lines = [0, 1].map(() => new THREE.Mesh(shaft, flat(0x1c2733, {transparent: true, opacity: 0.6})));
+      world.add(...parts.lines);
       parts.group.add(parts.ball, parts.ring, parts.cone, parts.arrow.group);
       world.add(parts.group);
       return parts;
@@ -56,13 +60,17 @@ class Contacts {
   }
 
   place(at, scale) {
-    const {points, normals, forces, flags} = this.data.frames, n = this.list.length;
-    const normal = new THREE.Vector3(), force = new THREE.Vector3();
+    const {points, held, normals, forces, flags} = this.data.frames, n = this.list.length;
+    const normal = new THREE.Vector3(), force = new THREE.Vector3(), at_B = new THREE.Vector3(), of_B = new THREE.Vector3();
     this.list.forEach((parts, c) => {
       const flag = flags[at.frame * n + c];
-      parts.group.visible = (flag & kActive) !== 0;
+      parts.group.visible = parts.lines[0].visible = parts.lines[1].visible = (flag & kActive) !== 0;
       if (!parts.group.visible) return;
       vectorAt(points, c, n, at, parts.group.position);
+      vectorAt(held, 2 * c, 2 * n, at, at_B);
+      vectorAt(held, 2 * c + 1, 2 * n, at, of_B);
+      this.placeLine(parts.lines[0], parts.group.position, at_B);
+      this.placeLine(parts.lines[1], at_B, of_B);
       vectorAt(normals, c, n, at, normal).normalize();
       vectorAt(forces, c, n, at, force);
       parts.ball.visible = this.shown.contacts;
@@ -75,6 +83,15 @@ class Contacts {
   }
 
   turn(object, z) { object.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), z); }
+
+  placeLine(line, from, to) {
+    const along = to.clone().sub(from), length = along.length();
+    line.visible = this.shown.contacts && length > kApart * this.size;
+    if (!line.visible) return;
+    line.position.copy(from);
+    line.scale.set(0.004 * this.size, 0.004 * this.size, length);
+    this.turn(line, along.divideScalar(length));
+  }
 
   // Whether the force is inside; undefined where there is no cone.
   placeCone(parts, normal, force) {

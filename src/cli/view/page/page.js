@@ -29,14 +29,22 @@ class Page {
     this.robots.place(frameAt(this.times, this.now));
     this.world.updateMatrixWorld();
 
-    this.boxes = this.robots.boxes();
-    if (this.boxes.length === 0) this.boxes.push(new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1)));
-    this.box = this.boxes.reduce((all, box) => all.union(box), new THREE.Box3());
-    const sizes = this.boxes.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
+    const first = this.seen(this.robots.boxes());  // as the robots stand at first
+    const sizes = first.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
     this.size = sizes[sizes.length >> 1] || 1;  // of a robot
+    this.lowest = Math.min(...first.map((box) => box.min.z));
+    this.boxes = this.seen(this.robots.boxesOfMotion(this.world));
+    this.box = this.boxes.reduce((all, box) => all.union(box), new THREE.Box3());
+    this.robots.place(frameAt(this.times, this.now));
     this.contacts = new Contacts(this.data, this.size, this.world);
     this.addFloor();
     this.addLight();
+  }
+
+  // A box to look at where no robot has a shape.
+  seen(boxes) {
+    const full = boxes.filter((box) => !box.isEmpty());
+    return full.length > 0 ? full : [new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1))];
   }
 
   // Squares are a texture: lines that pass the camera are lost in some browsers.
@@ -59,7 +67,7 @@ class Page {
     const floor = new THREE.Mesh(new THREE.PlaneBufferGeometry(cells * this.cell, cells * this.cell),
                                  new THREE.MeshPhongMaterial({map: squares, specular: 0}));
     floor.receiveShadow = true;
-    floor.position.set(middle(centre.x), middle(centre.y), this.box.min.z < -0.02 * this.size ? this.box.min.z : 0);
+    floor.position.set(middle(centre.x), middle(centre.y), this.lowest < -0.02 * this.size ? this.lowest : 0);
     this.world.add(floor);
     this.world.fog = new THREE.Fog(0xe9eef3, 4 * radius, 11 * radius);
   }
@@ -217,6 +225,7 @@ class Page {
     element('clock').textContent = now.toFixed(3) + ' / ' + this.times[this.times.length - 1].toFixed(3) + ' s';
     for (const plot of this.plots) plot.draw(now);
     document.body.dataset.frame = at.frame;
+    document.body.dataset.distance = show(this.camera.distance);
     document.body.dataset.triangles = this.renderer.info.render.triangles;
   }
 

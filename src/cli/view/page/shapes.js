@@ -24,6 +24,7 @@ class Robots {
   constructor(data, world) {
     this.data = data;
     this.bodies = [];  // groups that frames move, of all robots
+    this.robotOf = [];  // per body
     this.shapes = [];  // meshes, with their robot
     this.materials = new Map();
     this.opacity = 1;
@@ -45,6 +46,7 @@ class Robots {
       const body = new THREE.Group();
       world.add(body);
       this.bodies.push(body);
+      this.robotOf.push(r);
     }
     model.shapes.forEach((shape, k) => {
       const mesh = new THREE.Mesh(geometries[k]);
@@ -104,7 +106,25 @@ class Robots {
   boxes() {
     const boxes = this.data.robots.map(() => new THREE.Box3());
     for (const mesh of this.shapes) boxes[mesh.userData.robot].expandByObject(mesh);
-    return boxes.filter((box) => !box.isEmpty());
+    return boxes;
+  }
+
+  // The same over the whole motion: the shapes at some of its frames, the bodies' origins at all. Leaves the last frame.
+  boxesOfMotion(world) {
+    const boxes = this.boxes(), {positions} = this.data.frames, frames = this.data.frames.t.length;
+    const samples = Math.min(frames, Math.max(2, Math.min(24, Math.floor(20000 / this.shapes.length))));
+    for (let k = 1; k < samples; ++k) {
+      const frame = Math.round(k * (frames - 1) / (samples - 1));
+      this.place({frame, next: frame, part: 0});
+      world.updateMatrixWorld();
+      this.boxes().forEach((box, r) => boxes[r].union(box));
+    }
+    const n = this.bodies.length, point = new THREE.Vector3();
+    for (let i = 0; i < frames * n; ++i) {
+      const box = boxes[this.robotOf[i % n]];
+      if (!box.isEmpty()) box.expandByPoint(point.fromArray(positions, 3 * i));
+    }
+    return boxes;
   }
 
   centre() {

@@ -1,0 +1,24 @@
+#pragma once
+// Tables in which neighbouring copies that read alike are one line: "foot0 .. foot63".
+
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+/// A line of a table, and what it is ranked by.
+struct Line {
+  int group = 0;  // of copies
+  std::string first, last;
+  std::vector<std::string> cells;
+  double size = 0;
+  std::size_t count = 1;
+};
+using Lines = std::vector<Line>;
+
+/// Appends a line, or lets the last one stand for this copy too.
+void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
+
+/// Prints the `most` largest lines in their old order, and how many more there are; `none_larger`: and that.
+void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,76 @@
+// What every contact holds, and how far from it the scene's state is.
+
+#include <algorithm>
+
+#include "../common/table.hpp"
+#include "inspect.hpp"
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/simulation/invariants.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostElements = 24;
+
+std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
+
+// "0.1 m, 0.02 rad", "0" in place.
+std::string off_by(double position, double angle) {
+  std::string text;
+  if (position >= kPlacementError) text = number(position) + " m";
+  if (angle >= kPlacementError) text += (text.empty() ? "" : ", ") + number(angle) + " rad";
+  return text.empty() ? "0" : text;
+}
+
+}  // namespace
+
+void print_contacts(std::ostream& out, const SceneFile& file) {
+  const Scene& scene = file.scene;
+  const std::vector<char> all(scene.contacts.size(), 1);
+  std::vector<PlacementError> errors(scene.contacts.size());
+  for (const PlacementError& error : placement_errors(scene, all, file.q)) errors[error.contact] = error;
+  InvariantsData room(scene);
+  (void)invariants(scene, all, file.q, file.v, room);
+
+  Table table({{"contact", Table::kLeft, 24},
+               {"holds", Table::kLeft},
+               {"frame A", Table::kLeft, 24},
+               {"to B'", Table::kLeft, 20},
+               {"A at [m]"},
+               {"gains"},
+               {"mu"},
+               {"normal"},
+               {"off by", Table::kLeft},
+               {"", Table::kLeft}});
+  std::size_t elements = 0;
+  for (const ContactGroup& group : file.contact_groups) {
+    if (group.count == 0 || ++elements > kMostElements) continue;
+    const Contact& contact = scene.contacts[group.first];
+    const Contact& last = scene.contacts[group.first + group.count - 1];
+    const Robot& robot = scene.robots[contact.A.robot];
+    const SE3<double> oMA =
+        frame_placement<double>(room.kin[contact.A.robot], robot.base, contact.A.joint, contact.A.placement);
+    double position = 0, angle = 0;
+    for (int c = group.first; c < group.first + group.count; ++c) {
+      position = std::max(position, errors[c].position);
+      angle = std::max(angle, errors[c].angle);
+    }
+    table.add({contact.name + (group.count > 1 ? " .. " + last.name : ""),
+               to_string(contact.type) +
+                   (contact.reference_frame == ReferenceFrame::kLocal ? " in A's axes" : " in the world's"),
+               place_name(scene, {&contact.A}), place_name(scene, {&contact.B}), three_numbers(oMA.p),
+               number(contact.alpha) + " " + number(contact.beta), contact.mu ? number(*contact.mu) : "",
+               contact.normal ? three_numbers(*contact.normal) : "", off_by(position, angle),
+               contact.active ? "" : "not active"});
+  }
+  if (table.empty()) return;
+  out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], and how far A is from where it is held;\n"
+         "of copies the first, and the farthest\n";
+  table.print(out);
+  if (elements > kMostElements) out << "  ... and " << elements - kMostElements << " more elements of the file\n";
+}
+
+}  // namespace manycontact::cli
