@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "by_robots.hpp"
+#include "cut.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
@@ -65,8 +67,16 @@ void sample_rhs(const IslandWork& d, const AlignedPanel& X, ByRobots& by) {
     }
 }
 
+// Whether the factors that the island was solved by, robot by robot, are there.
+bool has_factors(const IslandWork& d) { return d.in_lanes && d.cut; }
+
 // K_r's factor; false where its pivots are not sound.
 bool factorize_robot(const IslandWork& d, std::size_t k, OfRobot& r, FactorScratch& scratch) {
+  r.K.damping = d.K.damping;
+  if (has_factors(d)) {
+    take_factor_of_robot(*d.cut, k, r.K, *r.factor);
+    return true;
+  }
   for (std::size_t c = 0; c < r.contacts.size(); ++c) r.J[c] = d.J[r.contacts[c]];
   assemble({&d.M[k], 1}, r.J, d.K.damping, r.K);
   r.K.row_size = d.K.row_size;
@@ -110,6 +120,12 @@ void solve_robot(const AlignedPanel& X, OfRobot& r) {
 
 // S = sum_r G_r T_r + delta I and its factor; false where its pivots are not sound.
 bool factorize_joining(const IslandWork& d, ByRobots& by) {
+  if (has_factors(d)) {  // of -S
+    by.L = d.cut->L;
+    by.scale = d.cut->terms;
+    std::transform(d.cut->D.begin(), d.cut->D.end(), by.D.begin(), std::negate<>());
+    return true;
+  }
   std::fill(by.Sx.begin(), by.Sx.end(), 0.0);
   for (int k = 0; k < by.joining->rows(); ++k) by.Sx[by.joining->S.p[k + 1] - 1] = d.K.damping;
   for (const OfRobot& r : by.robots) {
@@ -211,6 +227,7 @@ bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d,
   clear_rhs(by, by.buffers.front().nonzero, X);
   derivative_rhs(scene, *w.linearisation, data.v, d, out);
   sample_rhs(d, X, by);
+  if (!has_factors(d)) ++d.factorizations;
   each_item(w, by.robots.size(), [&](std::size_t k, ThreadWork& thread) {
     OfRobot& r = by.robots[k];
     r.sound = factorize_robot(d, k, r, thread.scratch);
