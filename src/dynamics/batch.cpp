@@ -106,8 +106,8 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   internal::check_size(function, "status", static_cast<Eigen::Index>(status.size()), count);
 }
 
-// States beside each other cost about as much as two alone, with few lanes less.
-constexpr std::ptrdiff_t kWorthIt = 2;
+// From how many states on they stand side by side: all copies together cost as much as two alone, whoever is in them.
+std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 // How many states fill the lanes: 1 where the robots of one do, or where there are no lanes.
 int states_side_by_side(const Workspace& w) {
@@ -175,7 +175,7 @@ void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thr
     for (int k = 0; k < these.states; ++k) status[these.first + k] = status_of(these, k);
     use(these);
   };
-  if (states >= kWorthIt) {
+  if (thread.copies && states >= worth_it(thread.copies->count)) {
     BatchCopies& c = *thread.copies;
     gather(s.q, first, c.count, c.q);
     gather(s.v, first, c.count, c.v);
@@ -205,11 +205,11 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   const auto threads = std::min(static_cast<std::ptrdiff_t>(batch.threads.size()), count);
   const std::ptrdiff_t of_thread = (count + threads - 1) / threads;
   std::ptrdiff_t at_once = 1;
-  if (of_thread >= kWorthIt) {
+  if (of_thread > 1) {
     prepare(scene, batch.threads.front().data);
     at_once = std::min<std::ptrdiff_t>(states_side_by_side(*batch.threads.front().data.workspace), of_thread);
   }
-  if (at_once >= kWorthIt) prepare_copies(scene, batch);
+  if (at_once > 1) prepare_copies(scene, batch);
   std::atomic<bool> stop = false;
   auto work = [&](std::ptrdiff_t k, int number) {
     if (stop) return;
