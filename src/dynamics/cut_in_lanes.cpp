@@ -229,6 +229,7 @@ void report_cut(const Scene& scene, const CutIsland& cut, const sparse::Refineme
   report.residual_contact = largest.r[1] == 0 ? 0 : largest.r[1] / largest.scale[1];
   report.backward_error = refinement.backward_error;
   d.factor = nullptr;
+  d.first_error = refinement.first;
   d.factorizations = 1;
   d.in_lanes = true;
   d.cut->terms_known = false;

@@ -34,6 +34,7 @@ Herd any_herd(std::mt19937& rng, int count, bool floating, double damping, int n
   options.njoints = njoints;
   options.branching = 0.1;
   options.floating_base = floating;
+  options.friction = floating ? 0.5 : 0;
   const auto model = std::make_shared<const Model>(random_model(rng, options));
   std::vector<Contact> contacts;
   for (int k = 0; k < 4; ++k) {

@@ -9,6 +9,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/truth.hpp"
 #include "stability/cases.hpp"
 
 namespace manycontact::test {
@@ -208,6 +209,38 @@ TEST_P(Far, NothingDependsOnWhereItStands) {
     compare(c, p, move_away, "bases");
     compare(c, on_joints(p), move_joints_away, "joints");
   }
+}
+
+// Places that round: the truth is that of the numbers given. Contacts with the world and between two robots that are
+// both far away, bases turned in the world.
+TEST(FarTruth, AnyPlace) {
+  using enum ContactType;
+  for (const bool by_joints : {false, true})
+    for (const ContactType type : {k1D, k3D, k6D})
+      for (const double distance : {1e3, 1e5, 1e7}) {
+        Problem p = two_robots("arm", false, "box");
+        hold(p, type, "link_4", {0, 0, 0.1}, ReferenceFrame::kLocal, "a").alpha = 25;
+        tie(p, k3D, "a", "tool", "b", "face_back").alpha = 10;
+        for (Contact& c : p.scene.contacts) c.beta = 5, c.B.placement.p[0] += 0.01;
+        move(p);
+        if (by_joints) p = on_joints(p);
+        const Vec3<double> by = distance / 3 * Vec3<double>(1, -1 / 7., 1 / 9.);
+        by_joints ? move_joints_away(by, p) : move_away(by, p);
+        const Truth<Quad> truth =
+            solve_truth<Quad>(p.scene, {1, 1}, p.q.cast<Quad>(), p.v.cast<Quad>(), p.u.cast<Quad>());
+        for (const Method method : {Method::kAuto, Method::kDense, Method::kSparseBodies}) {
+          const Answer x = answer(p, {method});
+          const std::string what = to_string(type) + " by " + to_string(method) + ", " + std::to_string(distance) +
+                                   " m" + (by_joints ? ", by joints" : "");
+          ASSERT_EQ(x.report.status, Status::kOk) << what;
+          const double allowed = std::max(1e-12, 100 * std::numeric_limits<double>::epsilon() * x.report.condition);
+          const double off_a = difference(x.a, truth.a.cast<double>()), off_f = difference(x.f, truth.f.cast<double>());
+          EXPECT_LE(off_a, allowed) << what;
+          EXPECT_LE(off_f, allowed) << what;
+          EXPECT_LE(off_a, x.report.error_acceleration) << what;
+          EXPECT_LE(off_f, x.report.error_forces) << what;
+        }
+      }
 }
 
 std::vector<int> numbers() {
