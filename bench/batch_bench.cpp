@@ -3,6 +3,9 @@
 #include <benchmark/benchmark.h>
 
 #include "manycontact/dynamics/batch.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
 #include "scenes.hpp"
 #include "settings.hpp"
 
@@ -34,9 +37,33 @@ void batch_of_states(benchmark::State& state, int robots, Work work, int threads
       robots * kStates * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+// The same by one scene of 64 copies: what a batch is measured by.
+void scene_of_copies(benchmark::State& state, Work work) {
+  const Posed s = bench::robots(64);
+  SceneData data(s.scene, {.threads = 1});
+  (void)solve(s.scene, s.q, s.v, s.u, data);
+  const Eigen::VectorXd wa = s.v, wf = data.f;
+  Eigen::VectorXd wq = s.v, wv = s.v, wu = s.u;
+  const auto once = [&] {
+    (void)solve(s.scene, s.q, s.v, s.u, data);
+    if (work == Work::kDifferentiate) (void)differentiate(s.scene, data);
+    if (work == Work::kVjp) vjp(s.scene, data, wa, wf, wq, wv, wu);
+    benchmark::ClobberMemory();
+  };
+  once();
+  for (auto _ : state) once();
+  state.counters["us_per_robot"] =
+      benchmark::Counter(64e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
 const Registration registered([] {
   const std::pair<Work, const char*> works[] = {
       {Work::kSolve, "solve"}, {Work::kDifferentiate, "differentiate"}, {Work::kVjp, "vjp"}};
+  for (const auto& [work, name] : works)
+    benchmark::RegisterBenchmark((std::string("batch/") + name + "/scene_of_64").c_str(),
+                                 [w = work](benchmark::State& s) { scene_of_copies(s, w); })
+        ->Unit(benchmark::kMicrosecond)
+        ->UseRealTime();
   for (const auto& [work, name] : works)
     for (int robots : {1, 4})
       for (int threads : {1, 2}) {

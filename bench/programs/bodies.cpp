@@ -44,7 +44,7 @@ std::vector<Body> bodies_of(const Posed& s) {
       Body b;
       b.parent = j.parent < 0 ? -1 : first + j.parent;
       b.type = j.type;
-      b.in_world = {kin.oMi[i].R, kin.origin + kin.oMi[i].p};
+      b.in_world = {kin.oMi[i].R, kin.origin(static_cast<int>(i)) + kin.oMi[i].p};
       b.in_parent = b.parent < 0 ? b.in_world : bodies[b.parent].in_world.inverse() * b.in_world;
       b.axis = j.axis;
       b.mass = j.inertia.m;

@@ -21,7 +21,7 @@ Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last,
   Eigen::Vector3d c = Eigen::Vector3d::Zero();
   for (int r = first; r < last; ++r) {
     const Kinematics<double>& kin = shared.kinematics(r);
-    for (const Inertia<double>& Y : kin.Y) c += Y.m * kin.origin + Y.h;
+    for (std::size_t i = 0; i < kin.Y.size(); ++i) c += kin.Y[i].m * kin.origin(static_cast<int>(i)) + kin.Y[i].h;
   }
   return c / mass;
 }
@@ -119,7 +119,7 @@ void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbs
       }
       const Eigen::Vector3d l = h[j].head<3>();
       d.r.head<3>() += l;
-      d.r.tail<3>() += h[j].tail<3>() - (d.c - kin.origin).cross(l);  // k - c x l
+      d.r.tail<3>() += h[j].tail<3>() - (d.c - kin.origin(static_cast<int>(j))).cross(l);  // k - c x l
     }
   }
 }
@@ -136,9 +136,9 @@ void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDat
     const Model& model = *d.shared->scene.robots[r].model;
     const Kinematics<double>& kin = d.shared->kinematics(r);
     const std::span<const Inertia<double>> composite = composite_inertias(d.shared->solution, r);
-    const Eigen::Vector3d c = d.c - kin.origin;
     for (int i = 0; i < model.nv; ++i, ++column) {
       const int joint = model.dof_joint[i], parent = model.joints[joint].parent;
+      const Eigen::Vector3d c = d.c - kin.origin(joint);
       const Inertia<double>& Yc = composite[joint];
       const Vec6<double> S = kin.J.col(i), dv = Yc * S;
       Vec6<double> dq = cross_force(S, d.h[r][joint]);

@@ -210,8 +210,8 @@ void ResidualModelFrameVelocity::calcDiff(const std::shared_ptr<ResidualDataAbst
         break;
       }
       case ReferenceFrame::kWorld:
-        Rx.col(k) = at_point(-kin.origin, dq - cross_motion(v, S));
-        Rx.col(n + k) = at_point(-kin.origin, S);
+        Rx.col(k) = at_point(-kin.origin(d.frame->joint), dq - cross_motion(v, S));
+        Rx.col(n + k) = at_point(-kin.origin(d.frame->joint), S);
         break;
     }
   }

@@ -1,12 +1,15 @@
 #include "manycontact/algorithm/body_kinematics.hpp"
 
-#include "move_frame.hpp"
+#include <algorithm>
+#include <array>
+
+#include "place_path.hpp"
 
 namespace manycontact {
 
 template <class S>
 BodyKinematics<S>::BodyKinematics(const Model& model)
-    : origin(Vec3<S>::Zero()), R(model.njoints()), p(model.njoints()), v(model.njoints()) {}
+    : origins(model.trees.size()), R(model.njoints()), p(model.njoints()), v(model.njoints()), tree_of(model.tree_of) {}
 
 namespace {
 
@@ -47,9 +50,17 @@ Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const Co
 }  // namespace
 
 template <class S>
-Vec3<S> origin_of(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q) {
-  if (model.floating_base) return q.template head<3>();
-  return base.p.cast<S>();
+void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin) {
+  std::array<SE3<S>, 6> placed;  // a path has no more joints
+  for (std::size_t k = 0; k < model.trees.size(); ++k) {
+    const Tree& tree = model.trees[k];
+    S s, c;
+    sin_cos(angle_of<S>(model.joints[tree.root], q), s, c);
+    kin.origins[k] = place_path<S>(model, tree, base, q, s, c, [&](int i) -> SE3<S>& {
+      return placed[std::find(tree.path.begin(), tree.path.end(), i) - tree.path.begin()];
+    });
+    for (std::size_t j = 0; j < tree.path.size(); ++j) kin.p[tree.path[j]] = placed[j].p;
+  }
 }
 
 template <class S>
@@ -76,7 +87,7 @@ void body_kinematics(const Model& model, const SE3<double>& base, int i, const C
       R = P;
     move_body<S>(joint, q, R, r, J);
   }
-  kin.p[i] = root ? r : kin.p[joint.parent] + r;
+  if (!model.on_path[i]) kin.p[i] = kin.p[joint.parent] + r;
   const Inertia<S>& Y = *terms.Y = joint.inertia.template cast<S>().turned(R);
   const Vec6<S> vJ = joint_motion<S>(joint, J, v);
   if (root) {
@@ -91,8 +102,8 @@ void body_kinematics(const Model& model, const SE3<double>& base, int i, const C
 }
 
 template struct BodyKinematics<InstantiatedScalar>;
-template Vec3<InstantiatedScalar> origin_of<InstantiatedScalar>(const Model&, const SE3<double>&,
-                                                                const ConstVecRef<InstantiatedScalar>&);
+template void place_trees<InstantiatedScalar>(const Model&, const SE3<double>&, const ConstVecRef<InstantiatedScalar>&,
+                                              BodyKinematics<InstantiatedScalar>&);
 template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&, int,
                                                   const ConstVecRef<InstantiatedScalar>&,
                                                   const ConstVecRef<InstantiatedScalar>&,

@@ -4,12 +4,17 @@ namespace manycontact {
 
 namespace {
 
-// The whole robot's inertia about the tree frame's origin; bodies on an immovable base are not part of the model.
+// Mass and first moment about the world's origin, tree by tree; bodies on an immovable base are not part of the model.
 template <class S>
-Inertia<S> total(const Kinematics<S>& kin) {
-  Inertia<S> Y;
-  for (const Inertia<S>& body : kin.Y) Y += body;
-  return Y;
+std::pair<S, Vec3<S>> moments(const Kinematics<S>& kin) {
+  std::pair<S, Vec3<S>> total(S(0), Vec3<S>::Zero());
+  for (std::size_t first = 0, end; first < kin.Y.size(); first = end) {
+    Inertia<S> Y;
+    for (end = first; end < kin.Y.size() && kin.tree_of[end] == kin.tree_of[first]; ++end) Y += kin.Y[end];
+    total.first += Y.m;
+    total.second += Y.h + Y.m * kin.origin(static_cast<int>(first));
+  }
+  return total;
 }
 
 }  // namespace
@@ -24,21 +29,25 @@ S kinetic_energy(const Model& model, const Kinematics<S>& kin, const ConstVecRef
 
 template <class S>
 S potential_energy(const Kinematics<S>& kin, const Vec3<double>& gravity) {
-  const Inertia<S> Y = total<S>(kin);
-  return -gravity.cast<S>().dot(Y.h + Y.m * kin.origin);
+  return -gravity.cast<S>().dot(moments<S>(kin).second);
 }
 
 template <class S>
 Vec3<S> center_of_mass(const Kinematics<S>& kin) {
-  const Inertia<S> Y = total<S>(kin);
-  return kin.origin + Y.h / Y.m;
+  const auto [mass, moment] = moments<S>(kin);
+  return moment / mass;
 }
 
 template <class S>
 Vec6<S> momentum(const Kinematics<S>& kin) {
   Vec6<S> h = Vec6<S>::Zero();
-  for (std::size_t i = 0; i < kin.Y.size(); ++i) h += kin.Y[i] * kin.v[i];
-  h.template tail<3>() += kin.origin.cross(Vec3<S>(h.template head<3>()));
+  for (std::size_t first = 0, end; first < kin.Y.size(); first = end) {
+    Vec6<S> of_tree = Vec6<S>::Zero();
+    for (end = first; end < kin.Y.size() && kin.tree_of[end] == kin.tree_of[first]; ++end)
+      of_tree += kin.Y[end] * kin.v[end];
+    of_tree.template tail<3>() += kin.origin(static_cast<int>(first)).cross(Vec3<S>(of_tree.template head<3>()));
+    h += of_tree;
+  }
   return h;
 }
 

@@ -4,7 +4,7 @@ namespace manycontact {
 
 namespace {
 
-// The frame in the tree frame.
+// The frame in its body's tree frame; of a fixed base, as seen from where that stands.
 template <class S>
 SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement) {
   if (joint >= 0) return kin.oMi[joint] * placement.cast<S>();
@@ -13,12 +13,12 @@ SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, con
 
 // What turns motions in the tree frame into motions in the axes asked for, by act_inverse.
 template <class S>
-SE3<S> view(const Kinematics<S>& kin, const SE3<S>& M, FrameAxes axes) {
+SE3<S> view(const Kinematics<S>& kin, int joint, const SE3<S>& M, FrameAxes axes) {
   switch (axes) {
     case FrameAxes::kLocal:
       return M;
     case FrameAxes::kWorld:
-      return {Mat3<S>::Identity(), Vec3<S>(-kin.origin)};
+      return {Mat3<S>::Identity(), Vec3<S>(-kin.origin(joint))};
     case FrameAxes::kLocalWorldAligned:
       return {Mat3<S>::Identity(), M.p};
   }
@@ -30,7 +30,7 @@ SE3<S> view(const Kinematics<S>& kin, const SE3<S>& M, FrameAxes axes) {
 template <class S>
 SE3<S> frame_placement(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement) {
   SE3<S> M = in_tree<S>(kin, base, joint, placement);
-  M.p += kin.origin;
+  M.p += joint >= 0 ? kin.origin(joint) : Vec3<S>(base.p.cast<S>());
   return M;
 }
 
@@ -38,14 +38,15 @@ template <class S>
 Vec6<S> frame_velocity(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
                        FrameAxes axes) {
   if (joint < 0) return Vec6<S>::Zero();
-  return view<S>(kin, in_tree<S>(kin, base, joint, placement), axes).act_inverse(kin.v[joint]);
+  return view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes).act_inverse(kin.v[joint]);
 }
 
 template <class S>
 Vec6<S> frame_acceleration(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
                            FrameAxes axes) {
   if (joint < 0) return Vec6<S>::Zero();
-  return view<S>(kin, in_tree<S>(kin, base, joint, placement), axes).act_inverse(Vec6<S>(kin.a[joint] - kin.a_base));
+  return view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes)
+      .act_inverse(Vec6<S>(kin.a[joint] - kin.a_base));
 }
 
 template <class S>
@@ -62,7 +63,7 @@ void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<doub
                     const SE3<double>& placement, FrameAxes axes, Eigen::Ref<Mat6X<S>> J) {
   J.setZero();
   if (joint < 0) return;
-  const SE3<S> M = view<S>(kin, in_tree<S>(kin, base, joint, placement), axes);
+  const SE3<S> M = view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes);
   const Joint& last = model.joints[joint];
   for (int i = last.idx_v + last.nv() - 1; i >= 0; i = model.dof_parent[i]) J.col(i) = M.act_inverse(kin.J.col(i));
 }

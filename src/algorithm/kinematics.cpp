@@ -2,19 +2,20 @@
 
 #include <algorithm>
 
-#include "move_frame.hpp"
+#include "place_path.hpp"
 
 namespace manycontact {
 
 template <class S>
 Kinematics<S>::Kinematics(const Model& model)
-    : origin(Vec3<S>::Zero()),
+    : origins(model.trees.size()),
       oMi(model.njoints()),
       J(Mat6X<S>::Zero(6, model.nv)),
       Y(model.njoints()),
       v(model.njoints(), Vec6<S>::Zero()),
       a(model.njoints(), Vec6<S>::Zero()),
-      a_base(Vec6<S>::Zero()) {}
+      a_base(Vec6<S>::Zero()),
+      tree_of(model.tree_of) {}
 
 namespace {
 
@@ -31,11 +32,10 @@ struct Turns {
   }
 };
 
-// Placement of the child frame and the columns of J for one joint; `M` comes as the joint frame's placement.
+// The columns of J for one joint, M being the child frame.
 template <class S>
-inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c, SE3<S>& M, Mat6X<S>& J) {
+inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
   const int iv = joint.idx_v;
-  move_frame<S>(joint, q, s, c, M.R, M.p);
   switch (joint.type) {
     case JointType::kRevolute: {
       const Vec3<S> axis = axis_of<S>(joint, M.R);
@@ -62,44 +62,43 @@ inline void move_joint(const Joint& joint, const ConstVecRef<S>& q, const S& s, 
   }
 }
 
-// Placement, motion subspace and inertia of body i, its joint turned by the angle of s and c.
+// Motion subspace and inertia of body i, which is placed.
 template <class S>
-inline void place_body(const Model& model, const SE3<S>& oMbase, const ConstVecRef<S>& q, int i, const S& s, const S& c,
-                       Kinematics<S>& kin) {
+inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
+  fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
+  kin.Y[i] = model.joints[i].inertia.template cast<S>().transformed(kin.oMi[i]);
+}
+
+// Places a body whose parent is placed, its joint turned by the angle of s and c.
+template <class S>
+inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s, const S& c, Kinematics<S>& kin) {
   const Joint& joint = model.joints[i];
   SE3<S>& M = kin.oMi[i];
-  if (i == 0 && model.floating_base) {
-    M.R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);  // the tree frame's origin is here: p = 0
-    M.p.setZero();
-    kin.J.template leftCols<6>() = M.action();
-  } else {
-    const SE3<S>& P = joint.parent < 0 ? oMbase : kin.oMi[joint.parent];
-    M.p = add_times<S>(P.p, P.R, joint.placement.p.cast<S>());
-    if (joint.placement_rotates)
-      M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
-    else
-      M.R = P.R;
-    move_joint<S>(joint, q, s, c, M, kin.J);
-  }
-  kin.Y[i] = joint.inertia.template cast<S>().transformed(M);
+  const SE3<S>& P = kin.oMi[joint.parent];
+  M.p = add_times<S>(P.p, P.R, joint.placement.p.cast<S>());
+  if (joint.placement_rotates)
+    M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
+  else
+    M.R = P.R;
+  move_frame<S>(joint, q, s, c, M.R, M.p);
 }
 
 }  // namespace
 
 template <class S, class B>
 void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, Kinematics<S>& kin) {
-  SE3<S> oMbase;
-  if (model.floating_base) {
-    kin.origin = q.template head<3>();
-  } else {
-    kin.origin = base.p.template cast<S>();
-    oMbase.R = base.R.template cast<S>();
-  }
   const int n = model.njoints();
   for (int first = 0; first < n;) {
     const int end = std::min(first + kAngles<S>, n);
     const Turns<S> turns(model, q, first, end);
-    for (int i = first; i < end; ++i) place_body<S>(model, oMbase, q, i, turns.s[i - first], turns.c[i - first], kin);
+    for (int i = first; i < end; ++i) {
+      const int tree = model.tree_of[i];
+      if (model.trees[tree].root == i)
+        kin.origins[tree] = place_path<S, B>(model, model.trees[tree], base, q, turns.s[i - first], turns.c[i - first],
+                                             [&kin](int j) -> SE3<S>& { return kin.oMi[j]; });
+      if (!model.on_path[i]) place_body<S>(model, q, i, turns.s[i - first], turns.c[i - first], kin);
+      fill_body<S>(model, i, kin);
+    }
     first = end;
   }
 }

@@ -4,17 +4,20 @@ namespace manycontact {
 
 namespace {
 
-// An attachment's frame in its body's frame, that frame's origin seen from the robot's base, and the base in the world.
+// An attachment's frame in its body's frame, that frame's origin in the tree frame, and the tree frame's in the world.
+// Of what is fixed in the world, the frame's axes about its own origin, or the base's.
 struct Placed {
   SE3<double> frame;
-  Vec3<double> body, base;
+  Vec3<double> body;
+  WorldPoint<double> tree;
 };
 Placed placed(const Scene& scene, const Attachment& at, const BodyKinematics<double>* kin) {
-  if (at.robot < 0) return {at.placement, Vec3<double>::Zero(), Vec3<double>::Zero()};
+  const Vec3<double> none = Vec3<double>::Zero();
+  if (at.robot < 0) return {{at.placement.R, none}, none, {at.placement.p}};
   const Mat3<double>& R = kin ? kin->R[at.joint] : scene.robots[at.robot].base.R;
   const SE3<double> frame{R * at.placement.R, R * at.placement.p};
-  if (!kin) return {frame, Vec3<double>::Zero(), scene.robots[at.robot].base.p};
-  return {frame, kin->p[at.joint], kin->origin};
+  if (!kin) return {frame, none, {scene.robots[at.robot].base.p}};
+  return {frame, kin->p[at.joint], kin->origins[kin->tree_of[at.joint]]};
 }
 
 }  // namespace
@@ -27,7 +30,7 @@ void body_rows(const Scene& scene, const Contact& c, const BodyKinematics<double
   const Placed A = placed(scene, c.A, kinA), B = placed(scene, c.B, kinB);
   d.aMA = d.bMA = A.frame;
   d.bMA.p += A.body - B.body;
-  d.bMA.p += A.base - B.base;
+  d.bMA.p += A.tree.seen_from(B.tree);
   d.G = B.frame.inverse() * d.bMA;
   const Vec6<double> zero = Vec6<double>::Zero();
   d.vA = kinA ? d.aMA.act_inverse(kinA->v[c.A.joint]) : zero;

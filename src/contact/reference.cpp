@@ -17,7 +17,7 @@ SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>
     places.robot = at.robot;
   }
   SE3<double> M = places.kin->oMi[at.joint] * offset;
-  M.p += places.kin->origin;
+  M.p += places.kin->origin(at.joint);
   return M;
 }
 

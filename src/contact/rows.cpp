@@ -30,9 +30,9 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
 
 // Origin of that tree frame. Of a fixed base without its robot's kinematics, which may be those of an earlier state.
 template <class S>
-Vec3<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
-  if (at.joint >= 0) return kin.origin;
-  return scene.robots[at.robot].base.p.template cast<S>();
+WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
+  if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];
+  return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
 template <class S>
@@ -109,11 +109,19 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
 template <class S>
 void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& d) {
-  Vec3<S> from_b = Vec3<S>::Zero();
-  if (kinB != &kinA) from_b = origin<S>(scene, c.A, kinA);
-  if (kinB && kinB != &kinA) from_b -= origin<S>(scene, c.B, *kinB);
-  contact_rows_between<S>(scene.gravity, c, support, kinA, place<S>(scene, c.A, kinA), kinB,
-                          kinB ? place<S>(scene, c.B, *kinB) : c.B.placement.cast<S>(), from_b, d);
+  const WorldPoint<S> from = origin<S>(scene, c.A, kinA);
+  const SE3<S> aMA = place<S>(scene, c.A, kinA);
+  if (!kinB) return contact_rows_with_world<S>(scene.gravity, c, support, kinA, aMA, from, c.B.placement.cast<S>(), d);
+  contact_rows_between<S>(scene.gravity, c, support, kinA, aMA, kinB, place<S>(scene, c.B, *kinB),
+                          from.seen_from(origin<S>(scene, c.B, *kinB)), d);
+}
+
+template <class S>
+void contact_rows_with_world(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
+                             const Kinematics<S>& kinA, const SE3<S>& aMA, const WorldPoint<S>& origin,
+                             const SE3<S>& oMB, ContactData<S>& d) {
+  contact_rows_between<S>(gravity, c, support, kinA, aMA, nullptr, {oMB.R, Vec3<S>(Vec3<S>::Zero())},
+                          origin.seen_from({oMB.p}), d);
 }
 
 template <class S>
@@ -137,6 +145,12 @@ template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<Ins
 template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
                                                const Kinematics<InstantiatedScalar>&,
                                                const Kinematics<InstantiatedScalar>*, ContactData<InstantiatedScalar>&);
+template void contact_rows_with_world<InstantiatedScalar>(const Vec3<double>&, const Contact&, const ContactSupport&,
+                                                          const Kinematics<InstantiatedScalar>&,
+                                                          const SE3<InstantiatedScalar>&,
+                                                          const WorldPoint<InstantiatedScalar>&,
+                                                          const SE3<InstantiatedScalar>&,
+                                                          ContactData<InstantiatedScalar>&);
 template void contact_rows_between<InstantiatedScalar>(const Vec3<double>&, const Contact&, const ContactSupport&,
                                                        const Kinematics<InstantiatedScalar>&,
                                                        const SE3<InstantiatedScalar>&,

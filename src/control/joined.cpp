@@ -241,7 +241,7 @@ void ActionModelJoined::solve_bonds(ActionDataJoined& d, const ConstVectorRef& x
       const std::vector<int>& of_part = bonds_of_[static_cast<std::size_t>(i)];
       const auto k = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
       const auto part = static_cast<std::size_t>(i);
-      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin + bond.rows.aMA.p;
+      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin(contact.A.joint) + bond.rows.aMA.p;
       auto w = d.u[part].segment<kRows>(static_cast<Index>(parts_[part].u.size()) + kRows * k);
       w << R * F.head<3>(), R * F.tail<3>();
     }

@@ -82,8 +82,8 @@ void ActuationModelWrenches::calc(const std::shared_ptr<ActuationDataAbstract>& 
     const Robot& robot = robot_of_end(*multibody_, ends_[b]);
     Kinematics<double>& kin = d.kins[b];
     forward_kinematics<double>(*robot.model, robot.base, x.segment(robot.idx_q, robot.model->nq), kin);
-    const Vec6<double> w =
-        ends_[b].sign * moved(u.segment<6>(static_cast<Index>(nu_own() + 6 * b)), d.points[b] - kin.origin);
+    const Vec6<double> w = ends_[b].sign * moved(u.segment<6>(static_cast<Index>(nu_own() + 6 * b)),
+                                                 d.points[b] - kin.origin(ends_[b].joint));
     for (const int k : d.chains[b]) d.tau[robot.idx_v + k] += kin.J.col(k).dot(w);
   }
 }
@@ -98,7 +98,7 @@ void ActuationModelWrenches::calcDiff(const std::shared_ptr<ActuationDataAbstrac
     const Kinematics<double>& kin = d.kins[b];
     const int column = static_cast<int>(nu_own() + 6 * b);
     const double sign = ends_[b].sign;
-    const Vec3<double> r = d.points[b] - kin.origin;
+    const Vec3<double> r = d.points[b] - kin.origin(ends_[b].joint);
     const Vec6<double> w = sign * moved(u.segment<6>(column), r);
     for (const int k : d.chains[b]) {
       const Vec6<double> s = kin.J.col(k);

@@ -10,6 +10,58 @@
 
 namespace manycontact {
 
+/// A scene several times over, one copy after the other, and the data of these.
+struct BatchCopies {
+  BatchCopies(const Scene& of, int copies, const Options& options);
+
+  int count;
+  Scene scene;
+  SceneData data;
+  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu;  // of all copies
+};
+
+namespace {
+
+Scene copies_of(const Scene& scene, int count) {
+  Scene out;
+  for (int k = 0; k < count; ++k) {
+    for (Robot robot : scene.robots) {
+      robot.idx_q += k * scene.nq, robot.idx_v += k * scene.nv, robot.idx_u += k * scene.nu;
+      out.robots.push_back(std::move(robot));
+    }
+    for (Contact contact : scene.contacts) {
+      for (Attachment* at : {&contact.A, &contact.B})
+        if (at->robot >= 0) at->robot += k * scene.nrobots();
+      out.contacts.push_back(std::move(contact));
+    }
+  }
+  out.nq = count * scene.nq, out.nv = count * scene.nv, out.nu = count * scene.nu;
+  return out;
+}
+
+// What of a scene may change under data in use.
+void refresh(const Scene& scene, BatchCopies& copies) {
+  copies.scene.gravity = scene.gravity;
+  copies.scene.damping = scene.damping;
+  for (std::size_t r = 0; r < copies.scene.robots.size(); ++r)
+    copies.scene.robots[r].base = scene.robots[r % scene.robots.size()].base;
+  for (std::size_t c = 0; c < copies.scene.contacts.size(); ++c) {
+    Contact& contact = copies.scene.contacts[c];
+    const int A = contact.A.robot, B = contact.B.robot;
+    contact = scene.contacts[c % scene.contacts.size()];
+    contact.A.robot = A, contact.B.robot = B;
+  }
+}
+
+}  // namespace
+
+BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
+    : count(copies), scene(copies_of(of, copies)), data(scene, options) {
+  q.resize(scene.nq);
+  for (Eigen::VectorXd* x : {&v, &wa, &wq, &wv}) x->resize(scene.nv);
+  for (Eigen::VectorXd* x : {&u, &wu}) x->resize(scene.nu);
+}
+
 BatchData::BatchData(const Scene& scene, int count, const Options& opts) : options(opts) {
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   if (count <= 0) count = internal::default_threads();
@@ -54,7 +106,92 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   internal::check_size(function, "status", static_cast<Eigen::Index>(status.size()), count);
 }
 
-// Solves each state, then use(state, data). The one loop over states there is.
+// From how many states on they stand side by side: all copies together cost as much as two alone, whoever is in them.
+std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
+
+// How many states fill the lanes: 1 where the robots of one do, or where there are no lanes.
+int states_side_by_side(const Workspace& w) {
+  if (!w.lanes.level) return 1;
+  const int width = w.lanes.level->width;
+  const auto leaves_room = [width](const std::vector<int>& members) {
+    return !members.empty() && members.size() < static_cast<std::size_t>(width);
+  };
+  for (const auto& [key, group] : w.lanes.groups)
+    if (leaves_room(group.islands)) return width;
+  for (const auto& [model, group] : w.term_groups.robots)
+    if (leaves_room(group.members)) return width;
+  return 1;
+}
+
+void prepare_copies(const Scene& scene, BatchData& batch) {
+  const int count = batch.threads.front().data.workspace->lanes.level->width;
+  for (BatchData::Thread& thread : batch.threads) {
+    if (!thread.copies || thread.copies->count != count) {
+      thread.copies.reset();
+      thread.copies = std::make_shared<BatchCopies>(scene, count, thread.data.options);
+    }
+    refresh(scene, *thread.copies);
+    SceneData& data = thread.copies->data;
+    data.options = thread.data.options;
+    for (std::size_t c = 0; c < data.active.size(); ++c) data.active[c] = batch.active[c % batch.active.size()];
+  }
+}
+
+// Of the states first, first+1, ..., the rows of X one after the other; copies left over take the last state.
+void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::VectorXd& out) {
+  for (std::ptrdiff_t k = 0; k < copies; ++k)
+    out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
+}
+
+// What was solved at once: the scene itself, or copies of it, one state in each.
+struct Solved {
+  const Scene& scene;
+  SceneData& data;
+  BatchCopies* copies;  // nullptr: the scene itself
+  std::ptrdiff_t first;
+  int states;
+
+  int count() const { return copies ? copies->count : 1; }
+  std::size_t islands() const { return data.report.islands.size() / count(); }  // of a state
+};
+
+// Row `state` of X, of as many numbers, from the numbers of all that were solved at once.
+void put(const Eigen::VectorXd& x, const Solved& s, int copy, BatchRows X) {
+  row_of(X, s.first + copy) = x.segment(copy * X.cols(), X.cols());
+}
+
+Status status_of(const Solved& s, int copy) {
+  Status worst = Status::kOk;
+  for (std::size_t i = copy * s.islands(); i < (copy + 1) * s.islands(); ++i)
+    worst = std::max(worst, s.data.report.islands[i].status);
+  return worst;
+}
+
+// Solves the states first ... first+states-1 and uses them: side by side, or one after the other.
+template <class Use>
+void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thread, std::ptrdiff_t first, int states,
+                std::span<Status> status, Use&& use) {
+  const auto solved = [&](const Solved& these) {
+    for (int k = 0; k < these.states; ++k) status[these.first + k] = status_of(these, k);
+    use(these);
+  };
+  if (thread.copies && states >= worth_it(thread.copies->count)) {
+    BatchCopies& c = *thread.copies;
+    gather(s.q, first, c.count, c.q);
+    gather(s.v, first, c.count, c.v);
+    gather(s.u, first, c.count, c.u);
+    internal::forget_states(c.data);
+    (void)solve(c.scene, c.q, c.v, c.u, c.data);
+    return solved({c.scene, c.data, &c, first, states});
+  }
+  for (std::ptrdiff_t k = first; k < first + states; ++k) {
+    internal::forget_states(thread.data);
+    (void)solve(scene, row_of(s.q, k), row_of(s.v, k), row_of(s.u, k), thread.data);
+    solved({scene, thread.data, nullptr, k, 1});
+  }
+}
+
+// Solves all states, then use(Solved) of each, or of those side by side. The one loop over states there is.
 template <class Use>
 void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std::span<Status> status, Use&& use) {
   for (BatchData::Thread& thread : batch.threads) {
@@ -63,49 +200,65 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     thread.data.active = batch.active;
     thread.error = nullptr;
   }
+  const std::ptrdiff_t count = s.q.rows();
+  if (count == 0) return;
+  const auto threads = std::min(static_cast<std::ptrdiff_t>(batch.threads.size()), count);
+  const std::ptrdiff_t of_thread = (count + threads - 1) / threads;
+  std::ptrdiff_t at_once = 1;
+  if (of_thread > 1) {
+    prepare(scene, batch.threads.front().data);
+    at_once = std::min<std::ptrdiff_t>(states_side_by_side(*batch.threads.front().data.workspace), of_thread);
+  }
+  if (at_once > 1) prepare_copies(scene, batch);
   std::atomic<bool> stop = false;
   auto work = [&](std::ptrdiff_t k, int number) {
     if (stop) return;
     BatchData::Thread& thread = batch.threads[number];
+    const std::ptrdiff_t first = k * at_once;
     try {
-      internal::forget_states(thread.data);
-      status[k] = solve(scene, row_of(s.q, k), row_of(s.v, k), row_of(s.u, k), thread.data).status;
-      use(k, thread.data);
+      solve_some(scene, s, thread, first, static_cast<int>(std::min(at_once, count - first)), status, use);
     } catch (...) {
       thread.error = std::current_exception();
-      thread.state = k;
+      thread.state = first;
       stop = true;
     }
   };
   const sparse::OneBlasThread one_blas_thread;
-  const auto threads = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(batch.threads.size()), s.q.rows());
-  internal::run_items(static_cast<int>(std::max<std::ptrdiff_t>(threads, 1)), s.q.rows(), work);
-  BatchData::Thread* first = nullptr;
+  internal::run_items(static_cast<int>(threads), (count + at_once - 1) / at_once, work);
+  BatchData::Thread* failed = nullptr;
   for (BatchData::Thread& thread : batch.threads)
-    if (thread.error && (!first || thread.state < first->state)) first = &thread;
-  if (first) std::rethrow_exception(first->error);
+    if (thread.error && (!failed || thread.state < failed->state)) failed = &thread;
+  if (failed) std::rethrow_exception(failed->error);
 }
 
-// [da; df] of [q v u] in the scene's order, row-major, from the islands' blocks.
-void write_derivatives(const Scene& scene, const SceneData& data, Row out) {
-  const DerivativeData& dd = derivatives(data);
-  Eigen::Map<BatchMatrix> D(out.data(), scene.nv + data.f.size(), 2 * scene.nv + scene.nu);
+// [da; df] of [q v u] in the scene's order, row-major, from the islands' blocks. nf: of a state.
+void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
+  const DerivativeData& dd = derivatives(s.data);
+  const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // where its coordinates begin
+  Eigen::Map<BatchMatrix> D(out.data(), scene.nv + nf, 2 * scene.nv + scene.nu);
   D.setZero();
-  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
+  for (std::size_t i = copy * s.islands(); i < (copy + 1) * s.islands(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Island& island = island_of(data, i);
-    const auto row_block = [&](int to, int from, int n) {
-      each_velocity_block(scene, island, [&](int to_v, int from_v, int nv) {
-        D.block(to, to_v, n, nv) = d.X.block(from, d.q_first + from_v, n, nv);
-        D.block(to, scene.nv + to_v, n, nv) = d.X.block(from, d.v_first + from_v, n, nv);
+    const Island& island = island_of(s.data, i);
+    const auto row_block = [&](Eigen::Index to, int from, int n) {
+      each_velocity_block(s.scene, island, [&](int to_v, int from_v, int nv) {
+        D.block(to, to_v - v0, n, nv) = d.X.block(from, d.q_first + from_v, n, nv);
+        D.block(to, scene.nv + to_v - v0, n, nv) = d.X.block(from, d.v_first + from_v, n, nv);
       });
-      each_torque_block(scene, island, [&](int to_u, int from_u, int nu) {
-        D.block(to, 2 * scene.nv + to_u, n, nu) = d.X.block(from, d.u_first + from_u, n, nu);
+      each_torque_block(s.scene, island, [&](int to_u, int from_u, int nu) {
+        D.block(to, u0 + to_u, n, nu) = d.X.block(from, d.u_first + from_u, n, nu);
       });
     };
-    each_velocity_block(scene, island, row_block);
-    each_force_block(scene, data.f_offset, island,
-                     [&](int to, int from, int n) { row_block(scene.nv + to, d.nv + from, n); });
+    each_velocity_block(s.scene, island, [&](int to, int from, int n) { row_block(to - v0, from, n); });
+    each_force_block(s.scene, s.data.f_offset, island,
+                     [&](int to, int from, int n) { row_block(scene.nv + to - copy * nf, d.nv + from, n); });
+  }
+}
+
+void put_answer(const Solved& s, BatchRows A, BatchRows F) {
+  for (int k = 0; k < s.states; ++k) {
+    put(s.data.a, s, k, A);
+    put(s.data.f, s, k, F);
   }
 }
 
@@ -116,10 +269,7 @@ void solve_batch(const Scene& scene, const BatchStates& states, BatchData& batch
   check("solve_batch", scene, states, batch, status);
   check("solve_batch", "A", A, states.q.rows(), scene.nv);
   check("solve_batch", "F", F, states.q.rows(), force_rows(scene, batch));
-  each_state(scene, states, batch, status, [&](std::ptrdiff_t k, const SceneData& data) {
-    row_of(A, k) = data.a;
-    row_of(F, k) = data.f;
-  });
+  each_state(scene, states, batch, status, [&](const Solved& s) { put_answer(s, A, F); });
 }
 
 void differentiate_batch(const Scene& scene, const BatchStates& states, BatchData& batch, BatchRows A, BatchRows F,
@@ -129,11 +279,10 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
   check("differentiate_batch", "A", A, count, scene.nv);
   check("differentiate_batch", "F", F, count, nf);
   check("differentiate_batch", "D", D, count, (scene.nv + nf) * (2 * scene.nv + scene.nu));
-  each_state(scene, states, batch, status, [&](std::ptrdiff_t k, SceneData& data) {
-    row_of(A, k) = data.a;
-    row_of(F, k) = data.f;
-    differentiate(scene, data);
-    write_derivatives(scene, data, row_of(D, k));
+  each_state(scene, states, batch, status, [&](const Solved& s) {
+    put_answer(s, A, F);
+    differentiate(s.scene, s.data);
+    for (int k = 0; k < s.states; ++k) write_derivatives(scene, s, k, nf, row_of(D, s.first + k));
   });
 }
 
@@ -146,8 +295,16 @@ void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRo
   check("vjp_batch", "WQ", WQ, count, scene.nv);
   check("vjp_batch", "WV", WV, count, scene.nv);
   check("vjp_batch", "WU", WU, count, scene.nu);
-  each_state(scene, states, batch, status, [&](std::ptrdiff_t k, SceneData& data) {
-    vjp(scene, data, row_of(WA, k), row_of(WF, k), row_of(WQ, k), row_of(WV, k), row_of(WU, k));
+  each_state(scene, states, batch, status, [&](const Solved& s) {
+    if (!s.copies)
+      return vjp(s.scene, s.data, row_of(WA, s.first), row_of(WF, s.first), row_of(WQ, s.first), row_of(WV, s.first),
+                 row_of(WU, s.first));
+    BatchCopies& c = *s.copies;
+    internal::remake(c.wf, s.data.f.size());
+    gather(WA, s.first, c.count, c.wa);
+    gather(WF, s.first, c.count, c.wf);
+    vjp(s.scene, s.data, c.wa, c.wf, c.wq, c.wv, c.wu);
+    for (int k = 0; k < s.states; ++k) put(c.wq, s, k, WQ), put(c.wv, s, k, WV), put(c.wu, s, k, WU);
   });
 }
 

@@ -135,8 +135,8 @@ void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d) 
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];
     data.workspace->robots[d.island.robots[k]].known = false;
-    d.bodies->kin[k].origin =
-        origin_of<double>(*robot.model, robot.base, data.workspace->q.segment(robot.idx_q, robot.model->nq));
+    place_trees<double>(*robot.model, robot.base, data.workspace->q.segment(robot.idx_q, robot.model->nq),
+                        d.bodies->kin[k]);
   }
 }
 

@@ -10,14 +10,14 @@
 
 namespace manycontact {
 
-ByRobots::ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> j, ShapeCache& shapes)
+ByRobots::ByRobots(const IslandShape& shape, Order order, std::shared_ptr<const Joining> j, ShapeCache& shapes)
     : robots(j->robots.begin(), j->robots.end()), joining(std::move(j)), compiled(joining->schedule.compiled) {
   const Scene& scene = shape.scene();
   const Island& island = shape.island();
   for (std::size_t k = 0; k < robots.size(); ++k) {
     OfRobot& r = robots[k];
     const Island own = alone(shape, *joining, k);
-    r.K.reset(shapes.find(scene, own)->pattern(Order::kLeafToRoot));
+    r.K.reset(shapes.find(scene, own)->pattern(order));
     compiled = compiled && r.K.pattern->schedule().compiled;
     for (int i = 0; i < own.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
     for (int c : r.contacts)
@@ -120,7 +120,8 @@ void take_memory(const IslandWork& d, std::size_t threads, ByRobots& by) {
 void prepare_by_robots(IslandWork& d, const IslandDerivatives& out, Workspace& w) {
   if (d.island.robots.size() == 1 || has_bodies(d) || w.options.order) return;
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
-  if (!d.by_robots) d.by_robots = std::make_unique<ByRobots>(*d.shape, joining_of(d), w.shapes);
+  const Order order = d.cut ? d.choice.order : Order::kLeafToRoot;
+  if (!d.by_robots) d.by_robots = std::make_unique<ByRobots>(*d.shape, order, joining_of(d), w.shapes);
   ByRobots& by = *d.by_robots;
   if (by.laid_out && by.request == out.request) return;
   by.laid_out = false;  // should memory run out

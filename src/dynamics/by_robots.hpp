@@ -18,8 +18,8 @@ namespace manycontact {
 struct ByRobots {
   static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
 
-  /// shapes: where the patterns of the K_r are met again.
-  ByRobots(const IslandShape& shape, std::shared_ptr<const Joining> joining, ShapeCache& shapes);
+  /// order: of elimination, of the K_r. shapes: where their patterns are met again.
+  ByRobots(const IslandShape& shape, Order order, std::shared_ptr<const Joining> joining, ShapeCache& shapes);
 
   struct Columns {  // A block of columns of X, and where it stands in a robot's panel.
     int in_X, in_P, count;
@@ -73,9 +73,10 @@ namespace internal {
 /// Makes island.by_robots for `out`, which is laid out, where robot by robot is predicted to be cheaper than by the
 /// factor at hand.
 void prepare_by_robots(IslandWork& island, const IslandDerivatives& out, Workspace& work);
-/// Whether it is; but for that the way may turn out not to be sound.
+/// Whether it is; but for that the way may turn out not to be sound. Where the island was solved robot by robot, by the
+/// factors that are there then, without one of its own.
 inline bool goes_by_robots(const IslandWork& d) {
-  return d.by_robots && d.by_robots->cheaper && d.factor && d.factor == d.chosen.get();
+  return d.by_robots && d.by_robots->cheaper && (d.factor ? d.factor == d.chosen.get() : d.in_lanes && d.cut);
 }
 
 /// All of an island's derivatives into `out`, robot by robot, after derivative_terms. False where that is not sound:

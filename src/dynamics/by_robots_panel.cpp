@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "by_robots.hpp"
+#include "cut.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
@@ -65,8 +67,16 @@ void sample_rhs(const IslandWork& d, const AlignedPanel& X, ByRobots& by) {
     }
 }
 
+// Whether the factors that the island was solved by, robot by robot, are there.
+bool has_factors(const IslandWork& d) { return d.in_lanes && d.cut; }
+
 // K_r's factor; false where its pivots are not sound.
 bool factorize_robot(const IslandWork& d, std::size_t k, OfRobot& r, FactorScratch& scratch) {
+  r.K.damping = d.K.damping;
+  if (has_factors(d)) {
+    take_factor_of_robot(*d.cut, k, r.K, *r.factor);
+    return true;
+  }
   for (std::size_t c = 0; c < r.contacts.size(); ++c) r.J[c] = d.J[r.contacts[c]];
   assemble({&d.M[k], 1}, r.J, d.K.damping, r.K);
   r.K.row_size = d.K.row_size;
@@ -89,8 +99,8 @@ void gather_joining(const IslandWork& d, std::size_t k, OfRobot& r) {
   }
 }
 
-// P = K_r^-1 [G_r^T, B_r], refined once, H = G_r P and T. B stands in X.
-void solve_robot(const AlignedPanel& X, OfRobot& r) {
+// P = K_r^-1 [G_r^T, B_r], refined once or not at all, H = G_r P and T. B stands in X.
+void solve_robot(const AlignedPanel& X, bool refined, OfRobot& r) {
   const int nv = r.K.nv(), joining = static_cast<int>(r.joining.size());
   for (int i = 0; i < r.size(); ++i) {
     double* p = r.P.data() + static_cast<std::ptrdiff_t>(i) * r.ld;
@@ -99,7 +109,10 @@ void solve_robot(const AlignedPanel& X, OfRobot& r) {
     for (const ByRobots::Columns& c : r.columns) std::copy_n(&X(r.row[i], c.in_X), c.count, p + c.in_P);
   }
   std::fill(r.nonzero.begin(), r.nonzero.end(), 1);
-  r.factor->solve_panel_refined(r.K, r.P.data(), r.ld, 0, r.ld, r.nonzero.data());
+  if (refined)
+    r.factor->solve_panel_refined(r.K, r.P.data(), r.ld, 0, r.ld, r.nonzero.data());
+  else
+    r.factor->solve_panel(r.P.data(), r.ld, 0, r.ld, r.nonzero.data());
   sparse::panel_kernels().product(r.G.data(), r.padded(), r.P.data(), nv, r.padded(), r.ld, r.ld, r.H.data());
   const int ldT = sparse::padded(r.size());
   for (int i = 0; i < r.size(); ++i)
@@ -110,6 +123,12 @@ void solve_robot(const AlignedPanel& X, OfRobot& r) {
 
 // S = sum_r G_r T_r + delta I and its factor; false where its pivots are not sound.
 bool factorize_joining(const IslandWork& d, ByRobots& by) {
+  if (has_factors(d)) {  // of -S
+    by.L = d.cut->L;
+    by.scale = d.cut->terms;
+    std::transform(d.cut->D.begin(), d.cut->D.end(), by.D.begin(), std::negate<>());
+    return true;
+  }
   std::fill(by.Sx.begin(), by.Sx.end(), 0.0);
   for (int k = 0; k < by.joining->rows(); ++k) by.Sx[by.joining->S.p[k + 1] - 1] = d.K.damping;
   for (const OfRobot& r : by.robots) {
@@ -200,6 +219,29 @@ bool sample_is_good(const IslandWork& d, const AlignedPanel& X, Workspace& w, By
                      [](double error) { return error <= tolerance::kPanelRefined; });
 }
 
+// What answers need of each robot and of the joining rows, from right-hand sides in X; whether that is sound.
+bool solve_robots(const Scene& scene, SceneData& data, IslandWork& d, bool refined, IslandDerivatives& out) {
+  Workspace& w = *data.workspace;
+  ByRobots& by = *d.by_robots;
+  AlignedPanel& X = out.X;
+  clear_rhs(by, by.buffers.front().nonzero, X);
+  derivative_rhs(scene, *w.linearisation, data.v, d, out);
+  sample_rhs(d, X, by);
+  if (!has_factors(d)) ++d.factorizations;
+  each_item(w, by.robots.size(), [&](std::size_t k, ThreadWork& thread) {
+    OfRobot& r = by.robots[k];
+    r.sound = factorize_robot(d, k, r, thread.scratch);
+    if (!r.sound) return;
+    gather_joining(d, k, r);
+    solve_robot(X, refined, r);
+  });
+  if (!std::all_of(by.robots.begin(), by.robots.end(), [](const OfRobot& r) { return r.sound; })) return false;
+  if (!factorize_joining(d, by)) return false;
+  if (!(growth(d, by) * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
+  joining_rhs(by, X);
+  return sample_is_good(d, X, w, by);
+}
+
 }  // namespace
 
 bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out) {
@@ -207,22 +249,9 @@ bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d,
   if (!goes_by_robots(d)) return false;
   ByRobots& by = *d.by_robots;
   AlignedPanel& X = out.X;
-
-  clear_rhs(by, by.buffers.front().nonzero, X);
-  derivative_rhs(scene, *w.linearisation, data.v, d, out);
-  sample_rhs(d, X, by);
-  each_item(w, by.robots.size(), [&](std::size_t k, ThreadWork& thread) {
-    OfRobot& r = by.robots[k];
-    r.sound = factorize_robot(d, k, r, thread.scratch);
-    if (!r.sound) return;
-    gather_joining(d, k, r);
-    solve_robot(X, r);
-  });
-  if (!std::all_of(by.robots.begin(), by.robots.end(), [](const OfRobot& r) { return r.sound; })) return false;
-  if (!factorize_joining(d, by)) return false;
-  if (!(growth(d, by) * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
-  joining_rhs(by, X);
-  if (!sample_is_good(d, X, w, by)) return false;
+  const bool refined = d.first_error > tolerance::kRefinePanel;
+  if (!solve_robots(scene, data, d, refined, out) && (refined || !solve_robots(scene, data, d, true, out)))
+    return false;
 
   const int ld = static_cast<int>(X.cols());
   const bool past_caches = sizeof(double) * X.size() > kCached;

@@ -71,6 +71,9 @@ void solve_cut(const Scene& scene, SceneData& data);
 inline bool solved_cut(const SceneData& data, const IslandWork& d) { return d.cut && d.cut->serial == data.serial; }
 /// [a; -f] <- K^-1 [a; -f] of such an island, refined once, in the scene's coordinates.
 void solve_once_refined_cut(const Scene& scene, SceneData& data, IslandWork& d, Eigen::VectorXd& a, Eigen::VectorXd& f);
+/// Of robot k of such an island: K_r into K.values, and its factor, which has no border. K has the pattern of the robot
+/// alone, in the island's order.
+void take_factor_of_robot(const CutIsland& cut, std::size_t k, KktMatrix& K, Factor& factor);
 /// Kinematics and contact rows of these islands, at w.q, data.v.
 void evaluate_cut(const Scene& scene, const SceneData& data);
 /// K and factor of the islands that were solved so, as if they had been solved by their factor.

@@ -229,6 +229,8 @@ void report_cut(const Scene& scene, const CutIsland& cut, const sparse::Refineme
   report.residual_contact = largest.r[1] == 0 ? 0 : largest.r[1] / largest.scale[1];
   report.backward_error = refinement.backward_error;
   d.factor = nullptr;
+  d.first_error = refinement.first;
+  d.factorizations = 1;
   d.in_lanes = true;
   d.cut->terms_known = false;
   d.cut->serial = serial;
@@ -307,6 +309,28 @@ void solve_once_refined_cut(const Scene& scene, SceneData& data, IslandWork& d, 
     for (int i = 0; i < joint.rows; ++i) cut.b[joint.row + i] = -f[data.f_offset[joint.contact] + i];
   (void)solve_refined_cut(w, scene.damping, 1, cut);
   store_answer(job, w, cut);
+}
+
+void take_factor_of_robot(const CutIsland& cut, std::size_t k, KktMatrix& K, Factor& factor) {
+  const int member = cut.robots[k].member;
+  const auto after = std::upper_bound(cut.batches.begin(), cut.batches.end(), member,
+                                      [](int m, const CutIsland::Batch& batch) { return m < batch.first; });
+  const CutIsland::Batch& batch = after[-1];
+  const KktPattern &with_border = batch.group->robot->pattern, &alone = *K.pattern;
+  const std::size_t width = batch.group->kernels.front()->width(batch.count == 1);
+  const double* from =
+      cut.memory.data() + batch.at + (member - batch.first);  // lane by lane: as CutSideBySide::Numbers
+  const auto take = [&](std::size_t first, int count, double* to) {
+    for (int i = 0; i < count; ++i) to[i] = from[(first + i) * width];
+  };
+  const std::size_t L = static_cast<std::size_t>(with_border.K.nonzeros() + with_border.size()),
+                    D = L + with_border.ldl.nonzeros();
+  take(0, alone.K.nonzeros(), K.values.data());  // the border's columns are the last
+  const CutMember& robot = cut.members[member];
+  const LdlRoom room = room_for_ldl(factor, K, robot.diagonal > 0 ? robot.terms / robot.diagonal : 1);
+  for (int j = 0; j < alone.size(); ++j)  // and its rows the last of a column
+    take(L + with_border.ldl.Lp[j], alone.ldl.Lp[j + 1] - alone.ldl.Lp[j], room.L.data() + alone.ldl.Lp[j]);
+  take(D, alone.size(), room.D.data());
 }
 
 void evaluate_cut(const Scene& scene, const SceneData& data) {

@@ -1,5 +1,6 @@
 #include "manycontact/dynamics/differentiate.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -43,13 +44,13 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
                           ThreadWork& thread) {
   Workspace& w = *data.workspace;
   IslandWork& d = *w.islands[i];
-  if (!d.factor) {
-    out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return;
-  }
+  const auto none = [&out] { out.X.setConstant(std::numeric_limits<double>::quiet_NaN()); };
+  if (!d.factor && !goes_by_robots(d)) return none();
   const AtSolution at(scene, data, d.island);
   derivative_terms(scene, data, d.island, data.f);
   if (differentiate_by_robots(scene, data, d, out)) return;
+  if (d.in_lanes) complete_island(scene, data, d, thread);
+  if (!d.factor) return none();
   out.X.setZero();
   derivative_rhs(scene, *w.linearisation, data.v, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
@@ -66,7 +67,10 @@ namespace {
 void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, ThreadWork& thread) {
   IslandWork& d = *data.workspace->islands[i];
   IslandDerivatives& out = data.workspace->derivatives.islands[i];
-  if (d.in_lanes) complete_island(scene, data, d, thread);
+  if (goes_by_robots(d) && d.in_lanes)
+    assemble_island(scene, data, d.choice.order, scene.damping, d);  // K, that the derivatives are judged by
+  else if (d.in_lanes)
+    complete_island(scene, data, d, thread);
   differentiate_island(scene, data, i, out, thread);
   if (by_bodies(d) && out.X.hasNaN() && climb_again(scene, data, d, thread))  // joint space may do better
     differentiate_island(scene, data, i, out, thread);
@@ -78,7 +82,7 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   internal::check_unasked(scene, data, "differentiate");
-  internal::complete_cut(scene, data);
+  internal::evaluate_cut(scene, data);
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
@@ -107,6 +111,8 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     all_linearised = all_linearised && !w.islands[i]->served_in_lanes();
     w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }
+  w.kinematics_known =
+      std::all_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return !d->in_lanes || d->cut; });
   w.derivatives_serial = data.serial;
   w.linearised_serial = all_linearised ? data.serial : 0;
   return w.derivatives;

@@ -23,25 +23,78 @@ Apply inverse(IslandWork& d) {
 
 double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
 
+// Sizes of the linear and the angular part of a motion or a force: a body that only slides has no lever, and its
+// turning is not to count with the lever of where it stands.
+struct Parts {
+  double linear = 0, angular = 0;
+  double of(const Parts& motion) const { return linear * motion.linear + angular * motion.angular; }
+  void take(const Vec6<double>& x) {
+    linear = std::max(linear, x.head<3>().cwiseAbs().maxCoeff());
+    angular = std::max(angular, x.tail<3>().cwiseAbs().maxCoeff());
+  }
+};
+
+// Of an inertia: what it was computed from, where that is more than what is left.
+struct InertiaSize {
+  double m = 0, h = 0, I = 0;
+  InertiaSize() = default;
+  InertiaSize(const Inertia<double>& Y, double lever)
+      : m(std::abs(Y.m)),
+        h(std::max(Y.h.cwiseAbs().maxCoeff(), m * lever)),
+        I(std::max(Y.I.cwiseAbs().maxCoeff(), m * lever * lever)) {}
+  InertiaSize& operator+=(const InertiaSize& o) { return m += o.m, h += o.h, I += o.I, *this; }
+  Parts operator*(const Parts& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
+};
+
+// Of a motion subspace's column, its lever included.
+Parts size_of_column(const Kinematics<double>& kin, int joint, int k) {
+  Parts out;
+  out.take(kin.J.col(k));
+  out.linear = std::max(out.linear, out.angular * kin.oMi[joint].p.cwiseAbs().maxCoeff());
+  return out;
+}
+
 // What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about
-// the robot's base.
+// the tree frame's origin.
 void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
-  double motion = 0;  // of the bodies, accelerations and what velocities make of them
-  for (int i = 0; i < model.njoints(); ++i)
-    motion = std::max(motion, largest(r.kin.a[i]) + std::pow(largest(r.kin.v[i]), 2));
-  double moved = 0;  // sum |S_j| |a_j|
-  for (int j = 0; j < model.nv; ++j) moved += largest(r.kin.J.col(j)) * std::abs(a[j]);
-  for (int i = 0; i < model.nv; ++i) {
-    w[i] = largest(r.kin.J.col(i)) * internal::inertia_size(r.Yc[model.dof_joint[i]]) * (motion + moved);
+  const std::size_t n = model.joints.size();
+  std::vector<Parts> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
+  std::vector<InertiaSize> Yc(n);
+  for (int i = 0; i < model.njoints(); ++i) {
+    if (const int parent = model.joints[i].parent; parent >= 0)
+      v[i] = v[parent], acceleration[i] = acceleration[parent];
+    v[i].take(r.kin.v[i]);
+    acceleration[i].take(r.kin.a[i]);
+    Yc[i] = InertiaSize(r.kin.Y[i], r.kin.oMi[i].p.cwiseAbs().maxCoeff());
+    const Parts l = Yc[i] * v[i];  // f = Y a + v x* Y v
+    force[i] = Yc[i] * acceleration[i];
+    force[i].linear += v[i].angular * l.linear;
+    force[i].angular += v[i].angular * l.angular + v[i].linear * l.linear;
+  }
+  std::fill_n(w, model.nv, 0.0);
+  for (int i = model.njoints() - 1; i >= 0; --i) {
+    const Joint& joint = model.joints[i];
+    for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
+      const Parts s = size_of_column(r.kin, i, k), F = Yc[i] * s;
+      w[k] += force[i].of(s);
+      for (int j = k; j >= 0; j = model.dof_parent[j]) {
+        const double entry = F.of(size_of_column(r.kin, model.dof_joint[j], j));
+        w[k] += entry * std::abs(a[j]);
+        if (j != k) w[j] += entry * std::abs(a[k]);
+      }
+    }
+    if (joint.parent < 0) continue;
+    Yc[joint.parent] += Yc[i];
+    force[joint.parent].linear += force[i].linear;
+    force[joint.parent].angular += force[i].angular;
   }
 }
 
-// The same of a contact's rows, and what its J leaves in the rows of the coordinates: J's entries are as good as the
-// motions they are picked from.
+// The same of a contact's rows (of_row: the terms of a0), and what its J leaves in the rows of the coordinates: J's
+// entries are as good as the motions they are picked from.
 void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
                       double f, double& of_row, std::vector<double>& w) {
   const double size = motion_size(c, d);
-  of_row = internal::row_terms(c, d);
   for (int column : columns) {
     of_row += size * std::abs(a[column]);
     w[column] += size * f;
@@ -70,8 +123,9 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[d.island.contacts[k]];
     const int first = d.island.nv + d.island.row_offset[k];
-    double f = 0, of_row = 0;
+    double f = 0;
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
+    double of_row = internal::row_terms(scene, work, d.island.contacts[k]);
     contact_rounding(contact, work.contacts[d.island.contacts[k]], a.data(), d.shape->support().columns[k], f, of_row,
                      w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;

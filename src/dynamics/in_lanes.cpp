@@ -19,6 +19,7 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   report.residual_contact = answer.residual_contact;
   report.backward_error = answer.backward_error;
   d.factor = nullptr;
+  d.factorizations = 1;
   d.in_lanes = true;
   d.panel_is_safe = answer.panel_is_safe;
   d.refine_panel = answer.refine_panel;
@@ -124,8 +125,8 @@ void complete(const Scene& scene, const SceneData& data) {
   for (std::unique_ptr<IslandWork>& d : w.islands) complete_bodies(scene, data, *d, w.threads.front());
   for (std::unique_ptr<IslandWork>& d : w.islands)
     if (by_bodies(*d) && joint_space_size(*d->shape) <= kMostJointSpace) joint_space_terms(scene, data, *d, "complete");
-  if (w.kinematics_known) return;
   complete_cut(scene, data);
+  if (w.kinematics_known) return;
   for (std::unique_ptr<IslandWork>& d : w.islands)
     if (d->in_lanes) complete_island(scene, data, *d, w.threads.front());
   w.kinematics_known = true;
@@ -133,7 +134,7 @@ void complete(const Scene& scene, const SceneData& data) {
 
 void complete_island(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
   Workspace& w = *data.workspace;
-  evaluate(scene, w.q, data.v, w, d.island);
+  if (!d.cut || !d.cut->terms_known) evaluate(scene, w.q, data.v, w, d.island);
   factorize_again(scene, data, d, thread);
   d.in_lanes = false;
 }

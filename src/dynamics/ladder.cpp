@@ -58,7 +58,7 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
   };
   for (int c : island.contacts) {
     moving(scene.contacts[c].A), moving(scene.contacts[c].B);
-    largest = std::max(largest, row_terms(scene.contacts[c], w.contacts[c]));
+    largest = std::max(largest, row_terms(scene, w, c));
   }
   return largest;
 }
@@ -102,6 +102,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.method = factor.method();
   report.order = rung.order;
   if (rung.way == Way::kChosen && rung.damping == 0 && has_vanishing_row(scene, d)) return Reason::kSmallPivot;
+  ++d.factorizations;
   if (const Reason reason = factor.factorize(d.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
   const sparse::Refinement refinement = solve_refined(factor, d.K, d.v, own > 0 ? 0 : tolerance::kRefinementSteps);

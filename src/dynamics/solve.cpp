@@ -161,6 +161,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   data.report.method = data.options.method;
   w.q = q;
   w.kinematics_known = false;
+  for (const auto& d : w.islands) d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);
   ++w.solves;  // what fails on the way may have left its number behind
   solve_dependent(scene, q, v, data);

@@ -38,7 +38,8 @@ void evaluate_robots(const Scene& scene, const SceneData& data, Wanted wanted) {
 
 lanes::ContactTerms::Body body(const Workspace& w, int robot) {
   const Kinematics<double>& kin = w.robots[robot].kin;
-  return {kin.origin.data(), kin.oMi.front().R.data(), kin.v.front().data(), kin.a.front().data(), kin.J.data()};
+  return {kin.origins.front().p.data(), kin.oMi.front().R.data(), kin.v.front().data(), kin.a.front().data(),
+          kin.J.data()};
 }
 
 void evaluate_contacts(const Scene& scene, Workspace& w, Wanted wanted) {

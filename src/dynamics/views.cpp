@@ -50,6 +50,7 @@ Choice choice_of(const SceneData& data, std::size_t i) { return prepared(data).i
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i) {
   return prepared(data).islands.at(i)->shape;
 }
+int factorizations_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->factorizations; }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
 const KktMatrix& matrix_of(const SceneData& data, std::size_t i) {
   const KktMatrix& K = solved(data).islands.at(i)->K;

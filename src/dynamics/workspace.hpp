@@ -73,6 +73,7 @@ struct IslandWork {
   bool panel_is_safe = false;                   // and its derivatives may come from there too
   bool refine_panel = false;                    // refined once
   bool served_in_lanes() const { return in_lanes && panel_is_safe; }
+  int factorizations = 0;      // of K, whole or robot by robot, since the solve began
   double first_error = 0;      // backward error before refinement
   double last_error = 0;       // and after it
   bool contradiction = false;  // the contacts contradict each other: least squares

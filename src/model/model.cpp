@@ -55,6 +55,38 @@ void number_subtrees(Model& model) {
   }
 }
 
+// Where a robot stands may be up to joints, as of one that drives along x and y: of the first joints, with no more
+// coordinates than a base has, those down to the last that is displaced. Beside them may hang what is lighter in joints
+// than what goes on.
+std::vector<int> path_to_anchor(const Model& model, int root) {
+  constexpr int kBaseCoordinates = 6;
+  std::vector<int> path{root};
+  std::size_t length = 1;
+  for (int j = root, coordinates = model.joints[root].nv(); !model.floating_base;) {
+    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // below the next one, at least
+    for (int child = j + 1; child < model.subtree_end[j]; child = model.subtree_end[child])
+      if (model.subtree_end[child] - child > joints) next = child, joints = model.subtree_end[child] - child;
+    if (next < 0 || (coordinates += model.joints[next].nv()) > kBaseCoordinates) break;
+    path.push_back(j = next);
+    if (model.joints[j].type != JointType::kRevolute) length = path.size();
+  }
+  path.resize(length);
+  return path;
+}
+
+void find_trees(Model& model) {
+  model.trees.clear();
+  model.tree_of.assign(model.joints.size(), 0);
+  model.on_path.assign(model.joints.size(), 0);
+  for (int i = 0; i < model.njoints(); ++i) {
+    if (model.joints[i].parent < 0) {
+      model.trees.push_back({i, path_to_anchor(model, i)});
+      for (int j : model.trees.back().path) model.on_path[j] = 1;
+    }
+    model.tree_of[i] = static_cast<int>(model.trees.size()) - 1;
+  }
+}
+
 // The velocity coordinates with a torque. After idx_v.
 std::vector<int> actuated_coordinates(const Model& model) {
   std::vector<int> out;
@@ -67,6 +99,7 @@ std::vector<int> actuated_coordinates(const Model& model) {
 
 void finalize(Model& model) {
   number_subtrees(model);
+  find_trees(model);
   model.nq = model.nv = 0;
   model.dof_parent.clear();
   model.dof_joint.clear();
@@ -122,7 +155,7 @@ bool is_finalized(const Model& model) {
   const auto n = static_cast<std::size_t>(nv);
   return model.nq == nq && model.nv == nv && model.actuated == actuated_coordinates(model) &&
          model.dof_parent.size() == n && model.dof_joint.size() == n && model.dof_depth.size() == n &&
-         model.subtree_end.size() == model.joints.size() &&
+         model.subtree_end.size() == model.joints.size() && model.tree_of.size() == model.joints.size() &&
          (model.M_begin.size() == n + 1 || (model.M_begin.empty() && n > 0)) && model.armature.size() == nv;
 }
 

@@ -76,7 +76,7 @@ void find_groups(const Scene& scene, const std::vector<char>& active, const std:
     FreeGroup& group = group_at(groups, j.node);
     group.tied = groups.group[j.node] == groups.group[0];
     group.in_plane = false;
-    group.reference = kin[j.robot].origin;
+    group.reference = kin[j.robot].origin(j.joint);
   }
   for (const FreeGroups::FreeJoint& j : groups.joints) {
     const Robot& robot = scene.robots[j.robot];
@@ -99,7 +99,7 @@ void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, Fre
     for (int i = 0; i < scene.robots[r].model->njoints(); ++i) {
       FreeGroup& group = group_at(groups, groups.node[static_cast<std::size_t>(groups.first_body[r] + i)]);
       if (group.tied) continue;
-      const Vec3<double> at = kin[r].origin - group.reference;
+      const Vec3<double> at = kin[r].origin(i) - group.reference;
       Vec6<double> h = kin[r].Y[i] * kin[r].v[i];
       h.tail<3>() += at.cross(Vec3<double>(h.head<3>()));
       group.Y += kin[r].Y[i].seen_at(at);
@@ -170,7 +170,7 @@ void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, 
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     const SE3<double>& M = kin[j.robot].oMi[j.joint];
-    const Vec3<double> at = kin[j.robot].origin + M.p;
+    const Vec3<double> at = kin[j.robot].origin(j.joint) + M.p;
     const Vec6<double> dv =
         added_velocity(group_at(groups, j.node), at) - added_velocity(group_at(groups, j.parent), at);
     const Vec3<double> linear = M.R.transpose() * dv.head<3>(), angular = M.R.transpose() * dv.tail<3>();
@@ -196,7 +196,7 @@ void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Ei
   else
     wrench = torques;
   const SE3<double>& M = kin[j.robot].oMi[j.joint];
-  const SE3<double> about_C{M.R, kin[j.robot].origin + M.p - group.reference - group.C_next};
+  const SE3<double> about_C{M.R, kin[j.robot].origin(j.joint) + M.p - group.reference - group.C_next};
   wrench = h * about_C.act_force(wrench);
   group.P_next += wrench.head<3>();
   group.L_next += wrench.tail<3>();

@@ -45,8 +45,9 @@ void expect_bodies(const Scene& scene, const Eigen::VectorXd& q, const ViewPage&
   for (const Robot& robot : scene.robots) {
     Kinematics<double> kin(*robot.model);
     forward_kinematics<double>(*robot.model, robot.base, q.segment(robot.idx_q, robot.model->nq), kin);
-    for (const SE3<double>& oMi : kin.oMi) {
-      const Vec3<double> expected = kin.origin + oMi.p;
+    for (std::size_t i = 0; i < kin.oMi.size(); ++i) {
+      const SE3<double>& oMi = kin.oMi[i];
+      const Vec3<double> expected = kin.origin(static_cast<int>(i)) + oMi.p;
       const double largest = std::max(1., expected.cwiseAbs().maxCoeff());
       for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(p[3 * body + k], expected[static_cast<Eigen::Index>(k)], 6e-8 * largest) << body;

@@ -47,7 +47,7 @@ struct SceneRows {
   SE3<S> world(const Attachment& at) const {
     if (at.robot < 0) return at.placement.template cast<S>();
     if (at.joint < 0) return scene.robots[at.robot].base.template cast<S>() * at.placement.template cast<S>();
-    const SE3<S> origin{Mat3<S>::Identity(), kin[at.robot].origin};
+    const SE3<S> origin{Mat3<S>::Identity(), kin[at.robot].origin(at.joint)};
     return origin * kin[at.robot].oMi[at.joint] * at.placement.template cast<S>();
   }
   SE3<S> A(int k) const { return world(scene.contacts[k].A); }

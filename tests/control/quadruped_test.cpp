@@ -57,7 +57,7 @@ class Quadruped {
     const crocoddyl::Kinematics<double> kin = kinematics(x);
     Vector3d c = Vector3d::Zero();
     double mass = 0;
-    for (const auto& body : kin.Y) c += body.m * kin.origin + body.h, mass += body.m;
+    for (const auto& body : kin.Y) c += body.m * kin.origin(0) + body.h, mass += body.m;
     return c / mass;
   }
 

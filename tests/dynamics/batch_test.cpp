@@ -233,6 +233,33 @@ TEST(Batch, ContactsAreSwitchedByTheBatch) {
   expect_same(in_batch(file.scene, s, batch), alone(file.scene, s, batch.options, batch.active));
 }
 
+// States side by side, however many are left over, at every level of instructions; a robot alone and two that are tied,
+// under a scene that changes between calls.
+TEST(Batch, StatesStandInLanes) {
+  SceneFile file = load_text(R"(<scene>
+  <robot name="arm" urdf="arm.urdf" base="fixed"/> <contact name="hold" type="3d" frame="arm/tool" gains="100 20"/>
+  <robot name="other" urdf="arm.urdf" base="fixed" xyz="3 0 0"/>
+  <robot name="box" urdf="box.urdf" base="floating" xyz="3.4 0 0.5"/>
+  <contact name="push" type="3d" frame="other/tool" to="box/face_back" gains="50 10"/>
+</scene>)");
+  for (Lanes lanes : lanes_here()) {
+    Scene scene = file.scene;
+    const Options options{Method::kAuto, {}, lanes};
+    BatchData batch(scene, 1, options);
+    for (int count : {1, 2, 3, 8, 11, 17}) {
+      SCOPED_TRACE(to_string(lanes) + ", " + std::to_string(count) + " states");
+      const States s = disturbed_states(file, count, 0.2, static_cast<unsigned>(count));
+      expect_same(in_batch(scene, s, batch), alone(scene, s, options, batch.active));
+      scene.gravity[1] += 1;
+      scene.damping = count % 2 * 1e-3;
+      scene.robots[1].base.p[2] += 0.1;
+      scene.contacts[0].B.placement.p[0] += 0.01;
+      scene.contacts[1].beta += 3;
+      batch.active[0] = static_cast<char>(count % 3 > 0);
+    }
+  }
+}
+
 TEST(Batch, NoStatesAndNoContacts) {
   const SceneFile file = load_text(R"(<scene><robot name="b" urdf="box.urdf" base="floating"/></scene>)");
   BatchData batch(file.scene, 2);

@@ -147,7 +147,7 @@ TEST_P(Cut, ContactsAccelerateAsAsked) {
   EXPECT_LE(difference_of(cut.f, factor.f), 1e-10 * size_of(factor.f));
 }
 
-// Products go by the cut robots, derivatives by the factor that is made then, and after it products as before.
+// Products and derivatives go by the cut robots, products after derivatives too.
 TEST_P(Cut, ProductsAndDerivatives) {
   const RandomScene s = ring_of_robots(24, true, 0);
   std::mt19937 rng(23);
@@ -171,6 +171,30 @@ TEST_P(Cut, ProductsAndDerivatives) {
   VectorXd again(s.scene.nv), df_again(data.f.size());
   jvp(s.scene, data, dq, dv, du, again, df_again);
   EXPECT_TRUE(again == da && df_again == df);
+}
+
+// The factors that solved an island make its derivatives and products too.
+TEST_P(Cut, FactorizesOnce) {
+  for (const double damping : {0.0, 1e-4}) {
+    const RandomScene s = ring_of_robots(24, true, damping);
+    SceneData data(s.scene, options());
+    VectorXd wq(s.scene.nv), wv(s.scene.nv), wu(s.scene.nu);
+    for (int times : {1, 2}) {
+      ASSERT_EQ(solve(s.scene, s.q, times * s.v, s.u, data).status, Status::kOk);
+      EXPECT_EQ(factorizations_of(data, 0), 1);
+      const DerivativeData& made = differentiate(s.scene, data);
+      EXPECT_EQ(factorizations_of(data, 0), 1);
+      vjp(s.scene, data, data.a, data.f, wq, wv, wu);
+      EXPECT_EQ(factorizations_of(data, 0), 1);
+      SceneData by_whole(s.scene, by_factor());
+      (void)solve(s.scene, s.q, times * s.v, s.u, by_whole);
+      const auto& whole = differentiate(s.scene, by_whole).islands[0].X;
+      EXPECT_LE((made.islands[0].X - whole).cwiseAbs().maxCoeff(), 1e-10 * whole.cwiseAbs().maxCoeff());
+      EXPECT_FALSE(made.islands[0].X == whole);
+      estimate_condition(s.scene, data);  // of the whole K
+      EXPECT_EQ(factorizations_of(data, 0), 2);
+    }
+  }
 }
 
 TEST_P(Cut, ThreadsDoNotChangeBits) {

@@ -57,13 +57,13 @@ inline Mechanics mechanics(const Scene& scene, const Eigen::VectorXd& q, const E
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
     for (int i = 0; i < model.njoints(); ++i) {
       const Vec6<double> momentum = kin.Y[i] * kin.v[i];
-      const Vec3<double> moment = kin.Y[i].h + kin.Y[i].m * kin.origin;
+      const Vec3<double> moment = kin.Y[i].h + kin.Y[i].m * kin.origin(i);
       out.mass += kin.Y[i].m;
       out.first_moment += moment;
       out.kinetic += 0.5 * momentum.dot(kin.v[i]);
       out.potential -= scene.gravity.dot(moment);
       out.linear += momentum.head<3>();
-      out.angular += momentum.tail<3>() + kin.origin.cross(Vec3<double>(momentum.head<3>()));
+      out.angular += momentum.tail<3>() + kin.origin(i).cross(Vec3<double>(momentum.head<3>()));
     }
     const Eigen::VectorXd vr = v.segment(robot.idx_v, model.nv);
     out.kinetic += 0.5 * (model.armature.array() * vr.array().square()).sum();  // the rotors turn as well

@@ -168,7 +168,7 @@ TEST(Momentum, OfAFloatingJointInsideATree) {
       forward_kinematics<double>(tree, SE3<double>(), q, kin);
       forward_accelerations<double>(tree, v, nullptr, Vec3<double>::Zero(), kin);
       Vec6<double> h = kin.Y.back() * kin.v.back();
-      h.tail<3>() += kin.origin.cross(Vec3<double>(h.head<3>()));
+      h.tail<3>() += kin.origin(tree.njoints() - 1).cross(Vec3<double>(h.head<3>()));
       return h;
     };
     const Vec6<double> start = inner_momentum(s.q, s.v);

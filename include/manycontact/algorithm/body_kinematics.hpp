@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "manycontact/model/model.hpp"
+#include "manycontact/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
@@ -32,29 +32,33 @@ template <class S>
 struct BodyKinematics {
   explicit BodyKinematics(const Model& model);  // room for this robot
 
-  Vec3<S> origin;  // by the caller: the base's origin in the world [m]
+  // by place_trees, from q
+  std::vector<WorldPoint<S>> origins;  // per tree: origin of its frame (algorithm/kinematics.hpp)
 
   // by body_kinematics, from q, v
   std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
-  std::vector<Vec3<S>> p;  // njoints: its origin, seen from the base's, world axes
+  std::vector<Vec3<S>> p;  // njoints: its origin in the tree frame; on a tree's path by place_trees
   std::vector<Vec6<S>> v;  // njoints: spatial velocity
+
+  std::vector<int> tree_of;  // njoints: which of the model's trees a body is of
 };
 
 /// What one joint's equations of motion are made of; memory of the caller's.
 template <class S>
 struct BodyTerms {
-  Vec3<S>* r;     // origin seen from the parent's; from the base where there is no parent
+  Vec3<S>* r;     // origin seen from the parent's, or the base's
   S* S_i;         // 6 x nv of the joint, by columns: its motion subspace; zero before the first call
   Inertia<S>* Y;  // the body's inertia
   Vec6<S>* c;     // bias acceleration of the joint, v x S v
   Vec6<S>* h;     // bias force of the body, v x* Y v
 };
 
-/// BodyKinematics::origin of a configuration q (nq). base: as forward_kinematics.
+/// Where the trees stand at a configuration q (nq). base: as forward_kinematics.
 template <class S>
-Vec3<S> origin_of(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q);
+void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 
-/// Fills joint i's numbers in `kin`, where its parent's stand, and what `terms` points to. q: nq, v: nv of the robot.
+/// After place_trees, fills joint i's numbers in `kin`, where its parent's stand, and what `terms` points to. q: nq, v:
+/// nv of the robot.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
                      const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms);

@@ -49,7 +49,7 @@ struct ContactData {
   ContactData(const Contact& contact, const ContactSupport& support);  // room for it
 
   // by contact_rows
-  SE3<S> aMA, bMA;         // A in the tree frame of its own robot, and of B's (of the world)
+  SE3<S> aMA, bMA;         // A in the tree frame of its own body, and of B's (of the world: its axes, about B')
   SE3<S> G;                // B'MA
   Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (without qdd, minus gravity) of A and X B'
   Vec6<S> nu, nudot, x;    // as above; for points x's angular part is zero
@@ -68,12 +68,18 @@ template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
-/// The same with the frames' placements given, A's in the tree frame of its robot, B's in that of its own or in the
-/// world, and from_b: A's tree frame's origin as seen from B's. The contact's own placements are not read.
+/// The same with the frames' placements given, A's and B's in the tree frames of their bodies, and from_b: A's tree
+/// frame's origin as seen from B's. The contact's own placements are not read.
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& data);
+
+/// The same of a contact with the world: A in its body's tree frame, that frame's origin, and B' in the world.
+template <class S>
+void contact_rows_with_world(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
+                             const Kinematics<S>& kinA, const SE3<S>& aMA, const WorldPoint<S>& origin,
+                             const SE3<S>& oMB, ContactData<S>& data);
 
 /// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
 /// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a
@@ -90,7 +96,7 @@ S motion_size(const Contact& contact, const ContactData<S>& data) {
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());
-  if (contact.B.robot >= 0) lever += reach(data.bMA.p);
+  if (contact.B.robot >= 0 && contact.B.joint >= 0) lever += reach(data.bMA.p);
   return larger(S(turning * lever / S(100)), largest);
 }
 

@@ -25,8 +25,11 @@ struct BatchStates {
   ConstBatchRows q, v, u;
 };
 
-/// The memory of the threads. A second call with as many states allocates nothing in them, by the methods and where
-/// `solve` and `differentiate` do not.
+struct BatchCopies;  // private to floor dynamics
+
+/// The memory of the threads. Where the robots of one state do not fill the SIMD lanes, several states are solved side
+/// by side: as one scene of as many copies as there are lanes. A second call with as many states allocates nothing in
+/// them, by the methods and where `solve` and `differentiate` do not.
 struct BatchData {
   /// threads: 0, as many as OpenMP would take (one where the library was built without OpenMP).
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
@@ -37,8 +40,9 @@ struct BatchData {
 
   struct Thread {  // One thread's memory, and what went wrong in it.
     SceneData data;
-    std::exception_ptr error = nullptr;  // that ended its work ...
-    std::ptrdiff_t state = 0;            // ... at this state
+    std::shared_ptr<BatchCopies> copies = nullptr;  // made when first needed
+    std::exception_ptr error = nullptr;             // that ended its work ...
+    std::ptrdiff_t state = 0;                       // ... at this state, or at one beside it
   };
   std::vector<Thread> threads;
 };

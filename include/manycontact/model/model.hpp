@@ -28,6 +28,12 @@ struct ModelNotes {
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
+/// A tree of joints: all of a robot's on a floating base, on a fixed base those that hang on it by one joint.
+struct Tree {
+  int root = 0;           // joint
+  std::vector<int> path;  // joints from the root to the anchor, the body that the tree frame's origin is on
+};
+
 /// Below this speed Coulomb friction falls to zero instead of jumping [rad/s, m/s].
 constexpr double kFrictionVelocity = 0.01;
 
@@ -50,6 +56,9 @@ struct Model {  // A robot's tree: joints, frames, inertias.
   std::vector<int> dof_joint;    // nv
   std::vector<int> dof_depth;    // nv: number of ancestors
   std::vector<int> subtree_end;  // per joint: one past the last joint of its subtree when numbered depth first
+  std::vector<Tree> trees;       // by their roots, ascending
+  std::vector<int> tree_of;      // per joint: its tree
+  std::vector<char> on_path;     // per joint: on its tree's path
   std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
                                  // so deep that this has 2^31 entries or more
 

@@ -22,8 +22,9 @@ void append(const Vec3<double>& x, std::vector<float>& list) {
 
 void record_bodies(Recording& r) {
   for (const Kinematics<double>& kin : r.room.kin)
-    for (const SE3<double>& oMi : kin.oMi) {
-      append(kin.origin + oMi.p, r.positions);
+    for (std::size_t i = 0; i < kin.oMi.size(); ++i) {
+      const SE3<double>& oMi = kin.oMi[i];
+      append(kin.origin(static_cast<int>(i)) + oMi.p, r.positions);
       for (const double x : quaternion_of_rotation<double>(oMi.R))
         r.quaternions.push_back(static_cast<std::int16_t>(std::lround(32767 * x)));
     }

@@ -194,7 +194,7 @@ void CutSideBySide<S>::store_ends(std::span<const Robot> robots) {
   const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
   for (std::size_t k = contacts_.size(); k < cut_->supports.size(); ++k) {
     const int joint = contact(k).A.joint;
-    add(kin_.origin.data(), 3);
+    add(origin_numbers(kin_, joint), 6);
     add(kin_.oMi[joint].R.data(), 12);
     add(kin_.v[joint].data(), 6);
     add(kin_.a[joint].data(), 6);

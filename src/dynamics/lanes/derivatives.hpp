@@ -136,7 +136,9 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, int ld) {
     }
   }
   if (job.request.v) {
-    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), B.block(0, job.v_first));
+    const Placed top = B.block(0, job.v_first);
+    internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), top);
+    for (std::size_t i = 0; i < slope_.size(); ++i) top(static_cast<int>(i), static_cast<int>(i)) -= slope_[i];
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dv, columns_[k], rows(k, job.v_first));
   }

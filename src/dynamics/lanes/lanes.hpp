@@ -91,8 +91,9 @@ class RobotTerms {
   using Counts = std::array<int, kArrays>;
   template <class S>
   static Arrays<S> arrays_of(Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M, S* h) {
-    static_assert(sizeof(SE3<S>) == 12 * sizeof(S) && sizeof(Inertia<S>) == 13 * sizeof(S));
-    return {kin.origin.data(),
+    static_assert(sizeof(SE3<S>) == 12 * sizeof(S) && sizeof(Inertia<S>) == 13 * sizeof(S) &&
+                  sizeof(WorldPoint<S>) == 6 * sizeof(S));
+    return {kin.origins.front().p.data(),
             kin.oMi.front().R.data(),
             kin.J.data(),
             &kin.Y.front().m,
@@ -105,7 +106,8 @@ class RobotTerms {
   }
   static Counts counts_of(const Model& model) {
     const int n = model.njoints();
-    return {3, 12 * n, 6 * model.nv, 13 * n, 6 * n, 6 * n, 6, 13 * n, model.M_begin[model.nv], model.nv};
+    const int trees = static_cast<int>(model.trees.size());
+    return {6 * trees, 12 * n, 6 * model.nv, 13 * n, 6 * n, 6 * n, 6, 13 * n, model.M_begin[model.nv], model.nv};
   }
   struct Robot {
     const double *q, *v;
@@ -148,7 +150,7 @@ class ContactTerms {
 
   /// The same of a contact that joins two robots, where no more is wanted than its rows.
   struct JoinedEnd {  // one array: origin, oMi, v and a of the body, the columns of J that move it
-    static std::size_t size(std::size_t coordinates) { return 27 + 6 * coordinates; }
+    static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
   };
   struct JoiningRows {
     const Contact* contact;

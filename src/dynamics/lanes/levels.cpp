@@ -2,7 +2,6 @@
 #include <array>
 
 #include "lanes.hpp"
-#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/sparse/instruction_levels.hpp"
 
 namespace manycontact {
@@ -52,7 +51,6 @@ bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p
 
 bool fits(const Scene& scene, const Island& island) {
   if (island.robots.size() != 1 || island.nv == 0 || island.size() > kLargest) return false;
-  if (has_friction(*scene.robots[island.robots.front()].model)) return false;
   return std::all_of(island.contacts.begin(), island.contacts.end(),
                      [&](int c) { return moves_at_both_ends(scene.contacts[c]); });
 }

@@ -9,6 +9,7 @@
 #include "judge.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
@@ -202,6 +203,7 @@ class SideBySide {
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, w_;
+  std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
 };
 
 template <class S>
@@ -246,7 +248,8 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       df_(model_->njoints()),
       dq_(model_->nv),
       dv_(model_->nv),
-      w_(model_->nv) {
+      w_(model_->nv),
+      slope_(has_friction(*model_) ? model_->nv : 0) {
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     contacts_.emplace_back(contact, supports_[k]);
@@ -519,6 +522,8 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
               [&](const Island& i) { return job.f + job.f_offset[i.contacts[k]]; });
   forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
   evaluate_rows(job.scene, first);
+  for (std::size_t i = 0; i < slope_.size(); ++i)
+    for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
   if (kept) return;
   assemble_rows(job.scene.damping);
   factor();
@@ -571,6 +576,7 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
   }
   tangent_torques<S>(*model_, kin_, body_, fext_, dfext_, f_, df_, dq_.data());
   for (int i = 0; i < nv; ++i) b_[p.iperm[i]] = w_[i] - dq_[i];
+  for (std::size_t i = 0; i < slope_.size(); ++i) b_[p.iperm[i]] -= slope_[i] * dv_[i];
   solve_once_refined();
   for (std::size_t l = 0; l < islands.size(); ++l)  // x = [da; -df]
     scatter(scene, job.f_offset, *islands[l], static_cast<int>(l), job.out[0], job.out[1]);
@@ -607,6 +613,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
                        l, body_[contact.A.joint], between ? body_[contact.B.joint] : nobody);
   }
   pull_back<S>(*model_, kin_, a_.data(), u_, body_, dq_.data(), dv_.data());
+  for (std::size_t i = 0; i < slope_.size(); ++i) dv_[i] += slope_[i] * w_[i];
   for (std::size_t l = 0; l < islands.size(); ++l) {
     const Robot& robot = scene.robots[islands[l]->robots.front()];
     const int lane = static_cast<int>(l);

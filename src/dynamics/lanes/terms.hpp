@@ -56,16 +56,27 @@ S smallest_row(const ContactData<S>& rows) {
   return smallest;
 }
 
+/// Origin of the tree frame that a joint's body is in.
+template <class S>
+const WorldPoint<S>& origin_at(const Kinematics<S>& kin, int joint) {
+  return kin.origins[kin.tree_of[joint]];
+}
+template <class S>
+S* origin_numbers(Kinematics<S>& kin, int joint) {
+  return kin.origins[kin.tree_of[joint]].p.data();
+}
+
 /// Rows of a contact of a robot with itself, or with the world, where B stands at in_world.
 template <class S>
 void rows_on_one_robot(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                        const Kinematics<S>& kin, const SE3<S>& in_world, ContactData<S>& rows) {
   const SE3<S> aMA = kin.oMi[contact.A.joint] * contact.A.placement.cast<S>();
   if (contact.B.robot < 0)
-    contact_rows_between<S>(gravity, contact, support, kin, aMA, nullptr, in_world, kin.origin, rows);
+    contact_rows_with_world<S>(gravity, contact, support, kin, aMA, origin_at<S>(kin, contact.A.joint), in_world, rows);
   else
     contact_rows_between<S>(gravity, contact, support, kin, aMA, &kin,
-                            kin.oMi[contact.B.joint] * contact.B.placement.cast<S>(), Vec3<S>(Vec3<S>::Zero()), rows);
+                            kin.oMi[contact.B.joint] * contact.B.placement.cast<S>(),
+                            origin_at<S>(kin, contact.A.joint).seen_from(origin_at<S>(kin, contact.B.joint)), rows);
 }
 
 template <class S>
@@ -193,7 +204,7 @@ class ContactTermsOf {
         return side_by_side(rows, from, [&](const auto& r) { return end(r).*array + offset; });
       };
       using Body = ContactTerms::Body;
-      load_arrays(at(&Body::origin, 0), 3, kin.origin.data());
+      load_arrays(at(&Body::origin, 6 * kin.tree_of[joint]), 6, origin_numbers(kin, joint));
       load_arrays(at(&Body::oMi, 12 * joint), 12, kin.oMi[joint].R.data());
       load_arrays(at(&Body::v, 6 * joint), 6, kin.v[joint].data());
       load_arrays(at(&Body::a, 6 * joint), 6, kin.a[joint].data());
@@ -208,7 +219,7 @@ class ContactTermsOf {
         load_arrays(side_by_side(rows, from, [&](const auto& r) { return end(r) + next; }), count, to);
         next += count;
       };
-      load(3, kin.origin.data());
+      load(6, origin_numbers(kin, joint));
       load(12, kin.oMi[joint].R.data());
       load(6, kin.v[joint].data());
       load(6, kin.a[joint].data());
@@ -219,15 +230,11 @@ class ContactTermsOf {
   // on_A, on_B: the contact's frames on their bodies, or in the world.
   void evaluate_between(const Vec3<double>& gravity, const Contact& contact, const SE3<S>& on_A, const SE3<S>& on_B) {
     const SE3<S> aMA = A_.kin.oMi[contact.A.joint] * on_A;
-    Vec3<S> from_b = A_.kin.origin;
+    const WorldPoint<S>& origin = origin_at(A_.kin, contact.A.joint);
     if (contact.B.robot < 0)
-      return contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, nullptr, on_B, from_b, rows_);
-    if (contact.A.robot == contact.B.robot)
-      from_b.setZero();
-    else
-      from_b -= B_.kin.origin;
+      return contact_rows_with_world<S>(gravity, contact, support_, A_.kin, aMA, origin, on_B, rows_);
     contact_rows_between<S>(gravity, contact, support_, A_.kin, aMA, &B_.kin, B_.kin.oMi[contact.B.joint] * on_B,
-                            from_b, rows_);
+                            origin.seen_from(origin_at(B_.kin, contact.B.joint)), rows_);
   }
 
   ContactSupport support_;

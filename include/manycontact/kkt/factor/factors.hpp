@@ -2,6 +2,7 @@
 // The kinds of factor.
 
 #include <memory>
+#include <span>
 
 #include "manycontact/kkt/factor/factor.hpp"
 
@@ -11,6 +12,13 @@ namespace manycontact {
 /// patterns whose schedule would take too much memory). Refused: pivots that are zero, of the wrong sign, or lost in
 /// cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
+
+/// Room for the L and D of such a factor by sparse-ldl, where another elimination of K in its order has found them.
+/// growth: of that.
+struct LdlRoom {
+  std::span<double> L, D;  // as K.pattern->ldl has them
+};
+LdlRoom room_for_ldl(Factor& factor, const KktMatrix& K, double growth);
 
 /// The same, damping 0, where rows of J may depend on each other: those that do are dropped
 /// (sparse/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.

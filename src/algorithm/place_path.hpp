@@ -1,0 +1,85 @@
+#pragma once
+// The bodies that say where a tree stands, placed from its anchor on (algorithm/kinematics.hpp).
+
+#include <limits>
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "move_frame.hpp"
+
+namespace manycontact {
+
+namespace detail {
+
+/// The upper half of a number's digits. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
+template <class S>
+inline S upper_half(const S& a) {
+  constexpr int digits = std::numeric_limits<S>::is_specialized ? std::numeric_limits<S>::digits : 53;  // packs: 53
+  const S c = a * S(static_cast<double>((std::int64_t(1) << ((digits + 1) / 2)) + 1));
+  return c - (c - a);
+}
+
+/// sum + rest += a b without a rounding of the product. Source: Dekker's product, Knuth's sum.
+template <class S>
+inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
+  const S ah = upper_half(a), al = a - ah, bh = upper_half(b), bl = b - bh;
+  const S ab = a * b, of_product = al * bl - (((ab - ah * bh) - al * bh) - ah * bl);
+  const S total = sum + ab, other = total - sum;
+  rest += of_product + ((sum - (total - other)) + (ab - other));
+  sum = total;
+}
+
+/// point += x axis
+template <class S>
+inline void move_along(const Vec3<S>& axis, const S& x, WorldPoint<S>& point) {
+  for (int k = 0; k < 3; ++k) add_exactly<S>(axis[k], x, point.p[k], point.rest[k]);
+}
+
+/// A joint's displacement at q; R: the joint frame's axes.
+template <class S>
+inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>& R, WorldPoint<S>& point) {
+  if (joint.type == JointType::kPrismatic) move_along<S>(axis_of<S>(joint, R), q[joint.idx_q], point);
+  const int n = joint.type == JointType::kFloating ? 3 : joint.type == JointType::kPlanar ? 2 : 0;
+  for (int k = 0; k < n; ++k) move_along<S>(R.col(k), q[joint.idx_q + k], point);
+}
+
+}  // namespace detail
+
+/// Places the bodies of a tree's path, in place(joint), and returns where the anchor is in the world. s, c: sine and
+/// cosine of the root's angle. base: as for forward_kinematics.
+template <class S, class B, class Place>
+WorldPoint<S> place_path(const Model& model, const Tree& tree, const SE3<B>& base, const ConstVecRef<S>& q, const S& s,
+                         const S& c, Place&& place) {
+  WorldPoint<S> anchor;
+  if (model.floating_base) {
+    SE3<S>& M = place(tree.root);
+    M.R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
+    M.p.setZero();
+    anchor.p = q.template head<3>();
+    return anchor;
+  }
+  anchor.p = base.p.template cast<S>();
+  Mat3<S> R = base.R.template cast<S>();
+  for (int i : tree.path) {  // p: as seen from the parent's
+    const Joint& joint = model.joints[i];
+    SE3<S>& M = place(i);
+    M.p = times<S>(R, joint.placement.p.cast<S>());
+    for (int k = 0; k < 3; ++k)
+      if (joint.placement.p[k] != 0) detail::move_along<S>(R.col(k), S(joint.placement.p[k]), anchor);
+    M.R = joint.placement_rotates ? times<S>(R, Mat3<S>(joint.placement.R.template cast<S>())) : R;
+    detail::displace<S>(joint, q, M.R, anchor);
+    S sine = s, cosine = c;
+    if (i != tree.root) sin_cos(angle_of<S>(joint, q), sine, cosine);
+    move_frame<S>(joint, q, sine, cosine, M.R, M.p);
+    R = M.R;
+  }
+  Vec3<S> p = Vec3<S>::Zero();
+  for (std::size_t k = tree.path.size(); k-- > 0;) {  // up from the anchor
+    Vec3<S>& at = place(tree.path[k]).p;
+    const Vec3<S> step = at;
+    at = p;
+    p -= step;
+  }
+  return anchor;
+}
+
+}  // namespace manycontact
