@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <ostream>
 
 #include "manycontact/action/residuals/contact_residuals.hpp"
+#include "manycontact/algorithm/frames.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
@@ -14,6 +16,12 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // by lay_out: unit wrenches of the contact's rows
   Eigen::MatrixXd B;                                    // by calc
   Eigen::VectorXd b;                                    // by calc
+  // Where the cone's axes are not the contact's.
+  std::vector<int> columns;  // by lay_out: of Rx, per velocity coordinate of A's robot, then of that of B'
+  Mat3<double> oRX, oRF;     // by calc: the cone's axes and those of the force
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
+  Eigen::MatrixXd B_turned;                                  // nr x 3
+  Mat6X<double> J;
 };
 
 ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {
@@ -39,6 +47,42 @@ void unit_wrenches(const Contact& contact, Wrenches& P) {
       P.setIdentity();
       break;
   }
+}
+
+// A's axes in the world, or those of B'.
+Mat3<double> axes_of(const DataCollector& shared, const Attachment& at) {
+  if (at.robot < 0) return at.placement.R;
+  const SE3<double>& base = shared.scene.robots[at.robot].base;
+  return frame_placement<double>(shared.kinematics(at.robot), base, at.joint, at.placement).R;
+}
+
+// Axes that the cone is given in, X, and that the force is in, F.
+void find_axes(const Contact& contact, ConeAxes axes, ContactResidualData& d) {
+  const bool local = contact.reference_frame == ReferenceFrame::kLocal;
+  const Mat3<double> oRA = axes_of(*d.shared, contact.A);
+  d.oRF = local ? oRA : Mat3<double>(Mat3<double>::Identity());
+  d.oRX = axes == ConeAxes::kFoot    ? oRA
+          : axes == ConeAxes::kOther ? axes_of(*d.shared, contact.B)
+                                     : Mat3<double>(Mat3<double>::Identity());
+}
+
+// Per velocity coordinate of the robot, the column of Rx that its q has; -1 where it has none.
+void find_columns(const DataCollector& shared, int robot, const std::vector<int>& x_columns, std::vector<int>& out) {
+  const Robot& r = shared.scene.robots[robot];
+  for (int i = 0; i < r.model->nv; ++i) {
+    const auto at = std::find(x_columns.begin(), x_columns.end(), r.idx_v + i);
+    out.push_back(at == x_columns.end() ? -1 : static_cast<int>(at - x_columns.begin()));
+  }
+}
+
+// Rx += sign B th_i, th_i the angular motion of an end by its robot's coordinate i, in the world's axes.
+void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
+  const Robot& robot = d.shared->scene.robots[at.robot];
+  d.J.resize(6, robot.model->nv);
+  frame_jacobian<double>(*robot.model, d.shared->kinematics(at.robot), robot.base, at.joint, at.placement,
+                         FrameAxes::kLocalWorldAligned, d.J);
+  for (int i = 0; i < robot.model->nv; ++i)
+    if (columns[i] >= 0) Rx.col(columns[i]) += sign * (d.B_turned * d.J.col(i).tail<3>());
 }
 
 // out = B df. Many of B's entries are zero.
@@ -75,6 +119,12 @@ void ContactResidual::set_id(FrameIndex id) {
   id_ = id;
 }
 
+void ContactResidual::set_axes(ConeAxes axes) {
+  require(axes == ConeAxes::kContact || is_cone(), name_,
+          "axes are those of the contact, expected others on cones only");
+  axes_ = axes;
+}
+
 std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector* shared) {
   auto data = std::make_shared<ContactResidualData>(this, shared);
   lay_out(*data);
@@ -94,6 +144,10 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   d.blocks.clear();
   if (d.contact->active && d.contact->f_x_columns && d.contact->f_u_columns)
     d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), *d.contact->f_x_columns, *d.contact->f_u_columns);
+  d.columns.clear();
+  if (d.blocks.empty()) return;
+  find_columns(*d.shared, contact.A.robot, *d.contact->f_x_columns, d.columns);
+  if (contact.B.robot >= 0) find_columns(*d.shared, contact.B.robot, *d.contact->f_x_columns, d.columns);
 }
 
 bool ContactResidual::fits(const ResidualDataAbstract& data) const {
@@ -109,7 +163,14 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
     d.r.setZero();
     return;
   }
-  unit_wrenches(d.shared->scene.contacts[d.contact->index], d.P);  // an axis may have changed
+  const Contact& contact = d.shared->scene.contacts[d.contact->index];
+  unit_wrenches(contact, d.P);  // an axis may have changed
+  if (axes_ != ConeAxes::kContact) {
+    find_axes(contact, axes_, d);
+    const Mat3<double> turn = d.oRX.transpose() * d.oRF;
+    d.P.topRows<3>() = turn * d.P.topRows<3>().eval();
+    d.P.bottomRows<3>() = turn * d.P.bottomRows<3>().eval();
+  }
   form(d.P, d.B, d.b);
   d.r.noalias() = d.B.lazyProduct(d.contact->f);
   d.r -= d.b;
@@ -121,6 +182,20 @@ void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data
   if (d.blocks.empty()) return;
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
+  if (axes_ == ConeAxes::kContact) return;
+  // With w = oRF P_F f in the world, r = A oRX^T w turns by A oRX^T (th_F - th_X) x w.
+  const Contact& contact = d.shared->scene.contacts[d.contact->index];
+  const Vec6<double> in_cone = d.P * d.contact->f;
+  const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();
+  d.turned.resize(6, 3);
+  d.turned << d.oRX.transpose() * -skew<double>(force), d.oRX.transpose() * -skew<double>(moment);
+  d.B_turned.resize(static_cast<Eigen::Index>(nr_), 3);
+  form(d.turned, d.B_turned, d.b);
+  const bool force_turns = contact.reference_frame == ReferenceFrame::kLocal;
+  const double of_A = (force_turns ? 1 : 0) - (axes_ == ConeAxes::kFoot ? 1 : 0);
+  if (of_A != 0 && contact.A.joint >= 0) add_turning(contact.A, of_A, d.columns.data(), d, d.blocks[0].Rx);
+  if (axes_ == ConeAxes::kOther && contact.B.robot >= 0 && contact.B.joint >= 0)
+    add_turning(contact.B, -1, d.columns.data() + d.shared->scene.robots[contact.A.robot].model->nv, d, d.blocks[0].Rx);
 }
 
 void ContactResidual::print(std::ostream& os) const {

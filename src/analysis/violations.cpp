@@ -109,6 +109,13 @@ void judge_box(const Contact& contact, const double* f, int c, double rounding, 
 
 }  // namespace
 
+Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                 const Eigen::VectorXd& f) {
+  AxesOf axes_of(scene, q);
+  const Pressure p = pressure(scene.contacts[contact], f.data(), axes_of);
+  return {p.normal, p.tangential};
+}
+
 std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                                   const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
   AxesOf axes_of(scene, q);

@@ -28,9 +28,9 @@ const std::array<Kind, 16>& kinds() {
       {"frame_rotation", nullptr, {"frame", "quat_xyzw"}},
       {"frame_velocity", nullptr, {"frame", "reference_frame", "twist"}},
       {"contact_force", nullptr, {"contact", "reference"}},
-      {"friction_cone", "contact_friction_cone", {"contact", "mu"}},
-      {"wrench_cone", "contact_wrench_cone", {"contact", "mu", "box"}},
-      {"cop", "contact_cop_position", {"contact", "box"}},
+      {"friction_cone", "contact_friction_cone", {"contact", "mu", "normal"}},
+      {"wrench_cone", "contact_wrench_cone", {"contact", "mu", "normal", "box"}},
+      {"cop", "contact_cop_position", {"contact", "normal", "box"}},
       {"control_grav", nullptr, {}},
       {"contact_control_grav", nullptr, {}},
   }};

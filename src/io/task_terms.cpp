@@ -34,10 +34,11 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   const bool cost = e.name() == "cost";
   if (cost)
     e.allow_attributes({"name", "type", "weight", "activation", "weights", "lower", "upper", "eps", "robot",
-                        "reference", "frame", "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "box"});
+                        "reference", "frame", "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "normal",
+                        "box"});
   else
     e.allow_attributes({"name", "type", "lower", "upper", "robot", "reference", "frame", "xyz", "quat_xyzw",
-                        "reference_frame", "twist", "contact", "mu", "box"});
+                        "reference_frame", "twist", "contact", "mu", "normal", "box"});
   e.allow_children({});
   TaskTerm term;
   term.line = e.line();
@@ -194,6 +195,11 @@ void TermReader::read_numbers(const Element& e, TaskTerm& term) const {
     term.reference_frame =
         static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
   if (r == TaskResidual::kFrictionCone || r == TaskResidual::kWrenchCone) term.mu = read_positive(e, "mu");
+  if (const auto normal = e.numbers<3>("normal")) {
+    term.normal = Vec3<double>(normal->data());
+    if (!(term.normal->stableNorm() > kZeroDirection))
+      e.where("normal").fail(e.label("normal") + " is zero, expected a direction");
+  }
   if (r == TaskResidual::kWrenchCone || r == TaskResidual::kCop) {
     (void)e.required("box");
     term.box = Eigen::Vector2d(e.numbers<2>("box")->data());

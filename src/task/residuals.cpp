@@ -117,21 +117,44 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
   }
 }
 
+// In which axes a cone on a contact stands, and how: z along the normal (contact/normal.hpp).
+struct Cone {
+  ConeAxes axes;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+};
+
+Cone cone_of(const TaskTerm& term, const Parts& p, const Contact& contact) {
+  const bool in_world = contact.B.robot < 0;
+  const Mat3<double> turn =  // the scene's normals are turned already
+      term.copied && in_world ? move(p.task.scene, term, robot_of(contact)).R : Mat3<double>(Mat3<double>::Identity());
+  Cone out{holds_turning(contact.type) ? ConeAxes::kFoot : ConeAxes::kWorld};
+  if (term.normal || contact.normal) {
+    const Vec3<double> n = term.normal ? *term.normal : Vec3<double>(turn.transpose() * *contact.normal);
+    out.axes = in_world ? ConeAxes::kWorld : ConeAxes::kOther;
+    out.R = turn * Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), n).toRotationMatrix();
+  } else if (out.axes == ConeAxes::kWorld) {
+    out.R = turn;
+  }
+  const bool local = contact.reference_frame == ReferenceFrame::kLocal;
+  if (out.axes == (local ? ConeAxes::kFoot : ConeAxes::kWorld)) out.axes = ConeAxes::kContact;
+  return out;
+}
+
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[static_cast<std::size_t>(c)];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
   Residual out;
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  const auto [axes, R] = cone_of(term, p, contact);
   if (term.residual == TaskResidual::kFrictionCone) {
-    const FrictionCone cone(I, term.mu, 4, false);
+    const FrictionCone cone(R, term.mu, 4, false);
     out.model = std::make_shared<ResidualModelContactFrictionCone>(p.state, id, cone, p.nu());
     out.lower = cone.get_lb(), out.upper = cone.get_ub();
   } else if (term.residual == TaskResidual::kWrenchCone) {
-    const WrenchCone cone(I, term.mu, term.box, 4, false);
+    const WrenchCone cone(R, term.mu, term.box, 4, false);
     out.model = std::make_shared<ResidualModelContactWrenchCone>(p.state, id, cone, p.nu());
     out.lower = cone.get_lb(), out.upper = cone.get_ub();
   } else if (term.residual == TaskResidual::kCop) {
-    const CoPSupport support(I, term.box);
+    const CoPSupport support(R, term.box);
     out.model = std::make_shared<ResidualModelContactCoPPosition>(p.state, id, support, p.nu());
     out.lower = support.get_lb(), out.upper = support.get_ub();
   } else {
@@ -148,6 +171,7 @@ Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
     }
     out.model = std::make_shared<ResidualModelContactForce>(p.state, id, force, contact.rows(), p.nu());
   }
+  if (out.lower.size() > 0) std::dynamic_pointer_cast<ContactResidual>(out.model)->set_axes(axes);
   return out;
 }
 

@@ -99,10 +99,22 @@ struct Builder {
                                           nu);
     add<ResidualModelContactFrictionCone>("ContactFrictionCone_outer_" + name, id,
                                           FrictionCone(random_rotation(rng), mu, 6, false, 1, 100), nu);
+    const auto in_axes = [&](ConeAxes axes) {
+      std::dynamic_pointer_cast<ContactResidual>(all.back().model)->set_axes(axes);
+    };
+    for (const auto& [axes, of] : {std::pair(ConeAxes::kFoot, "foot_"), std::pair(ConeAxes::kWorld, "world_"),
+                                   std::pair(ConeAxes::kOther, "other_")}) {
+      add<ResidualModelContactFrictionCone>("ContactFrictionCone_" + std::string(of) + name, id,
+                                            FrictionCone(random_rotation(rng), mu), nu);
+      in_axes(axes);
+    }
     if (model.get_contact().type != ContactType::k6D) return;
     add<ResidualModelContactWrenchCone>("ContactWrenchCone_" + name, id, WrenchCone(random_rotation(rng), mu, box), nu);
     add<ResidualModelContactWrenchCone>("ContactWrenchCone_outer_" + name, id,
                                         WrenchCone(random_rotation(rng), mu, box, 8, false), nu);
+    add<ResidualModelContactWrenchCone>("ContactWrenchCone_world_" + name, id,
+                                        WrenchCone(random_rotation(rng), mu, box), nu);
+    in_axes(ConeAxes::kWorld);
     add<ResidualModelContactCoPPosition>("ContactCoPPosition_" + name, id, CoPSupport(random_rotation(rng), box), nu);
   }
 

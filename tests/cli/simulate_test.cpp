@@ -254,6 +254,23 @@ TEST_F(Simulate, StabilityWithoutGnuplot) {
   EXPECT_TRUE(std::filesystem::exists(path("c") + "/energy.csv"));
 }
 
+// One step, and a scene in which nothing moves: it ends, and says what there is nothing of.
+TEST_F(Simulate, StabilityOfLittle) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const Outcome one =
+      run({"stability", model("arm_pushes_box.xml"), "--out", path("one"), "--steps", "1", "--time", "0.01"});
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(Csv(path("one") + "/energy.csv").last("step"), 1);
+  const std::string still = scene(
+      "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><contact name=\"c\" type=\"6d\" frame=\"b/crate\"/>",
+      "gravity=\"0 0 0\"");
+  const Outcome none = run({"stability", still, "--out", path("none"), "--steps", "20", "--time", "0.01"});
+  EXPECT_EQ(none.status, 0) << none.err;
+  expect_contains(none.out, "no energy chart: no run that took a step has an energy error");
+  EXPECT_TRUE(std::filesystem::exists(path("none") + "/drift.svg"));
+  EXPECT_FALSE(std::filesystem::exists(path("none") + "/energy.svg"));
+}
+
 TEST_F(Simulate, StabilityNeedsContacts) {
   const std::string free = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>");
   const Outcome outcome = run({"stability", free, "--out", path("c")});

@@ -350,6 +350,24 @@ TEST_F(View, BadInput) {
   trajectory({lines[0], lines[1] + ",1"}, ":2: has");
   trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))},
              ":2: column 't' holds 'nan', expected a finite number");
+
+  // forces of other times: all of them, one between two states, one after the last
+  ASSERT_EQ(
+      run({"simulate", scene, "--time", "0.002", "--step", "0.001", "--out", path("t.csv"), "--forces", path("f.csv")})
+          .status,
+      0);
+  const std::vector<std::string> forces = lines_of(read_text(path("f.csv")));
+  const std::string row = forces[1].substr(forces[1].find(','));
+  const std::vector<std::pair<std::vector<std::string>, int>> wrong{
+      {{"90", "90.001"}, 2}, {{"0", "0.0005", "0.001"}, 3}, {{"0", "0.001", "0.002", "0.003"}, 5}, {{"-1"}, 2}};
+  for (const auto& [times, line] : wrong) {
+    std::ofstream csv(path("bad.csv"));
+    csv << forces[0] << "\n";
+    for (const std::string& t : times) csv << t << row << "\n";
+    csv.close();
+    one_line({"view", scene, "--out", v, "--trajectory", path("t.csv"), "--forces", path("bad.csv")},
+             path("bad.csv") + ":" + std::to_string(line) + ": holds forces at t = ");
+  }
 }
 
 }  // namespace

@@ -51,6 +51,10 @@ struct Violation {  // A force that no unilateral contact bears, and how far bey
 std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                                   const Eigen::VectorXd& f, const std::vector<int>& f_offset);
 
+/// What a contact of a linear force f (its rows) presses with at q (scene.nq): along its normal, and across it [N].
+Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                 const Eigen::VectorXd& f);
+
 enum class Limited { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".
 std::string to_string(Limited quantity);

@@ -51,6 +51,7 @@ struct TaskTerm {
   SE3<double> placement;      // xyz, quat_xyzw
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
   double mu = 0;
+  std::optional<Vec3<double>> normal;  // of a cone, as Contact::normal; none: the contact's
   Eigen::Vector2d box{0, 0};
 
   // Of a cost.

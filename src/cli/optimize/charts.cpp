@@ -8,6 +8,7 @@
 
 #include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
+#include "manycontact/analysis/findings.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {
@@ -127,13 +128,16 @@ void draw_forces(const OptimizedTask& motion, const std::string& base) {
   for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
     if (nodes[t].impact) continue;
     const auto forces = contact_forces(motion.task, motion.problem, t);
+    const auto q = motion.solution.xs[t].head(motion.task.scene.scene.nq);
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const Eigen::VectorXd& f = forces[c];
       const bool bears = f.size() >= 3;
-      normal[c].y.push_back(bears ? f[2] : NAN);
-      ratio[c].y.push_back(bears && f[2] > 0 ? f.head<2>().norm() / f[2] : NAN);
+      const Eigen::Vector2d p =
+          bears ? contact_pressure(motion.task.scene.scene, static_cast<int>(c), q, f) : Eigen::Vector2d(NAN, NAN);
+      normal[c].y.push_back(p[0]);
+      ratio[c].y.push_back(p[0] > 0 ? p[1] / p[0] : NAN);
       if (!bears) continue;
-      normal[c].weight = std::max(normal[c].weight, std::abs(f[2]));
+      normal[c].weight = std::max(normal[c].weight, std::abs(p[0]));
       mu = std::min(mu, friction_of(phase_at(motion.task, nodes[t]), static_cast<int>(c)));
     }
   }

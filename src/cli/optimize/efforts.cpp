@@ -5,6 +5,7 @@
 #include <map>
 
 #include "../common/table.hpp"
+#include "manycontact/analysis/findings.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {
@@ -20,18 +21,19 @@ struct Torque {
   double share() const { return std::isfinite(limit) && limit > 0 ? std::abs(u) / limit : 0; }
 };
 
-// What a group's contacts bore, normal along the z axis of their frames.
+// What a group's contacts bore, along and across their normals.
 struct Bore {
   int nodes = 0;
   double least = INFINITY, most = 0;  // normal force, N
   double ratio = 0, mu = INFINITY;    // tangential to normal; the smallest of the cones'
 };
 
-void add_force(const Eigen::VectorXd& f, double mu, Bore& bore) {
+void add_force(const Eigen::Vector2d& pressure, double mu, Bore& bore) {
+  const auto [normal, tangential] = std::pair(pressure[0], pressure[1]);
   ++bore.nodes;
-  bore.least = std::min(bore.least, f[2]);
-  bore.most = std::max(bore.most, f[2]);
-  bore.ratio = std::max(bore.ratio, f[2] > 0 ? f.head<2>().norm() / f[2] : INFINITY);
+  bore.least = std::min(bore.least, normal);
+  bore.most = std::max(bore.most, normal);
+  bore.ratio = std::max(bore.ratio, normal > 0 ? tangential / normal : INFINITY);
   bore.mu = std::min(bore.mu, mu);
 }
 
@@ -82,11 +84,13 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
   std::map<std::size_t, Bore> bores;  // by contact group
   for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
     const auto forces = contact_forces(task, motion.problem, t);
+    const auto q = motion.solution.xs[t].head(task.scene.scene.nq);
     for (std::size_t g = 0; g < task.scene.contact_groups.size(); ++g) {
       const ContactGroup& group = task.scene.contact_groups[g];
       for (int c = group.first; c < group.first + group.count; ++c)
         if (forces[static_cast<std::size_t>(c)].size() >= 3)
-          add_force(forces[static_cast<std::size_t>(c)], friction_of(phase_at(task, nodes[t]), c), bores[g]);
+          add_force(contact_pressure(task.scene.scene, c, q, forces[static_cast<std::size_t>(c)]),
+                    friction_of(phase_at(task, nodes[t]), c), bores[g]);
     }
   }
   Table table({{"contact forces", Table::kLeft, 40},

@@ -96,6 +96,7 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 }
 
 bool nothing_accelerates(const Report& report) {
+  if (report.status == Status::kInconsistent) return false;  // that is to be told, and is no rounding
   return std::all_of(report.islands.begin(), report.islands.end(),
                      [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

@@ -8,7 +8,11 @@
 
 namespace manycontact {
 
-/// r = B f - b, with B and b constant between changes of the reference.
+/// In whose axes a cone is given: the contact's reference frame (as in Crocoddyl), A's, the world's, or those of B'. A
+/// point foot that tilts on the ground keeps its cone in the world's.
+enum class ConeAxes { kContact, kFoot, kWorld, kOther };
+
+/// r = B f - b, with B and b constant between changes of the reference; or turning, in other axes than the contact's.
 class ContactResidual : public ResidualModelAbstract {
  public:
   /// Throws std::invalid_argument when no contact stands on the frame, or one of a type that does not fit.
@@ -27,6 +31,9 @@ class ContactResidual : public ResidualModelAbstract {
   /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
   bool is_fwddyn() const { return true; }
+  ConeAxes get_axes() const { return axes_; }
+  /// kContact at first. Throws std::invalid_argument for anything else on a residual that is no cone.
+  void set_axes(ConeAxes axes);
 
  protected:
   /// Columns: unit wrenches of the contact's rows.
@@ -36,10 +43,12 @@ class ContactResidual : public ResidualModelAbstract {
                   std::size_t nu, bool fwddyn);
   /// Why a contact of this type does not fit; empty when it does.
   virtual std::string misfit(ContactType type) const = 0;
+  virtual bool is_cone() const { return true; }
   /// B (nr x nc) and b (nr) for the contact's unit wrenches P. They come in with their sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   const char* name_;
   FrameIndex id_;
+  ConeAxes axes_ = ConeAxes::kContact;
 };
 
 /// f - fref (nc): of fref the components the contact has.
@@ -53,6 +62,7 @@ class ResidualModelContactForce : public ContactResidual {
   void set_reference(const Vec6<double>& reference) { fref_ = reference; }
 
  private:
+  bool is_cone() const override { return false; }
   std::string misfit(ContactType type) const override;
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
   Vec6<double> fref_;
