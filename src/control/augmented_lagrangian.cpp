@@ -168,7 +168,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   steplength_ = inner_->get_steplength();
   ffeas_ = inner_->get_ffeas();
   iter_ = total_++;
-  for (const auto& callback : callbacks_) (*callback)(*this);
+  callCallbacks();
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
 

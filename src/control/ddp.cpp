@@ -100,7 +100,7 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       break;
     }
     stoppingCriteria();
-    for (const auto& callback : callbacks_) (*callback)(*this);
+    callCallbacks();
     if (was_feasible_ && stop_ < th_stop_) {
       reason_ = StopReason::kConverged;
       break;

@@ -118,7 +118,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
       was_feasible_ = true;
       cost_ = cost_try_;
     }
-    for (const auto& callback : callbacks_) (*callback)(*this);
+    callCallbacks();
     if (stop_ < th_stop_) return reason_ = StopReason::kConverged;
     if (interrupted_) return reason_ = StopReason::kInterrupted;
     short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;

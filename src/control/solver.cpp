@@ -115,10 +115,15 @@ void SolverAbstract::setCandidate(const std::vector<Eigen::VectorXd>& xs_warm,
   is_feasible_ = is_feasible;
 }
 
-void SolverAbstract::setCallbacks(const std::vector<std::shared_ptr<CallbackAbstract>>& callbacks) {
+void SolverAbstract::setCallbacks(const Callbacks& callbacks) {
   for (const auto& callback : callbacks)
     require(callback != nullptr, "Solver::setCallbacks", "a callback is a null pointer");
-  callbacks_ = callbacks;
+  callbacks_ = std::make_shared<const Callbacks>(callbacks);
+}
+
+void SolverAbstract::callCallbacks() {
+  const auto callbacks = callbacks_;
+  for (const auto& callback : *callbacks) (*callback)(*this);
 }
 
 void SolverAbstract::set_xs(const std::vector<Eigen::VectorXd>& xs) {

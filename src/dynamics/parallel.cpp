@@ -5,6 +5,9 @@
 #ifdef _OPENMP
 #include <omp.h>
 #endif
+#if defined(_OPENMP) && __has_include(<pthread.h>)
+#include <pthread.h>
+#endif
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -14,6 +17,12 @@ namespace manycontact::internal {
 #ifdef _OPENMP
 
 int default_threads() { return omp_get_max_threads(); }
+
+#if __has_include(<pthread.h>)
+// A forked child has none of OpenMP's threads, and libgomp's would wait for them for ever. So the forking thread's are
+// given back before, and parent and child start new ones when they need them.
+const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
+#endif
 
 // The thread sanitizer does not see how libgomp's threads wait for each other; it is told.
 #ifdef __SANITIZE_THREAD__

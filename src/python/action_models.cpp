@@ -21,7 +21,7 @@ auto contact(py::module_& m, const char* name, const char* doc) {
 
 void add_contact_models(py::module_& m) {
   const auto with_gains = py::arg("gains") = Gains2(Gains2::Zero());
-  const auto in_local = py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal");
+  const auto in_local = py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL");
   using Abstract = ContactModelAbstract;
   py::class_<Abstract, std::shared_ptr<Abstract>>(m, "ContactModelAbstract")
       .def_property_readonly("state", &Abstract::get_state)
@@ -57,7 +57,8 @@ void add_contact_models(py::module_& m) {
       .def(py::init<State, std::size_t, const SE3<double>&, ReferenceFrame, const Gains2&>(), py::arg("state"),
            py::arg("id"), py::arg("pref"), py::arg("type"), with_gains)
       .def_property(
-          "reference", [](const ContactModel6D& c) { return c.get_reference(); }, &ContactModel6D::set_reference,
+          "reference", [](const ContactModel6D& c) -> SE3<double> { return c.get_reference(); },
+          &ContactModel6D::set_reference,
           "SE3 in the world.");
   contact<ContactModelBetweenBodies>(m, "ContactModelBetweenBodies", "A frame held to a frame of another body.")
       .def(py::init<State, ContactType, std::size_t, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t,
@@ -104,7 +105,7 @@ void add_contact_models(py::module_& m) {
 }
 
 void add_impulses(py::module_& m) {
-  const auto in_local = py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.kLocal");
+  const auto in_local = py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL");
   using Abstract = ImpulseModelAbstract;
   py::class_<Abstract, std::shared_ptr<Abstract>>(m, "ImpulseModelAbstract")
       .def_property_readonly("nc", &Abstract::get_nc)
@@ -146,17 +147,19 @@ void sparse_twin(Class& c, const char* name, const Eigen::SparseMatrix<double>& 
       [get](const AbstractData& d) {
         Eigen::SparseMatrix<double> matrix = (d.*get)();
         matrix.makeCompressed();
-        return scipy_csc(std::move(matrix));
+        const py::object copied = scipy_csc(std::move(matrix));
+        read_only(copied.attr("data"));
+        return copied;
       },
       "scipy.sparse.csc_matrix, a copy; of models with sparse storage.");
 }
 
 void add_base(py::module_& m) {
-  py::enum_<MatrixStorage>(m, "MatrixStorage", "Which of the large matrices are filled.")
-      .value("kBoth", MatrixStorage::kBoth)
-      .value("kDense", MatrixStorage::kDense)
-      .value("kSparse", MatrixStorage::kSparse)
-      .value("kPanel", MatrixStorage::kPanel);
+  add_enumeration<MatrixStorage>(m, "MatrixStorage", "storage", "Which of the large matrices are filled.",
+                                 {{"BOTH", MatrixStorage::kBoth},
+                                  {"DENSE", MatrixStorage::kDense},
+                                  {"SPARSE", MatrixStorage::kSparse},
+                                  {"PANEL", MatrixStorage::kPanel}});
 
   py::class_<AbstractData, std::shared_ptr<AbstractData>> data(m, "DifferentialActionDataAbstract");
   py::class_<Abstract, PyActionModel<Abstract, AbstractData>, std::shared_ptr<Abstract>> model(
@@ -212,7 +215,12 @@ void add_forward_dynamics(py::module_& m) {
       .def_property("JMinvJt_damping", &Model::get_damping_factor, &Model::set_damping_factor)
       .def_property_readonly("enable_force", &Model::get_enable_force)
       .def_property(
-          "options", [](const Model& x) { return x.get_options(); }, &Model::set_options,
+          "options",
+          [](const std::shared_ptr<Model>& x) {
+            return Handle<Options>([x]() -> const Options& { return x->get_options(); },
+                                   [x](const Options& options) { x->set_options(options); });
+          },
+          [](Model& x, const Options& options) { x.set_options(options); },
           "Options of the solves, of data created from now on.");
   using Free = DifferentialActionModelFreeFwdDynamics;
   py::class_<Free, Model, std::shared_ptr<Free>>(m, "DifferentialActionModelFreeFwdDynamics", "Without contacts.")

@@ -3,7 +3,8 @@
 // a ValueError that says why: other shapes, and numbers that are not finite. What is no array of numbers at all is
 // pybind11's TypeError.
 //
-//   Eigen matrices, vectors    copied, both ways
+//   Eigen matrices, vectors    copied, both ways; what a property gives, which assigning to an element would not change,
+//                              cannot be written into
 //   Ref<const VectorXd>        not copied in where the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers, any numbers
 //   view(...)                  an array on a matrix that somebody owns
@@ -45,13 +46,18 @@ Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Ei
 /// ValueError unless all numbers are finite (`infinite`: unless none is NaN). name: of the argument; "" where unknown.
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
 
+/// The same array; numpy raises where it is written into.
+inline py::array read_only(py::array array) {
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
 /// An array on numbers of `owner`, which it keeps alive. Strides count doubles.
 inline py::array view(const double* x, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                       py::handle owner, bool writeable) {
   for (py::ssize_t& s : strides) s *= static_cast<py::ssize_t>(sizeof(double));
   py::array out(py::dtype::of<double>(), std::move(shape), std::move(strides), x, owner);
-  if (!writeable) py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return out;
+  return writeable ? out : read_only(std::move(out));
 }
 
 template <class M>
@@ -64,6 +70,12 @@ py::array view(const M& m, py::handle owner, bool writeable) {
 template <class M>
 py::array copy(const M& m) {
   return view(m, py::none(), true).attr("copy")();
+}
+
+/// The same, of a property (pybind11 has reference_internal for these alone): read-only.
+template <class M>
+py::array copy(const M& m, py::return_value_policy policy) {
+  return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
 }
 
 /// values -> m, of m's shape or what numpy makes one of it, as `m[...] = values` does.
@@ -96,7 +108,9 @@ struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
     check_numbers("", value.data(), value.size());
     return true;
   }
-  static handle cast(const Matrix& m, return_value_policy, handle) { return manycontact::python::copy(m).release(); }
+  static handle cast(const Matrix& m, return_value_policy policy, handle) {
+    return manycontact::python::copy(m, policy).release();
+  }
 };
 
 template <>
@@ -115,7 +129,9 @@ struct type_caster<Eigen::Ref<const Eigen::VectorXd>> {
     return true;
   }
   operator const Vector&() { return *value_; }
-  static handle cast(const Vector& v, return_value_policy, handle) { return manycontact::python::copy(v).release(); }
+  static handle cast(const Vector& v, return_value_policy policy, handle) {
+    return manycontact::python::copy(v, policy).release();
+  }
 
  private:
   manycontact::python::Doubles array_;

@@ -49,7 +49,8 @@ auto action(py::module_& m, const char* name, const char* doc) {
 void add_integrators(py::module_& m) {
   using Model = std::shared_ptr<DifferentialActionModelAbstract>;
   using Control = std::shared_ptr<ControlParametrizationModelAbstract>;
-  py::enum_<RKType>(m, "RKType").value("two", two).value("three", three).value("four", four);
+  add_enumeration<RKType>(m, "RKType", "number of stages", "Stages of a Runge-Kutta scheme.",
+                          {{"two", two}, {"three", three}, {"four", four}});
   py::class_<ControlParametrizationModelAbstract, Control>(m, "ControlParametrizationModelAbstract",
                                                            "Controls within a step, as polynomials.")
       .def_property_readonly("nw", &ControlParametrizationModelAbstract::get_nw)

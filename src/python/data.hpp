@@ -34,6 +34,9 @@ class Data {
     return work(*data_);
   }
 
+  /// contact_force, whose check of the whole scene is made once for a solve and a scene.
+  Eigen::VectorXd force_of(const Scene& scene, int contact) const;
+
   /// An array on a block of an island's panel.
   py::array export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows, Eigen::Index cols) const;
 
@@ -41,6 +44,9 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
+    const Scene* checked_scene = nullptr;  // by force_of ...
+    std::uint64_t checked_serial = 0;      // ... at this solve ...
+    std::vector<char> checked_active;      // ... with these contacts
   };
   struct Turn {
     explicit Turn(State& s) : state(s) {
@@ -57,8 +63,5 @@ class Data {
   std::shared_ptr<SceneData> data_;
   std::shared_ptr<State> state_;
 };
-
-/// A Method, Order or Lanes given as such or by its name.
-Options options_of(py::handle method, py::handle order, py::handle lanes);
 
 }  // namespace manycontact::python

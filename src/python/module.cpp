@@ -25,6 +25,8 @@ namespace {
 
 py::handle input_error_type;
 
+constexpr const char* kHoldsNothing = "an object made by __new__ alone, without __init__, holds nothing";
+
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -34,8 +36,22 @@ void translate(std::exception_ptr thrown) {
     error.attr("line") = e.line;
     error.attr("message") = e.message;
     PyErr_SetObject(input_error_type.ptr(), error.ptr());
+  } catch (const py::cast_error& e) {  // a shared object among them
+    const bool empty = std::string(e.what()).find("non-held") != std::string::npos;
+    PyErr_SetString(PyExc_TypeError, empty ? kHoldsNothing : e.what());
   } catch (const std::logic_error& e) {  // std::invalid_argument too
     PyErr_SetString(PyExc_ValueError, e.what());
+  }
+}
+
+// SceneData.__new__(SceneData) holds no SceneData: pybind11 would make room for one and take that for it.
+void refuse_empty_objects(const py::module_& m) {
+  for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
+    if (!PyType_Check(member.ptr())) continue;
+    if (auto* type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(member.ptr())))
+      type->operator_new = [](std::size_t) -> void* {
+        throw py::type_error(kHoldsNothing);
+      };
   }
 }
 
@@ -58,13 +74,20 @@ PYBIND11_MODULE(_manycontact, m) {
       "file, line and message.";
   py::register_exception_translator(translate);
 
+  add_models(m);
   add_scenes(m);
+  add_options(m);
   add_dynamics(m);
+  add_derivatives(m);
+  add_batches(m);
   add_simulation(m);
   add_action_parts(m);
+  add_residual_models(m);
+  add_costs(m);
   add_action(m);
   add_control(m);
   add_solvers(m);
   add_task(m);
+  refuse_empty_objects(m);
   m.attr("__name__") = own_name;
 }

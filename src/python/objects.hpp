@@ -9,10 +9,9 @@
 #include <sstream>
 
 #include "arrays.hpp"
-
-namespace manycontact {
-enum class Integrator;
-}
+#include "enums.hpp"
+#include "handle.hpp"
+#include "values.hpp"
 
 namespace manycontact::python {
 
@@ -24,29 +23,6 @@ std::shared_ptr<void> keep(py::handle object);
 
 /// A number of threads that a machine can start; 0: OpenMP's.
 int checked_threads(int threads);
-
-/// An enumeration whose members print as C++ prints them.
-template <class E>
-void add_enumeration(py::module_& m, const char* name, const char* doc,
-                     std::initializer_list<std::pair<const char*, E>> members) {
-  py::enum_<E> e(m, name, doc);
-  for (const auto& [member, value] : members) e.value(member, value);
-  e.def(
-      "__str__", [](E x) { return to_string(x); }, py::prepend());
-}
-
-/// A value of an enumeration, given as such or by its name.
-template <class E, class Find>
-E value_or_name(py::handle given, const Find& find, const char* what, const char* names = "") {
-  if (py::isinstance<E>(given)) return given.cast<E>();
-  if (!py::isinstance<py::str>(given)) throw py::type_error(std::string("a ") + what + " or its name is expected");
-  const auto name = given.cast<std::string>();
-  if (const std::optional<E> found = find(name)) return *found;
-  throw py::value_error(std::string("unknown ") + what + " '" + name + "'" + names);
-}
-
-/// An Integrator, or its name.
-Integrator integrator_of(py::handle given);
 
 /// What operator<< prints, for __str__.
 template <class T>
@@ -66,13 +42,24 @@ void member_view(Class& c, const char* name, M member, const char* doc) {
       [member](T& self, py::handle values) { assign(self.*member, values); }, doc);
 }
 
+/// An array of bools on flags that hold 0 or 1; it keeps their owner.
+py::array flags_view(std::vector<char>& flags, py::handle owner);
+/// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
+void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
+
 /// A sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
 py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
+void add_models(py::module_& m);
 void add_scenes(py::module_& m);
+void add_options(py::module_& m);
 void add_dynamics(py::module_& m);
+void add_derivatives(py::module_& m);
+void add_batches(py::module_& m);
 void add_simulation(py::module_& m);
 void add_action_parts(py::module_& m);
+void add_residual_models(py::module_& m);
+void add_costs(py::module_& m);
 void add_action(py::module_& m);
 void add_control(py::module_& m);
 void add_solvers(py::module_& m);

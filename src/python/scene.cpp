@@ -1,11 +1,9 @@
-// Placements, models, scenes, files: floors spatial, model, contact (references), algorithm (configurations) and io.
-
-#include <pybind11/operators.h>
+// Scenes, their contacts and files: floors model, contact (references), algorithm (configurations) and analysis.
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"
-#include "manycontact/io/urdf.hpp"
+#include "manycontact/model/suggestion.hpp"
 #include "objects.hpp"
 
 namespace manycontact::python {
@@ -14,268 +12,198 @@ namespace {
 
 using Placement = SE3<double>;
 
-constexpr double kOrthonormal = 1e-6;  // as far as quaternions of files may be from unit length
+// ---- contacts ------------------------------------------------------------------------------------------------------
 
-Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
-  if (!(R.transpose() * R).isIdentity(kOrthonormal) || !(R.determinant() > 0))
-    throw py::value_error("SE3: R is not a rotation matrix");
-  return {R, p};
+// A contact as add_contact would take it into the scene, by its two robots alone; throws where it does not fit.
+Contact judged(const Scene& scene, Contact contact) {
+  Scene around;
+  std::vector<int> numbers;
+  for (Attachment* at : {&contact.A, &contact.B}) {
+    if (at->robot < 0 || at->robot >= scene.nrobots()) continue;
+    const auto known = std::find(numbers.begin(), numbers.end(), at->robot);
+    const auto number = static_cast<int>(known - numbers.begin());
+    if (known == numbers.end()) {
+      numbers.push_back(at->robot);
+      around.robots.push_back(scene.robots[static_cast<std::size_t>(at->robot)]);
+    }
+    at->robot = number;
+  }
+  add_contact(around, std::move(contact));
+  Contact taken = std::move(around.contacts.front());
+  for (Attachment* at : {&taken.A, &taken.B})
+    if (at->robot >= 0) at->robot = numbers[static_cast<std::size_t>(at->robot)];
+  return taken;
 }
 
-Placement placement_of_quaternion(const Eigen::Vector4d& q, const Eigen::Vector3d& p) {
-  if (!(std::abs(q.norm() - 1) <= kOrthonormal))
-    throw py::value_error("SE3.from_quaternion: the quaternion has the length " + std::to_string(q.norm()) +
-                          ", 1 is expected");
-  return {rotation_of_quaternion<double>(q[0], q[1], q[2], q[3]), p};
+Handle<Contact> contact_of_scene(const std::shared_ptr<Scene>& scene, std::size_t k) {
+  const auto set = [scene, k](Contact contact) {
+    Contact& now = scene->contacts.at(k);
+    if (contact.name != now.name) throw py::value_error("contact '" + now.name + "' of a scene keeps its name");
+    now = judged(*scene, std::move(contact));
+  };
+  return {[scene, k]() -> const Contact& { return scene->contacts.at(k); }, set};
 }
 
-void add_placements(py::module_& m) {
-  py::class_<Placement> c(m, "SE3", "A placement aMb: x_a = R x_b + p maps coordinates in frame b to frame a.");
-  c.def(py::init(&placement), py::arg("R") = Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
-        py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()), "R: rotation matrix (3, 3); p: translation (3) [m].")
-      .def_static("from_quaternion", &placement_of_quaternion, py::arg("xyzw"),
-                  py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                  "Of a unit quaternion (x, y, z, w) and a translation (3) [m].")
-      .def_static("Identity", &Placement::Identity)
-      .def_property(
-          "R", [](const Placement& M) -> Eigen::Matrix3d { return M.R; },
-          [](Placement& M, const Eigen::Matrix3d& R) { M = placement(R, M.p); }, "Rotation matrix (3, 3).")
-      .def_property(
-          "p", [](const Placement& M) -> Eigen::Vector3d { return M.p; },
-          [](Placement& M, const Eigen::Vector3d& p) { M.p = p; }, "Translation (3) [m].")
-      .def_property_readonly(
-          "rotation", [](const Placement& M) -> Eigen::Matrix3d { return M.R; }, "R.")
-      .def_property_readonly(
-          "translation", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "p.")
-      .def_property_readonly(
-          "quaternion", [](const Placement& M) { return quaternion_of_rotation<double>(M.R); },
-          "Unit quaternion (x, y, z, w), w >= 0.")
-      .def("inverse", &Placement::inverse, "bMa.")
-      .def(
-          "__mul__", [](const Placement& a, const Placement& b) { return a * b; }, "aMc = aMb bMc.")
-      .def(
-          "act", [](const Placement& M, const Vec6<double>& v) -> Vec6<double> { return M.act(v); }, py::arg("motion"),
-          "The motion (6, linear first) in a of one given in b.")
-      .def(
-          "act_inverse", [](const Placement& M, const Vec6<double>& v) -> Vec6<double> { return M.act_inverse(v); },
-          py::arg("motion"), "The motion in b of one given in a.")
-      .def(
-          "act_force", [](const Placement& M, const Vec6<double>& f) -> Vec6<double> { return M.act_force(f); },
-          py::arg("force"), "The force (6, linear first) in a of one given in b.")
-      .def("action", &Placement::action, "The matrix (6, 6) of act.")
-      .def("__repr__", [](const Placement& M) {
-        const auto x = pose_of_placement(M);
-        std::ostringstream out;
-        out << "SE3(p=[" << x[0] << ", " << x[1] << ", " << x[2] << "], quaternion=[" << x[3] << ", " << x[4] << ", "
-            << x[5] << ", " << x[6] << "])";
-        return out.str();
-      });
+Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene) {
+  return {[scene] { return scene->contacts.size(); }, [scene](std::size_t k) { return contact_of_scene(scene, k); },
+          [scene](const std::string& name) {
+            const auto found = scene->contact_index.find(name);
+            return found == scene->contact_index.end() ? -1 : found->second;
+          },
+          [scene](const std::string& name) { return no_contact(*scene, name); }};
 }
 
-void add_models(py::module_& m) {
-  py::enum_<JointType>(m, "JointType")
-      .value("kRevolute", JointType::kRevolute)
-      .value("kPrismatic", JointType::kPrismatic)
-      .value("kFloating", JointType::kFloating)
-      .value("kPlanar", JointType::kPlanar);
-
-  py::class_<Joint>(m, "Joint", "A joint and the body it carries. The joint frame is the child frame at q = 0.")
-      .def_readonly("name", &Joint::name)
-      .def_readonly("type", &Joint::type)
-      .def_readonly("parent", &Joint::parent, "Number of the parent joint; -1: the robot's base.")
-      .def_readonly("idx_q", &Joint::idx_q, "First coordinate in the model's q.")
-      .def_readonly("idx_v", &Joint::idx_v, "First coordinate in the model's v.")
-      .def_property_readonly("nq", &Joint::nq)
-      .def_property_readonly("nv", &Joint::nv)
-      .def_readonly("placement", &Joint::placement, "Of the joint frame in the parent joint's frame.")
-      .def_readonly("axis", &Joint::axis, "Unit vector (3) in the joint frame.")
-      .def_property_readonly(
-          "mass", [](const Joint& j) { return j.inertia.m; }, "Of the body [kg].")
-      .def_readonly("lower", &Joint::lower, "Position limits (nv) [rad, m], infinite where there are none.")
-      .def_readonly("upper", &Joint::upper)
-      .def_readonly("velocity_limit", &Joint::velocity_limit, "(nv) [rad/s, m/s].")
-      .def_readonly("effort_limit", &Joint::effort_limit, "(nv) [N m, N].");
-
-  py::class_<Frame>(m, "Frame", "A named frame fixed on a joint's body: a link.")
-      .def_readonly("name", &Frame::name)
-      .def_readonly("joint", &Frame::joint, "Number of the joint; -1: fixed to the robot's base.")
-      .def_readonly("placement", &Frame::placement, "In the joint's frame.");
-
-  py::class_<Finding>(m, "Finding", "Something odd but usable, and how it is taken.")
-      .def_readonly("kind", &Finding::kind, "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base'.")
-      .def_readonly("name", &Finding::name, "Of the joint, link or other element.")
-      .def_readonly("text", &Finding::text)
-      .def_readonly("file", &Finding::file)
-      .def_readonly("line", &Finding::line)
-      .def("__repr__", [](const Finding& f) {
-        return f.file + ":" + std::to_string(f.line) + ": " + f.kind + ": " + f.name + ": " + f.text;
-      });
-
-  py::class_<Model, std::shared_ptr<Model>>(m, "Model", "One robot or object: a kinematic tree. Constant.")
-      .def_readonly("name", &Model::name)
-      .def_readonly("floating_base", &Model::floating_base)
-      .def_readonly("nq", &Model::nq)
-      .def_readonly("nv", &Model::nv)
-      .def_property_readonly("nu", &Model::nu, "Actuated coordinates: all but a floating base and passive joints.")
-      .def_property_readonly(
-          "joints", [](const Model& x) { return x.joints; }, "List of Joint.")
-      .def_property_readonly(
-          "frames", [](const Model& x) { return x.frames; }, "List of Frame.")
-      .def_readonly("armature", &Model::armature, "Reflected rotor inertia (nv) [kg m^2, kg].")
-      .def("find_frame", &Model::find_frame, py::arg("name"), "Number of the frame, -1 if there is none.")
-      .def("find_joint", &Model::find_joint, py::arg("name"), "Number of the joint, -1 if there is none.")
-      .def("mass", &Model::mass, "Total mass [kg].")
-      .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
-
-  m.def(
-      "load_urdf",
-      [](const std::string& path, bool floating_base, double armature,
-         const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
-         bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics, bool refuse_inertia,
-         const std::set<std::string>& actuated) {
-        return std::make_shared<Model>(load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic,
-                                                        passive, model_dynamics, refuse_inertia, actuated}));
+// A's or B's, of a contact.
+void end_of_contact(py::class_<Handle<Contact>>& c, const char* name, Attachment Contact::*end, const char* doc) {
+  c.def_property(
+      name,
+      [end](const Handle<Contact>& h) {
+        return Handle<Attachment>([h, end]() -> const Attachment& { return h.get().*end; },
+                                  [h, end](Attachment x) { h.change([&](Contact& c) { c.*end = std::move(x); }); });
       },
-      py::arg("path"), py::kw_only(), py::arg("floating_base") = false, py::arg("armature") = 0.0,
-      py::arg("joint_armature") = std::map<std::string, std::vector<double>>(),
-      py::arg("locked") = std::map<std::string, double>(), py::arg("refuse_mimic") = false,
-      py::arg("passive") = std::set<std::string>(), py::arg("model_dynamics") = false,
-      py::arg("refuse_inertia") = false, py::arg("actuated") = std::set<std::string>(),
-      "A robot from a URDF file.\n\n"
-      "floating_base: joint 0 is then 'root', carrying the root link.\n"
-      "armature: reflected rotor inertia of every joint [kg m^2; kg for prismatic joints].\n"
-      "joint_armature: {joint: [numbers]} overrides it. locked: {joint: position} freezes joints.\n"
-      "passive: joints without torques. model_dynamics: the URDF's damping and friction of joints.\n"
-      "refuse_inertia: principal moments that no body has are an error, not a finding.\n"
-      "actuated: floating joints of the file that have torques; by default they are passive.\n"
-      "What is odd but usable is taken, and told by urdf_findings.\n"
-      "Joints are numbered depth first, children in byte order of their names.\n"
-      "Raises InputError (a ValueError) for the file, ValueError for options that do not fit.");
-  m.def(
-      "urdf_findings",
-      [](const std::string& path, bool floating_base) {
-        std::vector<Finding> findings;
-        UrdfOptions options;
-        options.floating_base = floating_base;
-        (void)load_urdf(path, options, &findings);
-        return findings;
-      },
-      py::arg("path"), py::kw_only(), py::arg("floating_base") = false,
-      "List of Finding: what load_urdf finds odd in a file and takes nevertheless, by line.");
+      [end](const Handle<Contact>& h, const Attachment& x) { h.change([&](Contact& c) { c.*end = x; }); }, doc);
+}
+
+void add_attachments(py::module_& m) {
+  py::class_<Handle<Attachment>> c(m, "Attachment",
+                                   "A place on a joint's body of a robot, or in the world: see attach().\n"
+                                   "Attachment(placement=M) is the placement M in the world.");
+  c.def(py::init([](int robot, int joint, const Placement& placement, const std::string& frame) {
+          return Handle<Attachment>(Attachment{robot, joint, placement, frame});
+        }),
+        py::kw_only(), py::arg("robot") = -1, py::arg("joint") = -1, py::arg_v("placement", Placement(), "SE3()"),
+        py::arg("frame") = "")
+      .def_property_readonly(
+          "robot", [](const Handle<Attachment>& h) { return h.get().robot; }, "Number of the robot; -1: the world.")
+      .def_property_readonly(
+          "joint", [](const Handle<Attachment>& h) { return h.get().joint; },
+          "Number of the joint of its model; -1: its fixed base.")
+      .def_property_readonly(
+          "frame", [](const Handle<Attachment>& h) { return h.get().frame; },
+          "Name of the frame it was made from; empty where unknown.");
+  handle_field(c, "placement", &Attachment::placement, "Of the contact's frame on that body; assign a new SE3.");
+  add_value(c);
+}
+
+Handle<Contact> make_contact(const std::string& name, ContactType type, ReferenceFrame frame, const Attachment& A,
+                             const Attachment& B, const Eigen::Vector3d& axis, double alpha, double beta, bool active,
+                             std::optional<double> mu, const std::optional<Eigen::Vector3d>& normal,
+                             const Eigen::Vector2d& box) {
+  Contact c;
+  c.name = name, c.type = type, c.reference_frame = frame, c.A = A, c.B = B, c.axis = axis;
+  c.alpha = alpha, c.beta = beta, c.active = active, c.mu = mu, c.normal = normal, c.box = box;
+  return Handle<Contact>(std::move(c));
+}
+
+void add_contacts(py::module_& m) {
+  add_enumeration<ContactType>(m, "ContactType", "type of contact", "Which motions of frame A a contact holds.",
+                               {{"CONTACT_1D", ContactType::k1D},
+                                {"CONTACT_2D", ContactType::k2D},
+                                {"CONTACT_3D", ContactType::k3D},
+                                {"CONTACT_5D", ContactType::k5D},
+                                {"CONTACT_6D", ContactType::k6D}});
+  for (const char* rows : {"1D", "2D", "3D", "5D", "6D"})  // as in C++
+    m.attr("ContactType").attr((std::string("k") + rows).c_str()) =
+        m.attr("ContactType").attr((std::string("CONTACT_") + rows).c_str());
+  add_enumeration<ReferenceFrame>(m, "ReferenceFrame", "reference frame", "Axes, by Pinocchio's names.",
+                                  {{"LOCAL", ReferenceFrame::kLocal},
+                                   {"WORLD", ReferenceFrame::kWorld},
+                                   {"LOCAL_WORLD_ALIGNED", ReferenceFrame::kLocalWorldAligned}});
+  for (const char* name : {"LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"}) m.attr(name) = m.attr("ReferenceFrame").attr(name);
+  add_attachments(m);
+
+  py::class_<Handle<Contact>> c(m, "Contact",
+                                "A bilateral contact: frame A on a robot, B' on another body or in the world.\n"
+                                "That of a scene (scene.contacts[0]) changes the scene when it is assigned to.");
+  c.def(py::init(&make_contact), py::kw_only(), py::arg("name"),
+        py::arg_v("type", ContactType::k6D, "ContactType.CONTACT_6D"),
+        py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"), py::arg("A"),
+        py::arg_v("B", Attachment(), "Attachment()"), py::arg("axis") = Eigen::Vector3d(Eigen::Vector3d::UnitZ()),
+        py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("active") = true, py::arg("mu") = py::none(),
+        py::arg("box") = Eigen::Vector2d(Eigen::Vector2d::Zero()),
+        "reference_frame: of the force, of 1D's and 2D's components, and of their derivatives.\n"
+        "axis: of 1D contacts, the component held (3), in the reference frame; of 5D contacts, the hinge's.\n"
+        "alpha [1/s^2], beta [1/s]: stabilisation gains.\n"
+        "mu: friction coefficient of a contact that only pushes. box: length and width of a 6D one's support (2) [m].");
+  handle_field(c, "name", &Contact::name);
+  handle_field(c, "type", &Contact::type, "ContactType; of a scene with data: make new data.");
+  handle_field(c, "reference_frame", &Contact::reference_frame, "ReferenceFrame");
+  end_of_contact(c, "A", &Contact::A, "Attachment; of a scene with data: make new data.");
+  end_of_contact(c, "B", &Contact::B, "Attachment; its placement may change under data in use.");
+  handle_field(c, "axis", &Contact::axis, "(3), unit; of a scene with data: make new data.");
+  handle_field(c, "alpha", &Contact::alpha, "[1/s^2]");
+  handle_field(c, "beta", &Contact::beta, "[1/s]");
+  handle_field(c, "mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.");
+  handle_field(c, "normal", &Contact::normal,
+               "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
+               "A's own z for 6D.");
+  handle_field(c, "box", &Contact::box, "Length and width of a 6D contact's support (2) [m]; zero: none.");
+  handle_field(c, "active", &Contact::active, "At the start, of new data; SceneData.active switches it later.");
+  c.def_property_readonly("rows", [](const Handle<Contact>& h) { return h.get().rows(); });
+  add_value(c);
+  add_items<Handle<Contact>>(m, "ContactList", "A scene's contacts, by number or name; assigning to them changes it.",
+                             true);
 }
 
 // ---- scenes --------------------------------------------------------------------------------------------------------
 
-std::size_t contact_number(const Scene& scene, const std::string& name) {
-  const auto found = scene.contact_index.find(name);
-  if (found == scene.contact_index.end()) throw py::value_error("there is no contact '" + name + "'");
-  return static_cast<std::size_t>(found->second);
+Items<Handle<Robot>> robots_of(const std::shared_ptr<Scene>& scene) {
+  const auto robot = [scene](std::size_t k) {
+    return Handle<Robot>([scene, k]() -> const Robot& { return scene->robots.at(k); },
+                         [scene, k](const Robot& robot) { scene->robots.at(k).base = robot.base; });
+  };
+  return {[scene] { return scene->robots.size(); }, robot,
+          [scene](const std::string& name) {
+            const auto found = scene->robot_index.find(name);
+            return found == scene->robot_index.end() ? -1 : found->second;
+          },
+          [scene](const std::string& name) { return no_robot(*scene, name); }};
+}
+
+void add_robots(py::module_& m) {
+  using Held = Handle<Robot>;
+  py::class_<Held> c(m, "Robot", "An instance of a model in a scene.");
+  c.def_property_readonly("name", [](const Held& r) { return r.get().name; })
+      .def_property_readonly("model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); })
+      .def_property_readonly(
+          "idx_q", [](const Held& r) { return r.get().idx_q; }, "First coordinate in the scene's q.")
+      .def_property_readonly(
+          "idx_v", [](const Held& r) { return r.get().idx_v; }, "First coordinate in the scene's v.")
+      .def_property_readonly(
+          "idx_u", [](const Held& r) { return r.get().idx_u; }, "First torque in the scene's u.");
+  handle_field(c, "base", &Robot::base,
+               "SE3 in the world: where a fixed base stands, where a floating one starts (neutral()). Contacts stay\n"
+               "where they are.");
+  add_value(c);
+  add_items<Held>(m, "RobotList", "A scene's robots, by number or name.", true);
 }
 
 // What may change under data in use.
-void change_contact(Scene& scene, const std::string& name, const std::optional<Placement>& placement,
-                    const std::optional<Eigen::Vector2d>& gains, const std::optional<ReferenceFrame>& frame) {
-  Contact& contact = scene.contacts[contact_number(scene, name)];
-  if (placement) contact.B.placement = *placement;
-  if (gains) contact.alpha = (*gains)[0], contact.beta = (*gains)[1];
-  if (frame) contact.reference_frame = *frame;
-}
-
-Contact make_contact(const std::string& name, ContactType type, ReferenceFrame frame, const Attachment& A,
-                     const Attachment& B, const Eigen::Vector3d& axis, double alpha, double beta, bool active) {
-  return {name, type, frame, A, B, axis, alpha, beta, active};
-}
-
-void add_contacts(py::module_& m) {
-  add_enumeration<ContactType>(m, "ContactType", "Which motions of frame A a contact holds.",
-                               {{"k1D", ContactType::k1D},
-                                {"k2D", ContactType::k2D},
-                                {"k3D", ContactType::k3D},
-                                {"k5D", ContactType::k5D},
-                                {"k6D", ContactType::k6D}});
-  py::enum_<ReferenceFrame>(m, "ReferenceFrame")
-      .value("kLocal", ReferenceFrame::kLocal)
-      .value("kWorld", ReferenceFrame::kWorld)
-      .value("kLocalWorldAligned", ReferenceFrame::kLocalWorldAligned)
-      .value("LOCAL", ReferenceFrame::kLocal)
-      .value("WORLD", ReferenceFrame::kWorld)
-      .value("LOCAL_WORLD_ALIGNED", ReferenceFrame::kLocalWorldAligned)
-      .export_values();
-
-  py::class_<Attachment>(m, "Attachment",
-                         "A place on a joint's body of a robot, or in the world: see attach().\n"
-                         "Attachment(placement=M) is the placement M in the world.")
-      .def(py::init([](int robot, int joint, const Placement& placement, const std::string& frame) {
-             return Attachment{robot, joint, placement, frame};
-           }),
-           py::kw_only(), py::arg("robot") = -1, py::arg("joint") = -1, py::arg_v("placement", Placement(), "SE3()"),
-           py::arg("frame") = "")
-      .def_readonly("robot", &Attachment::robot, "Number of the robot; -1: the world.")
-      .def_readonly("joint", &Attachment::joint, "Number of the joint of its model; -1: its fixed base.")
-      .def_property(
-          "placement", [](const Attachment& x) { return x.placement; },
-          [](Attachment& x, const Placement& M) { x.placement = M; }, "Of the contact's frame on that body.")
-      .def_readonly("frame", &Attachment::frame);
-
-  py::class_<Contact>(m, "Contact", "A bilateral contact: frame A on a robot, B' on another body or in the world.")
-      .def(py::init(&make_contact), py::kw_only(), py::arg("name"),
-           py::arg_v("type", ContactType::k6D, "ContactType.k6D"),
-           py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.kLocal"), py::arg("A"),
-           py::arg_v("B", Attachment(), "Attachment()"), py::arg("axis") = Eigen::Vector3d(Eigen::Vector3d::UnitZ()),
-           py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("active") = true,
-           "reference_frame: of the force, of 1D's and 2D's components, and of their derivatives.\n"
-           "axis: of 1D contacts, the component held (3), in the reference frame; of 5D contacts, the hinge's.\n"
-           "alpha [1/s^2], beta [1/s]: stabilisation gains.")
-      .def_readwrite("name", &Contact::name)
-      .def_readwrite("type", &Contact::type)
-      .def_readwrite("reference_frame", &Contact::reference_frame)
-      .def_property(
-          "A", [](const Contact& c) { return c.A; }, [](Contact& c, const Attachment& a) { c.A = a; })
-      .def_property(
-          "B", [](const Contact& c) { return c.B; }, [](Contact& c, const Attachment& b) { c.B = b; })
-      .def_property(
-          "axis", [](const Contact& c) -> Eigen::Vector3d { return c.axis; },
-          [](Contact& c, const Eigen::Vector3d& axis) { c.axis = axis; })
-      .def_readwrite("alpha", &Contact::alpha, "[1/s^2]")
-      .def_readwrite("beta", &Contact::beta, "[1/s]")
-      .def_readwrite("mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.")
-      .def_property(
-          "normal", [](const Contact& c) -> std::optional<Eigen::Vector3d> { return c.normal; },
-          [](Contact& c, const std::optional<Eigen::Vector3d>& normal) { c.normal = normal; },
-          "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
-          "A's "
-          "own z for 6D.")
-      .def_property(
-          "box", [](const Contact& c) -> Eigen::Vector2d { return c.box; },
-          [](Contact& c, const Eigen::Vector2d& box) { c.box = box; }, "Length and width of the support (2) [m].")
-      .def_readwrite("active", &Contact::active, "At the start; SceneData.active may switch it later.")
-      .def_property_readonly("rows", &Contact::rows)
-      .def("__repr__", [](const Contact& c) { return "<Contact '" + c.name + "', " + to_string(c.type) + ">"; });
+void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
+                    const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
+                    std::optional<ReferenceFrame> frame) {
+  contact_of_scene(scene, static_cast<std::size_t>(contact_called(*scene, name))).change([&](Contact& contact) {
+    if (placement) contact.B.placement = *placement;
+    if (gains) contact.alpha = (*gains)[0], contact.beta = (*gains)[1];
+    if (frame) contact.reference_frame = *frame;
+  });
 }
 
 void add_scene(py::module_& m) {
-  py::class_<Robot>(m, "Robot", "An instance of a model in a scene.")
-      .def_readonly("name", &Robot::name)
-      .def_property_readonly("model", [](const Robot& r) { return std::const_pointer_cast<Model>(r.model); })
-      .def_property_readonly(
-          "base", [](const Robot& r) { return r.base; },
-          "In the world: where a fixed base stands, where a floating one starts.")
-      .def_readonly("idx_q", &Robot::idx_q, "First coordinate in the scene's q.")
-      .def_readonly("idx_v", &Robot::idx_v, "First coordinate in the scene's v.")
-      .def_readonly("idx_u", &Robot::idx_u, "First torque in the scene's u.");
-
-  py::class_<Scene, std::shared_ptr<Scene>>(
-      m, "Scene", "Robots and the contacts among them and with the world; constant under the data made for it.")
-      .def(py::init([](const std::string& name) {
-             Scene scene;
-             scene.name = name;
-             return scene;
-           }),
-           py::arg("name") = "")
+  py::class_<Scene, std::shared_ptr<Scene>> c(
+      m, "Scene",
+      "Robots and the contacts among them and with the world. Under data in use may change: gravity, damping, where\n"
+      "fixed bases stand, and of a contact B's placement, gains and reference frame; else new data are needed.");
+  c.def(py::init([](const std::string& name) {
+          Scene scene;
+          scene.name = name;
+          return scene;
+        }),
+        py::arg("name") = "")
       .def_readwrite("name", &Scene::name)
       .def_property(
-          "gravity", [](const Scene& s) -> Eigen::Vector3d { return s.gravity; },
-          [](Scene& s, const Eigen::Vector3d& g) { s.gravity = g; }, "(3) [m/s^2]")
+          "gravity", [](py::object self) { return view(self.cast<Scene&>().gravity, self, true); },
+          [](Scene& s, const Eigen::Vector3d& g) { s.gravity = g; }, "(3) [m/s^2]; an array on the scene's own.")
       .def_property(
           "damping", [](const Scene& s) { return s.damping; },
           [](Scene& s, double damping) {
@@ -284,14 +212,14 @@ void add_scene(py::module_& m) {
             s.damping = damping;
           },
           "delta >= 0 on the diagonal of J M^-1 J^T [1/kg].")
-      .def_property_readonly(
-          "robots", [](const Scene& s) { return s.robots; }, "List of Robot; a copy.")
-      .def_property_readonly(
-          "contacts", [](const Scene& s) { return s.contacts; },
-          "List of Contact; a copy: change_contact() changes the scene's.")
+      .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
+      .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
       .def(
-          "contact", [](const Scene& s, const std::string& name) { return s.contacts[contact_number(s, name)]; },
-          py::arg("name"), "A copy of the contact of that name.")
+          "contact",
+          [](const std::shared_ptr<Scene>& s, const std::string& name) {
+            return contact_of_scene(s, static_cast<std::size_t>(contact_called(*s, name)));
+          },
+          py::arg("name"), "The contact of that name, as scene.contacts[name].")
       .def("change_contact", &change_contact, py::arg("name"), py::kw_only(), py::arg("placement") = py::none(),
            py::arg("gains") = py::none(), py::arg("reference_frame") = py::none(),
            "What may change of a contact under data in use: B's placement, gains (alpha, beta), the reference frame.")
@@ -299,14 +227,14 @@ void add_scene(py::module_& m) {
       .def_readonly("nv", &Scene::nv)
       .def_readonly("nu", &Scene::nu)
       .def_readonly("robot_index", &Scene::robot_index, "{name: number}; a copy.")
-      .def_readonly("contact_index", &Scene::contact_index, "{name: number}; a copy.")
-      .def("__copy__", [](const Scene& s) { return Scene(s); })
-      .def("__deepcopy__", [](const Scene& s, py::dict) { return Scene(s); })
-      .def("__repr__", [](const Scene& s) {
-        return "<Scene '" + s.name + "': " + std::to_string(s.robots.size()) + " robots, nv = " + std::to_string(s.nv) +
-               ", " + std::to_string(s.contacts.size()) + " contacts>";
-      });
+      .def_readonly("contact_index", &Scene::contact_index, "{name: number}; a copy.");
+  add_value(c).def("__repr__", [](const Scene& s) {
+    return "<Scene '" + s.name + "': " + std::to_string(s.robots.size()) + " robots, nv = " + std::to_string(s.nv) +
+           ", " + std::to_string(s.contacts.size()) + " contacts>";
+  });
+}
 
+void add_configurations(py::module_& m) {
   m.def(
       "add_robot",
       [](Scene& scene, const std::string& name, std::shared_ptr<Model> model, const Placement& base) {
@@ -345,19 +273,18 @@ void add_scene(py::module_& m) {
 }
 
 void add_files(py::module_& m) {
-  py::class_<SceneFile, std::shared_ptr<SceneFile>>(m, "SceneFile", "A scene from a file, with its state.")
-      .def_readonly("path", &SceneFile::path)
+  py::class_<SceneFile, std::shared_ptr<SceneFile>> c(m, "SceneFile", "A scene from a file, with its state.");
+  c.def_readonly("path", &SceneFile::path)
+      .def_readonly("files", &SceneFile::files, "Read for it: path, scenes it includes, URDFs.")
       .def_property_readonly("scene",
-                             [](const std::shared_ptr<SceneFile>& f) { return std::shared_ptr<Scene>(f, &f->scene); })
-      .def_property_readonly(
-          "q", [](const SceneFile& f) { return f.q; }, "Configuration (nq) [m, rad, quaternions].")
-      .def_property_readonly(
-          "v", [](const SceneFile& f) { return f.v; }, "Velocity (nv) [m/s, rad/s].")
-      .def_property_readonly(
-          "u", [](const SceneFile& f) { return f.u; }, "Torques of actuated joints (nu) [N m, N].")
-      .def_property_readonly(
-          "findings", [](const SceneFile& f) { return f.findings; },
-          "List of Finding: what reading the robots' files found odd; names as 'robot/joint'.");
+                             [](const std::shared_ptr<SceneFile>& f) { return std::shared_ptr<Scene>(f, &f->scene); });
+  member_view(c, "q", &SceneFile::q, "Configuration (nq) [m, rad, quaternions].");
+  member_view(c, "v", &SceneFile::v, "Velocity (nv) [m/s, rad/s].");
+  member_view(c, "u", &SceneFile::u, "Torques of actuated joints (nu) [N m, N].");
+  c.def_property_readonly(
+      "findings", [](const SceneFile& f) { return f.findings; },
+      "List of Finding: what reading the robots' files found odd; names as 'robot/joint'.");
+  add_value(c);
   m.def(
       "load_scene", [](const std::string& path) { return std::make_shared<SceneFile>(load_scene(path)); },
       py::arg("path"), Unlocked(),
@@ -374,10 +301,10 @@ void add_files(py::module_& m) {
 }  // namespace
 
 void add_scenes(py::module_& m) {
-  add_placements(m);
-  add_models(m);
   add_contacts(m);
+  add_robots(m);
   add_scene(m);
+  add_configurations(m);
   add_files(m);
 }
 

@@ -22,9 +22,20 @@ struct Simulation {
     (void)dynamics->at_rest();
     return *data;
   }
+  SimulationData& changeable() const {
+    (void)dynamics->at_rest();
+    return *data;
+  }
   std::shared_ptr<SimulationData> data;
   std::shared_ptr<Data> dynamics;
 };
+
+void put(const char* name, const Vector& from, Vector& to) {
+  if (from.size() != to.size())
+    throw py::value_error(std::string("SimulationData.") + name + ": " + std::to_string(to.size()) +
+                          " numbers are expected, not " + std::to_string(from.size()));
+  to = from;
+}
 
 // States every so many steps.
 struct Trajectory {
@@ -37,7 +48,7 @@ py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
   py::array_t<double> out({static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(cols)});
   for (std::size_t i = 0; i < rows.size(); ++i)
     std::copy_n(rows[i].data(), cols, out.mutable_data(static_cast<py::ssize_t>(i), 0));
-  return out;
+  return read_only(std::move(out));
 }
 
 constexpr long kStepsBetweenSignals = 64;
@@ -76,28 +87,32 @@ Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, lo
 }
 
 void add_steps(py::module_& m) {
-  py::enum_<Integrator>(m, "Integrator", "Both on the manifold of configurations.")
-      .value("kSemiImplicitEuler", Integrator::kSemiImplicitEuler)
-      .value("kRk4", Integrator::kRk4)
-      .def(
-          "__str__", [](Integrator i) { return to_string(i); }, py::prepend());
-  py::enum_<StepStatus>(m, "StepStatus", "What became of a step.")
-      .value("kOk", StepStatus::kOk)
-      .value("kSolverFailed", StepStatus::kSolverFailed)
-      .value("kNotFinite", StepStatus::kNotFinite)
-      .value("kTooFast", StepStatus::kTooFast);
+  add_enumeration<Integrator>(
+      m, "Integrator", "integrator", "Both on the manifold of configurations.",
+      {{"SEMI_IMPLICIT_EULER", Integrator::kSemiImplicitEuler}, {"RK4", Integrator::kRk4}});
+  add_enumeration<StepStatus>(m, "StepStatus", "status of a step", "What became of a step.",
+                              {{"OK", StepStatus::kOk},
+                               {"SOLVER_FAILED", StepStatus::kSolverFailed},
+                               {"NOT_FINITE", StepStatus::kNotFinite},
+                               {"TOO_FAST", StepStatus::kTooFast}});
 
   py::class_<Simulation>(m, "SimulationData", "A scene on its way through time, contacts held as the scene says.")
       .def(py::init(
-               [](const Scene& scene, const Vector& q, const Vector& v, py::handle integrator, double h,
-                  const Options& options) { return Simulation(scene, q, v, integrator_of(integrator), h, options); }),
+               [](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
+                  const Options& options) { return Simulation(scene, q, v, integrator, h, options); }),
            py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("integrator"), py::arg("h"),
            py::arg_v("options", Options(), "Options()"),
-           "Starts at q (nq), v (nv). integrator: an Integrator or 'semi-implicit-euler', 'rk4'; h: step [s].")
+           "Starts at q (nq), v (nv). integrator: 'semi-implicit-euler' or 'rk4'; h: step [s].")
+      .def_property(
+          "q", [](const Simulation& s) { return s.at_rest().q; },
+          [](const Simulation& s, const Vector& q) { put("q", q, s.changeable().q); },
+          "Configuration (nq); assign a whole one to go on from there.")
+      .def_property(
+          "v", [](const Simulation& s) { return s.at_rest().v; },
+          [](const Simulation& s, const Vector& v) { put("v", v, s.changeable().v); },
+          "Velocity (nv); assign a whole one to go on from there.")
       .def_property_readonly(
-          "q", [](const Simulation& s) { return s.at_rest().q; }, "Configuration (nq); a copy.")
-      .def_property_readonly(
-          "v", [](const Simulation& s) { return s.at_rest().v; }, "Velocity (nv); a copy.")
+          "integrator", [](const Simulation& s) { return s.at_rest().integrator; })
       .def_property_readonly("steps", [](const Simulation& s) { return s.at_rest().steps; })
       .def_property_readonly(
           "time", [](const Simulation& s) { return s.at_rest().time(); }, "[s]")
@@ -107,24 +122,25 @@ void add_steps(py::module_& m) {
           "worst", [](const Simulation& s) { return s.at_rest().worst; }, "Status of all solves.")
       .def_property(
           "velocity_limit", [](const Simulation& s) { return s.at_rest().velocity_limit; },
-          [](Simulation& s, double limit) {
-            (void)s.at_rest();
-            s.data->velocity_limit = limit;
-          },
-          "[m/s, rad/s]; a step beyond it is kTooFast.")
+          [](const Simulation& s, double limit) { s.changeable().velocity_limit = limit; },
+          "[m/s, rad/s]; a step beyond it is StepStatus.TOO_FAST.")
       .def_property_readonly(
           "dynamics", [](const Simulation& s) { return s.dynamics; },
           "SceneData of the last solve; dynamics.active may be switched between steps.");
 
-  py::class_<Trajectory>(m, "Trajectory", "States at the start and after every so many steps, by simulate.")
+  py::class_<Trajectory> trajectory(m, "Trajectory", "States at the start and after every so many steps, by simulate.");
+  add_value(trajectory)
       .def_property_readonly(
-          "t", [](const Trajectory& x) { return py::array_t<double>(x.t.size(), x.t.data()); }, "Times (n) [s].")
+          "t", [](const Trajectory& x) { return read_only(py::array_t<double>(x.t.size(), x.t.data())); },
+          "Times (n) [s].")
       .def_property_readonly(
           "q", [](const Trajectory& x) { return stack(x.q, x.q.front().size()); }, "Configurations (n, nq).")
       .def_property_readonly(
           "v", [](const Trajectory& x) { return stack(x.v, x.v.front().size()); }, "Velocities (n, nv).")
-      .def_readonly("status", &Trajectory::status, "StepStatus of the last step; not kOk: it stopped there.");
+      .def_readonly("status", &Trajectory::status, "StepStatus of the last step; not OK: it stopped there.");
+}
 
+void add_step_functions(py::module_& m) {
   m.def(
       "step",
       [](const Scene& scene, const Raw& u, const Simulation& simulation) {
@@ -133,9 +149,9 @@ void add_steps(py::module_& m) {
         return simulation.dynamics->use([&](SceneData&) { return step(scene, U, *simulation.data); });
       },
       py::arg("scene"), py::arg("u"), py::arg("data"),
-      "One step with torques u (nu). Where it is not StepStatus.kOk the state stays what it was: see failure().");
+      "One step with torques u (nu). Where it is not StepStatus.OK the state stays what it was: see failure().");
   m.def("simulate", &simulate, py::arg("scene"), py::arg("u"), py::arg("data"), py::arg("steps"), py::arg("every") = 1,
-        "Steps on from data's state with torques u, (nu) or (steps, nu), until a step is not kOk; returns the\n"
+        "Steps on from data's state with torques u, (nu) or (steps, nu), until a step is not OK; returns the\n"
         "Trajectory, which has the start, every `every`-th state and the last. Ctrl-C ends it.");
   m.def(
       "contact_force",
@@ -151,11 +167,12 @@ void add_steps(py::module_& m) {
         if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data are of another scene");
         return failure(scene, simulation.at_rest(), status);
       },
-      py::arg("scene"), py::arg("data"), py::arg("status"), "Why a step was not kOk, in words.");
+      py::arg("scene"), py::arg("data"), py::arg("status"), "Why a step was not OK, in words.");
 }
 
 void add_invariants(py::module_& m) {
-  py::class_<Invariants>(m, "Invariants", "What exact motion keeps.")
+  py::class_<Invariants> kept(m, "Invariants", "What exact motion keeps.");
+  add_value(kept)
       .def_readonly("position_drift", &Invariants::position_drift, "Largest error of active contacts [m, rad].")
       .def_readonly("velocity_drift", &Invariants::velocity_drift, "max |J v| [m/s, rad/s].")
       .def_readonly("kinetic", &Invariants::kinetic, "[J]")
@@ -173,7 +190,8 @@ void add_invariants(py::module_& m) {
       py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"),
       "Drift, energy and momentum at q (nq), v (nv), with the contacts flagged active (one bool each).");
 
-  py::class_<Gains>(m, "Gains")
+  py::class_<Gains> gains(m, "Gains", "Of a contact's stabilisation; alpha, beta = gains.");
+  add_value(gains)
       .def(py::init([](double alpha, double beta) {
              return Gains{alpha, beta};
            }),
@@ -186,25 +204,21 @@ void add_invariants(py::module_& m) {
                ")";
       });
   m.def(
-      "recommended_gains", [](py::handle i, double h) { return recommended_gains(integrator_of(i), h); },
+      "recommended_gains", [](Integrator i, double h) { return recommended_gains(i, h); },
       py::arg("integrator"), py::arg("h"), "Gains for steps of h [s].");
   m.def(
-      "error_growth", [](py::handle i, const Gains& g, double h) { return error_growth(integrator_of(i), g, h); },
+      "error_growth", [](Integrator i, const Gains& g, double h) { return error_growth(i, g, h); },
       py::arg("integrator"), py::arg("gains"), py::arg("h"), "What a contact's error is multiplied by per step.");
   m.def(
-      "largest_stable_step", [](py::handle i, const Gains& g) { return largest_stable_step(integrator_of(i), g); },
+      "largest_stable_step", [](Integrator i, const Gains& g) { return largest_stable_step(i, g); },
       py::arg("integrator"), py::arg("gains"), "[s]");
 }
 
 }  // namespace
 
-Integrator integrator_of(py::handle given) {
-  return value_or_name<Integrator>(given, integrator_from_string, "integrator",
-                                   ", expected 'semi-implicit-euler' or 'rk4'");
-}
-
 void add_simulation(py::module_& m) {
   add_steps(m);
+  add_step_functions(m);
   add_invariants(m);
 }
 

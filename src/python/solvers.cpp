@@ -47,59 +47,130 @@ void add_problem(py::module_& m) {
 }
 
 struct PyCallback : CallbackAbstract {
+  [[noreturn]] static void throw_undefined() {
+    throw py::value_error("CallbackAbstract: __call__(self, solver) is to be defined");
+  }
   void operator()(SolverAbstract& solver) override {
     const py::gil_scoped_acquire gil;
-    const py::function call = py::get_override(static_cast<const CallbackAbstract*>(this), "__call__");
-    if (!call) throw py::value_error("CallbackAbstract: __call__(self, solver) is to be defined");
-    call(py::cast(&solver, py::return_value_policy::reference));
+    const py::object self = py::cast(static_cast<CallbackAbstract*>(this), py::return_value_policy::reference);
+    const py::object own = py::type::of(self).attr("__call__");  // not get_override, which finds none while it runs
+    if (own.is(py::type::of<CallbackAbstract>().attr("__call__"))) throw_undefined();
+    own(self, py::cast(&solver, py::return_value_policy::reference));
   }
 };
 
-// After each iteration: Ctrl-C ends the solve.
-struct Signals : CallbackAbstract {
-  void operator()(SolverAbstract&) override {
+using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
+
+// The only callback of a solver while solve() runs: calls the user's, which may be replaced meanwhile, from the next
+// iteration on; then Ctrl-C ends the solve.
+struct Solving : CallbackAbstract {
+  explicit Solving(Callbacks of) : users(std::move(of)) {}
+  void operator()(SolverAbstract& solver) override {
     const py::gil_scoped_acquire gil;
+    const Callbacks now = users;
+    for (const auto& callback : now) (*callback)(solver);
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
+  Callbacks users;
 };
+
+Solving* solving(const SolverAbstract& solver) {
+  const Callbacks& all = solver.getCallbacks();
+  return all.size() == 1 ? dynamic_cast<Solving*>(all.front().get()) : nullptr;
+}
+
+const Callbacks& callbacks_of(const SolverAbstract& solver) {
+  const Solving* now = solving(solver);
+  return now ? now->users : solver.getCallbacks();
+}
+
+void set_callbacks(SolverAbstract& solver, const Callbacks& callbacks) {
+  Solving* now = solving(solver);
+  if (!now) return solver.setCallbacks(callbacks);
+  if (std::find(callbacks.begin(), callbacks.end(), nullptr) != callbacks.end())
+    throw py::value_error("setCallbacks: a callback is None");
+  now->users = callbacks;
+}
 
 bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us, std::size_t maxiter, bool feasible,
                    double init_reg) {
-  const auto callbacks = solver.getCallbacks();
-  auto with_signals = callbacks;
-  with_signals.push_back(std::make_shared<Signals>());
-  solver.setCallbacks(with_signals);
+  if (solving(solver))
+    throw py::value_error("solve: this solver is solving; a callback may interrupt() it, or solve by another solver");
+  const auto call = std::make_shared<Solving>(solver.getCallbacks());
   struct Restore {
     SolverAbstract& solver;
-    const std::vector<std::shared_ptr<CallbackAbstract>>& callbacks;
-    ~Restore() { solver.setCallbacks(callbacks); }
-  } const restore{solver, callbacks};
+    Solving& call;
+    ~Restore() { solver.setCallbacks(call.users); }
+  } const restore{solver, *call};
+  solver.setCallbacks({call});
+  const py::gil_scoped_release unlocked;
   return solver.solve(xs, us, maxiter, feasible, init_reg);
 }
 
+// ---- garbage ------------------------------------------------------------------------------------------------------
+// A callback written in Python may know its solver, which keeps it: Python's collector finds such rings, for a solver
+// tells it which callbacks it keeps. It may tell of those alone that nobody else in C++ keeps.
+
+template <class Use>
+void each_kept_callback(PyObject* self, Use&& use) {
+  const auto* instance = reinterpret_cast<py::detail::instance*>(self);
+  const auto value = const_cast<py::detail::instance*>(instance)->get_value_and_holder();
+  if (!value.holder_constructed()) return;
+  const auto& solver = value.holder<std::shared_ptr<SolverAbstract>>();
+  if (solver.use_count() != 1) return;
+  for (const auto& callback : callbacks_of(*solver)) {
+    if (callback.use_count() != 1 || !dynamic_cast<const PyCallback*>(callback.get())) continue;
+    use(py::detail::get_object_handle(callback.get(), py::detail::get_type_info(typeid(CallbackAbstract))).ptr());
+  }
+}
+
+int visit_callbacks(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  int result = 0;
+  each_kept_callback(self, [&](PyObject* callback) {
+    if (callback && result == 0) result = visit(callback, arg);
+  });
+  return result;
+}
+
+int clear_callbacks(PyObject* self) {
+  const auto value = reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder();
+  if (value.holder_constructed()) value.holder<std::shared_ptr<SolverAbstract>>()->setCallbacks({});
+  return 0;
+}
+
+const py::custom_type_setup kCollected([](PyHeapTypeObject* type) {
+  type->ht_type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type->ht_type.tp_traverse = &visit_callbacks;
+  type->ht_type.tp_clear = &clear_callbacks;
+});
+
 void add_solver_base(py::module_& m) {
-  py::enum_<StopReason>(m, "StopReason", "Why solve() stopped.")
-      .value("kNone", StopReason::kNone)
-      .value("kConverged", StopReason::kConverged)
-      .value("kIterations", StopReason::kIterations)
-      .value("kNoDirection", StopReason::kNoDirection)
-      .value("kNoStep", StopReason::kNoStep)
-      .value("kInterrupted", StopReason::kInterrupted)
-      .value("kInfeasible", StopReason::kInfeasible)
-      .def(
-          "__str__", [](StopReason r) { return to_string(r); }, py::prepend());
+  add_enumeration<StopReason>(m, "StopReason", "reason", "Why solve() stopped.",
+                              {{"NONE", StopReason::kNone},
+                               {"CONVERGED", StopReason::kConverged},
+                               {"ITERATIONS", StopReason::kIterations},
+                               {"NO_DIRECTION", StopReason::kNoDirection},
+                               {"NO_STEP", StopReason::kNoStep},
+                               {"INTERRUPTED", StopReason::kInterrupted},
+                               {"INFEASIBLE", StopReason::kInfeasible}});
 
   using S = SolverAbstract;
   py::class_<CallbackAbstract, PyCallback, std::shared_ptr<CallbackAbstract>> callback(
       m, "CallbackAbstract", "Derive from it: __call__(self, solver) is called after each iteration.");
-  py::class_<S, std::shared_ptr<S>> solver(m, "SolverAbstract", "What solvers of a ShootingProblem have in common.");
+  py::class_<S, std::shared_ptr<S>> solver(m, "SolverAbstract", "What solvers of a ShootingProblem have in common.",
+                                           kCollected);
   callback.def(py::init<>())
       .def(
-          "__call__", [](CallbackAbstract& c, SolverAbstract& of) { c(of); }, py::arg("solver"));
+          "__call__",
+          [](CallbackAbstract& c, SolverAbstract& of) {
+            if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // it has none, or calls super()'s
+            c(of);
+          },
+          py::arg("solver"));
   solver
       .def("solve", &solve_problem, py::arg("init_xs") = Vectors(), py::arg("init_us") = Vectors(),
            py::arg("maxiter") = 100, py::arg("isFeasible") = false, py::arg_v("init_reg", NAN, "float('nan')"),
-           Unlocked(),
            "From the candidate init_xs (T + 1 of nx; empty: the states' zeros), init_us (T of nu; empty: zeros); True\n"
            "when converged. isFeasible: init_xs is what init_us lead to. Ctrl-C ends it.")
       .def("computeDirection", &S::computeDirection, py::arg("recalc") = true, Unlocked())
@@ -108,8 +179,8 @@ void add_solver_base(py::module_& m) {
       .def("expectedImprovement", &S::expectedImprovement, Unlocked())
       .def("setCandidate", &S::setCandidate, py::arg("xs") = Vectors(), py::arg("us") = Vectors(),
            py::arg("isFeasible") = false)
-      .def("setCallbacks", &S::setCallbacks, py::arg("callbacks"))
-      .def("getCallbacks", &S::getCallbacks)
+      .def("setCallbacks", &set_callbacks, py::arg("callbacks"), "Within a callback: from the next iteration on.")
+      .def("getCallbacks", &callbacks_of)
       .def("interrupt", &S::interrupt, "Ends solve() after the iteration at hand; for callbacks.")
       .def_property_readonly("reason", &S::reason)
       .def_property_readonly("problem", &S::get_problem)
@@ -185,12 +256,8 @@ void add_solver_classes(py::module_& m) {
 }
 
 void add_callbacks(py::module_& m) {
-  py::enum_<VerboseLevel>(m, "VerboseLevel")
-      .value("_0", _0)
-      .value("_1", _1)
-      .value("_2", _2)
-      .value("_3", _3)
-      .value("_4", _4);
+  add_enumeration<VerboseLevel>(m, "VerboseLevel", "level", "How many columns are printed.",
+                                {{"_0", _0}, {"_1", _1}, {"_2", _2}, {"_3", _3}, {"_4", _4}});
   py::class_<CallbackVerbose, CallbackAbstract, std::shared_ptr<CallbackVerbose>>(
       m, "CallbackVerbose", "One line on standard output for each iteration.")
       .def(py::init<VerboseLevel, int>(), py::arg_v("level", _4, "VerboseLevel._4"), py::arg("precision") = 3)

@@ -1,6 +1,8 @@
 """Writes __init__.pyi of the package in a folder: types and docstrings as the module itself has them.
 
     stubs.py build/release/python/manycontact
+
+mypy's stubgen (1.0) drops docstrings and the types of arrays' properties, and writes `Fu: By calcDiff`.
 """
 
 import ast
@@ -11,12 +13,26 @@ import types
 
 HEADER = '''"""Written from the module by src/python/stubs.py."""
 
-from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, Union, overload
+from typing import (
+    AbstractSet, Any, Callable, Dict, Generic, Iterator, List, Mapping, Optional, Sequence, Set, Tuple, TypeVar, Union,
+    overload,
+)
 
 import numpy
+from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+
+_Got = TypeVar("_Got", covariant=True)
+_Given = TypeVar("_Given", contravariant=True)
+
+class _Attribute(Generic[_Got, _Given]):
+    """A property that takes more types than it gives: any sequence of numbers for an array, a name for a member."""
+    def __get__(self, obj: Any, owner: Any = ...) -> _Got: ...
+    def __set__(self, obj: Any, value: _Given) -> None: ...
 '''
+
+ARRAY = "NDArray[numpy.float64]"
 
 
 def parts_at(text, separator):
@@ -37,15 +53,27 @@ def parts_at(text, separator):
     return parts + [text[start:]]
 
 
-def type_of(text):
+def type_of(text, use="returned"):
+    """pybind11's type as Python's. use: "given" to a function, "returned" by one, or that of a "property"."""
     text = re.sub(r"\bmanycontact(?:::|\.)(?:_manycontact\.)?", "", text.strip())
-    text = re.sub(r"\bnumpy\.ndarray\[[^\]]*\]|\bnumpy\.ndarray\b", "numpy.ndarray", text)
-    text = re.sub(r"\b(handle|object|function|iterator|array)\b", "Any", text.replace("numpy.array", "array"))
+    text = re.sub(r"\bnumpy\.ndarray\[[^\]]*\]|\bnumpy\.ndarray\b", "ArrayLike" if use == "given" else ARRAY, text)
+    text = re.sub(r"\barray\b|\bnumpy\.array\b", "NDArray[Any]", text)
+    text = re.sub(r"\b(handle|object|iterator)\b", "Any", text)
+    text = re.sub(r"\bfunction\b", "Callable[..., Any]", text)
+    text = re.sub(r"\b(tuple|dict|list|slice)\b", lambda m: {"dict": "Dict[Any, Any]"}.get(m[1], m[1]), text)
+    if use != "returned":
+        readable = {"List": "Sequence", "Dict": "Mapping", "Set": "AbstractSet"}
+        text = re.sub(r"\b(List|Dict|Set)\[", lambda m: readable[m[1]] + "[", text)
+    if use == "given":
+        text = re.sub(r"\w+", lambda m: f"Union[{m[0]}, str]" if m[0] in ENUMERATIONS else m[0], text)
     try:
         ast.parse(text, mode="eval")
     except SyntaxError:
         raise SystemExit(f"stubs.py: a type that Python cannot name: {text}")
     return text
+
+
+ENUMERATIONS = set()
 
 
 def parameters_of(text, method):
@@ -56,7 +84,8 @@ def parameters_of(text, method):
         if method and k == 0:
             out.append("self")
         elif annotation:
-            out.append(f"{name}: {type_of(annotation[0])}" + (" = ..." if default else ""))
+            given = type_of(annotation[0], "given")
+            out.append(f"{name}: {given}" + (" = ..." if default else ""))
         else:
             out.append(name)
     return ", ".join(out)
@@ -71,6 +100,8 @@ def signatures_of(function):
         match = re.fullmatch(r"\w*\((.*)\) -> (.*)", line.strip())
         if match:
             yield match[1], match[2], doc.strip()
+        elif line.startswith(f"{getattr(function, '__name__', '')}("):
+            raise SystemExit(f"stubs.py: a signature that cannot be read: {line}")
 
 
 def docstring(text, indent):
@@ -97,15 +128,37 @@ def property_lines(name, member):
     doc = member.fget.__doc__ or ""
     line, _, text = doc.partition("\n")
     match = re.fullmatch(r"\w*\(.*\) -> (.*)", line.strip())
-    result = type_of(match[1]) if match else "Any"
+    result = type_of(match[1], "property") if match else "Any"
+    text = (member.__doc__ or text).strip()
+    taken = re.match(r"\w*\((?:.*), \w+: (.*)\) -> None", (member.fset.__doc__ or "").strip()) if member.fset else None
+    given = type_of(taken[1], "given") if taken else "Any"
+    if given == "Any" and result.startswith("NDArray"):
+        given = "ArrayLike"
+    if member.fset and given != result:
+        yield f"    {name}: _Attribute[{result}, {given}]"
+        if text:
+            yield "    " + docstring(text, "    ").strip().rpartition("\n")[0].strip()
+        return
     yield "    @property"
-    yield f"    def {name}(self) -> {result}:{docstring((member.__doc__ or text).strip(), '        ')}"
+    yield f"    def {name}(self) -> {result}:{docstring(text, '        ')}"
     if member.fset:
         yield f"    @{name}.setter"
-        yield f"    def {name}(self, value: Any) -> None: ..."
+        yield f"    def {name}(self, value: {given}) -> None: ..."
 
 
-HIDDEN = {"__module__", "__doc__", "__dict__", "__weakref__", "__new__", "__members__", "__entries"}
+HIDDEN = {"__module__", "__doc__", "__dict__", "__weakref__", "__new__", "__members__", "__entries", "__getstate__",
+          "__setstate__", "__init_subclass__", "__hash__"}  # fmt: skip
+
+
+def enumeration_lines(cls):
+    yield from (f"    {name}: {cls.__name__}" for name in cls.__members__)
+    yield "    __members__: Mapping[str, " + cls.__name__ + "]"
+    yield "    def __init__(self, value: int) -> None: ..."
+    yield "    def __int__(self) -> int: ..."
+    yield "    def __index__(self) -> int: ..."
+    yield "    def __hash__(self) -> int: ..."
+    yield "    @property\n    def name(self) -> str: ..."
+    yield "    @property\n    def value(self) -> int: ..."
 
 
 def class_lines(cls):
@@ -113,27 +166,28 @@ def class_lines(cls):
     yield f"class {cls.__name__}" + (f"({', '.join(bases)})" if bases else "") + ":"
     if cls.__doc__:
         yield f'    """{cls.__doc__.strip()}"""'.replace("\n", "\n    ")
-    is_enum = hasattr(cls, "__members__")
-    for name in cls.__members__ if is_enum else ():
-        yield f"    {name}: {cls.__name__}"
-    for name, member in vars(cls).items():
-        if name in HIDDEN or (is_enum and (name in cls.__members__ or name.startswith("__"))):
+    members = {} if hasattr(cls, "__members__") else vars(cls)
+    if hasattr(cls, "__members__"):
+        yield from enumeration_lines(cls)
+    for name, member in members.items():
+        if name in HIDDEN:
             continue
         if isinstance(member, property):
             yield from property_lines(name, member)
         elif isinstance(member, staticmethod):
             yield from function_lines(name, member.__func__, "    ", static=True)
+        elif name == "__eq__":
+            yield "    def __eq__(self, other: object) -> bool: ..."
+        elif name == "__iter__":
+            item = next(r for p, r, _ in signatures_of(cls.__getitem__) if not r.startswith("List"))
+            yield f"    def __iter__(self) -> Iterator[{type_of(item)}]: ..."
         elif callable(member) and member.__doc__:
             yield from function_lines(name, member, "    ", method=True)
-    if is_enum:
-        yield "    def __init__(self, value: int) -> None: ..."
-        yield "    def __int__(self) -> int: ..."
-        yield "    @property\n    def name(self) -> str: ..."
-        yield "    @property\n    def value(self) -> int: ..."
     yield "    ..."
 
 
 def stubs(module):
+    ENUMERATIONS.update(name for name, x in vars(module).items() if hasattr(x, "__members__"))
     lines = [HEADER]
     for name, member in vars(module).items():
         if name.startswith("_") or isinstance(member, types.ModuleType):
@@ -144,8 +198,6 @@ def stubs(module):
             lines.append(f"class {name}(ValueError):\n    file: str\n    line: int\n    message: str")
         elif isinstance(member, type):
             lines.extend(class_lines(member))
-        elif callable(member) and member.__name__ != name:
-            lines.append(f"{name} = {member.__name__}")
         elif callable(member):
             lines.extend(function_lines(name, member))
         else:

@@ -7,22 +7,12 @@ namespace manycontact::python {
 
 namespace {
 
-std::optional<TaskSolver> solver_from_string(const std::string& name) {
-  for (const TaskSolver s : {TaskSolver::kFddp, TaskSolver::kBoxFddp, TaskSolver::kSparse, TaskSolver::kAuto})
-    if (name == to_string(s)) return s;
-  return std::nullopt;
-}
-
-TaskSolver solver_of(py::handle given) {
-  return value_or_name<TaskSolver>(given, solver_from_string, "solver",
-                                   ", expected one of 'fddp', 'box-fddp', 'sparse', 'auto'");
-}
-
-// each: called with the TaskIteration after each iteration; False ends the solve, None does not.
-TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared_ptr<TaskProblem>>& given,
-                           py::handle solver, int threads, const std::optional<py::function>& each) {
+// solver: none, the task's own. each: called with the TaskIteration after each iteration; False ends the solve, None
+// does not.
+TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
+                           std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;
-  options.solver = solver_of(solver);
+  options.solver = solver.value_or(task.solver);
   options.threads = checked_threads(threads);
   options.each = [&each](const TaskIteration& iteration) {
     const py::gil_scoped_acquire gil;
@@ -32,13 +22,14 @@ TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared
     return answer.is_none() || answer.cast<bool>();
   };
   const py::gil_scoped_release unlocked;
-  if (given && *given) return optimize(task, **given, options);
+  if (given) return optimize(task, *given, options);
   TaskProblem problem = make_problem(task, options.solver);
   return optimize(task, problem, options);
 }
 
 void add_simulated_motion(py::module_& m) {
-  py::class_<SimulatedMotion>(m, "SimulatedMotion", "Where a simulation of a solution went.")
+  py::class_<SimulatedMotion> motion(m, "SimulatedMotion", "Where a simulation of a solution went.");
+  add_value(motion)
       .def_readonly("stopped", &SimulatedMotion::stopped, "StepStatus; anything but kOk: it ended there.")
       .def_readonly("xs", &SimulatedMotion::xs, "States at the nodes; where contacts close, before their impact.")
       .def_readonly("energy_lost", &SimulatedMotion::energy_lost, "By impacts [J].")
@@ -47,34 +38,30 @@ void add_simulated_motion(py::module_& m) {
       .def_readonly("distance", &SimulatedMotion::distance, "Largest component of x (-) xs at any node.");
   m.def(
       "simulate",
-      [](const TaskFile& task, const TaskSolution& solution, py::handle integrator, int substeps) {
-        const Integrator scheme = integrator_of(integrator);
-        const py::gil_scoped_release unlocked;
-        return manycontact::simulate(task, solution, scheme, substeps);
+      [](const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps) {
+        return manycontact::simulate(task, solution, integrator, substeps);
       },
-      py::arg("task"), py::arg("solution"), py::arg("integrator") = "rk4", py::arg("substeps") = 10,
+      py::arg("task"), py::arg("solution"), py::arg_v("integrator", Integrator::kRk4, "'rk4'"),
+      py::arg("substeps") = 10, Unlocked(),
       "Follows a task's solution by its torques and gains, with `substeps` steps to a node and an impact where a\n"
       "contact closes; returns a SimulatedMotion.");
 }
 
-}  // namespace
-
-void add_task(py::module_& m) {
-  py::enum_<TaskSolver>(m, "TaskSolver")
-      .value("kFddp", TaskSolver::kFddp)
-      .value("kBoxFddp", TaskSolver::kBoxFddp)
-      .value("kSparse", TaskSolver::kSparse)
-      .value("kAuto", TaskSolver::kAuto)
-      .def(
-          "__str__", [](TaskSolver s) { return to_string(s); }, py::prepend());
-
-  py::class_<TaskFile, std::shared_ptr<TaskFile>>(m, "TaskFile", "An optimal control task from its file.")
+void add_task_files(py::module_& m) {
+  add_enumeration<TaskSolver>(m, "TaskSolver", "solver", "How a task is solved.",
+                              {{"FDDP", TaskSolver::kFddp},
+                               {"BOX_FDDP", TaskSolver::kBoxFddp},
+                               {"SPARSE", TaskSolver::kSparse},
+                               {"AUTO", TaskSolver::kAuto}});
+  py::class_<TaskFile, std::shared_ptr<TaskFile>> task(m, "TaskFile", "An optimal control task from its file.");
+  add_value(task)
       .def_readonly("path", &TaskFile::path)
       .def_readonly("name", &TaskFile::name)
       .def_property_readonly(
           "scene", [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); },
           "SceneFile")
       .def_readonly("step", &TaskFile::step, "[s]")
+      .def_readwrite("solver", &TaskFile::solver, "TaskSolver: what optimize and make_problem take.")
       .def_readwrite("iterations", &TaskFile::iterations)
       .def_readwrite("tolerance", &TaskFile::tolerance)
       .def_property_readonly("nodes", &TaskFile::nodes, "Running ones.");
@@ -87,27 +74,35 @@ void add_task(py::module_& m) {
       .def_readwrite("us", &TaskProblem::us)
       .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.")
       .def_readonly("blocks", &TaskProblem::blocks, "Parts, taken apart where robots only hold each other.");
-  py::class_<TaskIteration>(m, "TaskIteration")
+}
+
+void add_task_solutions(py::module_& m) {
+  py::class_<TaskIteration> iteration(m, "TaskIteration");
+  add_value(iteration)
       .def_readonly("cost", &TaskIteration::cost)
       .def_readonly("stop", &TaskIteration::stop)
       .def_readonly("regularisation", &TaskIteration::regularisation)
       .def_readonly("step_length", &TaskIteration::step_length)
       .def_readonly("gaps", &TaskIteration::gaps)
       .def_readonly("feasible", &TaskIteration::feasible);
-  py::class_<TaskViolation>(m, "TaskViolation", "How far a motion is from a constraint.")
+  py::class_<TaskViolation> violation(m, "TaskViolation", "How far a motion is from a constraint.");
+  add_value(violation)
       .def_readonly("constraint", &TaskViolation::constraint)
       .def_readonly("by", &TaskViolation::by, "Largest distance of a row to its bounds.")
       .def_readonly("node", &TaskViolation::node);
-  py::class_<TaskGains>(m, "TaskGains", "Feedback u = us[t] - K[t] (x (-) xs[t]) of robots solved together.")
+  py::class_<TaskGains> gains(m, "TaskGains", "Feedback u = us[t] - K[t] (x (-) xs[t]) of robots solved together.");
+  add_value(gains)
       .def_readonly("dx", &TaskGains::dx, "Their coordinates of dx.")
       .def_readonly("u", &TaskGains::u, "Their torques.")
       .def_readonly("K", &TaskGains::K, "Of each node (len(u), len(dx)); without rows at an impact. Copies.");
-  py::class_<TaskTimes>(m, "TaskTimes", "Per running node, medians over the iterations [us]; total [us].")
+  py::class_<TaskTimes> times(m, "TaskTimes", "Per running node, medians over the iterations [us]; total [us].");
+  add_value(times)
       .def_readonly("calc", &TaskTimes::calc)
       .def_readonly("calc_diff", &TaskTimes::calc_diff)
       .def_readonly("direction", &TaskTimes::direction)
       .def_readonly("total", &TaskTimes::total);
-  py::class_<TaskSolution>(m, "TaskSolution", "What a solver did.")
+  py::class_<TaskSolution> solution(m, "TaskSolution", "What a solver did.");
+  add_value(solution)
       .def_readonly("converged", &TaskSolution::converged)
       .def_readonly("cost", &TaskSolution::cost)
       .def_readonly("reason", &TaskSolution::reason, "Why it stopped.")
@@ -124,24 +119,29 @@ void add_task(py::module_& m) {
       .def_readonly("constraint_violation", &TaskSolution::constraint_violation)
       .def_readonly("violations", &TaskSolution::violations, "List of TaskViolation.")
       .def_readonly("outer_iterations", &TaskSolution::outer_iterations);
+}
 
+}  // namespace
+
+void add_task(py::module_& m) {
+  add_task_files(m);
+  add_task_solutions(m);
   m.def(
       "read_task", [](const std::string& path) { return std::make_shared<TaskFile>(read_task(path)); }, py::arg("path"),
       Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");
   m.attr("load_task") = m.attr("read_task");
   m.def(
       "make_problem",
-      [](const TaskFile& task, py::handle solver) {
-        const TaskSolver type = solver_of(solver);
-        const py::gil_scoped_release unlocked;
-        return std::make_shared<TaskProblem>(make_problem(task, type));
+      [](const TaskFile& task, std::optional<TaskSolver> solver) {
+        return std::make_shared<TaskProblem>(make_problem(task, solver.value_or(task.solver)));
       },
-      py::arg("task"), py::arg("solver") = "fddp",
-      "The task's ShootingProblem and its initial guess; 'sparse' and 'auto' take parts where robots never meet.");
+      py::arg("task"), py::arg("solver") = py::none(), Unlocked(),
+      "The task's ShootingProblem and its initial guess. solver: None, the task's own; 'sparse' and 'auto' take parts\n"
+      "where robots never meet, 'fddp' nodes of the whole scene (herds: hundreds of times the memory).");
   m.def(
-      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = "auto",
+      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
       py::arg("threads") = 0, py::arg("each") = py::none(),
-      "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name. problem:\n"
+      "Finds the motion and torques of least cost; returns a TaskSolution. solver: None, the task's own. problem:\n"
       "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
       "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
   add_simulated_motion(m);

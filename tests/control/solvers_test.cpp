@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "control/nodes.hpp"
+#include "manycontact/control/augmented_lagrangian.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
 
@@ -326,6 +327,36 @@ TEST(Solvers, SayWhyTheyStopped) {
   EXPECT_FALSE(solver.solve());
   EXPECT_EQ(solver.reason(), StopReason::kInterrupted);
   EXPECT_EQ(to_string(solver.reason()), std::string("interrupted"));
+}
+
+// What a callback sets is called from the next iteration on; the list that is being called stays as it is. (A callback
+// that frees itself: the address sanitizer looks.)
+TEST(Solvers, CallbacksThatSetCallbacks) {
+  struct Sets : CallbackAbstract {
+    void operator()(SolverAbstract& solver) override {
+      solver.setCallbacks({later, later});
+      ++calls;
+    }
+    std::shared_ptr<CallbackLogger> later = std::make_shared<CallbackLogger>();
+    int calls = 0;
+  };
+  const auto node = std::make_shared<ActionModelUnicycle>();
+  const auto problem = std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
+  SolverDDP ddp(problem);
+  SolverFDDP fddp(problem);
+  SolverBoxFDDP box(problem);
+  SolverAugmentedLagrangian augmented(problem);
+  for (SolverAbstract* solver : std::initializer_list<SolverAbstract*>{&ddp, &fddp, &box, &augmented}) {
+    const auto sets = std::make_shared<Sets>();
+    const auto later = sets->later;
+    solver->setCallbacks({sets, sets, sets});
+    (void)solver->solve();
+    EXPECT_EQ(sets->calls, 3);
+    EXPECT_GT(later->costs.size(), 1u);
+    EXPECT_EQ(solver->getCallbacks().size(), 2u);
+    solver->setCallbacks({std::make_shared<Sets>()});  // nobody else has it
+    (void)solver->solve({}, {}, 3);
+  }
 }
 
 TEST(Solvers, PassOnWhatAModelThrows) {

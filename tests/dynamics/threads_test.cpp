@@ -3,9 +3,14 @@
 // (Options::threads): the same bits for any number of them.
 
 #include <gtest/gtest.h>
+#ifdef __unix__
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 
 #include <thread>
 
+#include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -160,6 +165,43 @@ TEST(Threads, LessThanNoneAndTooManyAreRefused) {
   data.options.threads = 2;
   EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
 }
+
+// A forked child has none of its parent's threads. Batches, threads inside a call, after each other, and a child's child.
+#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+TEST(Threads, ChildrenComputeAfterAFork) {
+  const SceneFile file = load_small(MANYCONTACT_SOURCE_DIR "/models/two_humanoids_carry_beam.xml");
+  const auto same = [&](const VectorXd& expected) {
+    Options options;
+    options.threads = 2;
+    const std::vector<VectorXd> one = everything(file, options);
+    BatchData batch(file.scene, 2);
+    const BatchMatrix q = file.q.transpose().replicate(8, 1), v = file.v.transpose().replicate(8, 1),
+                      u = file.u.transpose().replicate(8, 1);
+    BatchMatrix A(8, file.scene.nv), F(8, force_rows(file.scene, batch));
+    std::vector<Status> status(8);
+    solve_batch(file.scene, {q, v, u}, batch, A, F, status);
+    return one.front() == expected && A.row(7).transpose() == expected;
+  };
+  const VectorXd expected = everything(file, {}).front();
+  ASSERT_TRUE(same(expected));
+  for (int depth = 0; depth < 3; ++depth) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(60);
+      bool good = same(expected);
+      const pid_t inner = fork();
+      if (inner == 0) alarm(60), _exit(same(expected) ? 0 : 1);
+      int code = 0;
+      good = good && waitpid(inner, &code, 0) == inner && code == 0;
+      _exit(good ? 0 : 1);
+    }
+    int code = 0;
+    ASSERT_EQ(waitpid(child, &code, 0), child);
+    EXPECT_EQ(code, 0);
+    EXPECT_TRUE(same(expected));
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace manycontact::test

@@ -66,7 +66,7 @@ class Fuzzer:
             "float": [0.0, 1.0, -1.0, 0.01, 1e300, float("nan")],
             "bool": [True, False],
             "str": ["", "a", "left", "humanoid", "left_sole", "x" * 1000],
-            "numpy.ndarray": self.arrays,
+            stubs.ARRAY: self.arrays,
         }
         self.targets = list(targets())
 
@@ -102,7 +102,7 @@ class Fuzzer:
             x = self.random.choice(known)
             got = getattr(x, name)
             if member.fset and self.random.random() < 0.5:
-                kind = "numpy.ndarray" if isinstance(got, np.ndarray) else type(got).__name__
+                kind = stubs.ARRAY if isinstance(got, np.ndarray) else type(got).__name__
                 setattr(x, name, self.value(kind))
             return
         parameters, _, _ = self.random.choice(list(stubs.signatures_of(member)))

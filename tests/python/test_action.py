@@ -50,7 +50,7 @@ def test_stands_still(humanoid):
     model.calcDiff(data, standing.x, u)
     assert np.linalg.norm(data.xout) < 1e-6
     assert (data.g >= model.g_lb - 1e-9).all() and (data.g <= model.g_ub + 1e-9).all()
-    assert "nc=12" in str(model) and data.report.status == mc.Status.kOk
+    assert "nc=12" in str(model) and data.report.status == mc.Status.OK
     assert sum(c.weight * data.costs[n].cost for n, c in model.costs.costs.items()) == pytest.approx(data.cost)
     assert set(data.contacts) == {"left", "right"} and data.contacts["left"].f.shape == (6,)
     assert (data.Fx_sparse.toarray() == data.Fx).all()
@@ -84,7 +84,7 @@ class Translation(mc.ResidualModelAbstract):
         self.kept = data.shared
 
     def calcDiff(self, data, x, u):
-        J = data.shared.frame_jacobian(self.frame, mc.ReferenceFrame.kLocalWorldAligned)[:3]
+        J = data.shared.frame_jacobian(self.frame, mc.ReferenceFrame.LOCAL_WORLD_ALIGNED)[:3]
         data.Rx = np.hstack([J, np.zeros_like(J)])
 
 

@@ -44,7 +44,7 @@ def solved(node, terminal, threads=1):
     solver = mc.SolverFDDP(problem)
     logger = mc.CallbackLogger()
     solver.setCallbacks([logger])
-    assert solver.solve() and solver.reason == mc.StopReason.kConverged
+    assert solver.solve() and solver.reason == mc.StopReason.CONVERGED
     return solver, logger
 
 
@@ -101,7 +101,7 @@ def test_callback_interrupts(one_joint):  # noqa: F811
     solver.setCallbacks([Stop()])
     gc.collect()
     assert not solver.solve([], [], 50)
-    assert solver.reason == mc.StopReason.kInterrupted and len(seen) == 2 and seen[0][2] == 31
+    assert solver.reason == mc.StopReason.INTERRUPTED and len(seen) == 2 and seen[0][2] == 31
     assert str(solver.reason) == "interrupted" or "interrupt" in str(solver.reason)
     assert len(solver.getCallbacks()) == 1
 
@@ -176,7 +176,7 @@ def test_solution_in_simulation_by_its_gains(program, tmp_path):
     assert gains.K[0].shape == (12, 36) and gains.K[24].shape == (0, 36)
     motion = mc.simulate(task, solution, "rk4", 10)
     theirs = report["simulation"]
-    assert motion.stopped == mc.StepStatus.kOk and theirs["completed"]
+    assert motion.stopped == mc.StepStatus.OK and theirs["completed"]
     assert motion.distance == theirs["distance"] and motion.energy_lost == theirs["energy_lost"] > 0
     assert len(motion.xs) == 57 and np.all(np.isfinite(motion.xs))
     u = solution.us[5] - gains.K[5] @ np.full(36, 0.01)  # feedback of a state that is off
@@ -198,4 +198,4 @@ def test_parts_of_a_task(tmp_path):
     solution = mc.optimize(task, problem, solver="sparse")
     assert solution.converged and solution.blocks == [12, 12] and len(solution.gains) == 2
     assert solution.gains[1].u == list(range(12, 24)) and solution.gains[1].dx[0] == 18
-    assert mc.simulate(task, solution).stopped == mc.StepStatus.kOk
+    assert mc.simulate(task, solution).stopped == mc.StepStatus.OK

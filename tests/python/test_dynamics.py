@@ -220,10 +220,10 @@ def test_data_of_one_thread_at_a_time():
 def test_simulation(humanoid):
     file, _ = humanoid
     scene = file.scene
-    sim = mc.SimulationData(scene, file.q, file.v, mc.Integrator.kSemiImplicitEuler, 1e-3)
+    sim = mc.SimulationData(scene, file.q, file.v, mc.Integrator.SEMI_IMPLICIT_EULER, 1e-3)
     start = mc.invariants(scene, sim.dynamics.active, sim.q, sim.v)
     for _ in range(3):
-        assert mc.step(scene, file.u, sim) == mc.StepStatus.kOk
+        assert mc.step(scene, file.u, sim) == mc.StepStatus.OK
     assert sim.steps == 3 and sim.time == pytest.approx(3e-3)
     twin = mc.SimulationData(scene, file.q, file.v, "semi-implicit-euler", 1e-3)
     trajectory = mc.simulate(scene, np.tile(file.u, (3, 1)), twin, 3)

@@ -1,10 +1,19 @@
-"""The type stubs have what the module has."""
+"""The type stubs have what the module has, and what people write passes mypy by them."""
 
 import ast
+import importlib.util
 import inspect
+import os
 import pathlib
+import re
+import subprocess
+import sys
 
 import manycontact as mc
+import pytest
+from conftest import ROOT
+
+PACKAGE = pathlib.Path(mc.__file__).parent
 
 
 def public(names):
@@ -29,7 +38,10 @@ def test_stubs_match_the_module():
         members = {n.name for n in node.body if isinstance(n, ast.FunctionDef)}
         members |= {n.target.id for n in node.body if isinstance(n, ast.AnnAssign)}
         cls = getattr(mc, name)
-        own = public(vars(cls)) - ({"name", "value"} if hasattr(cls, "__members__") else set())
+        own = public(cls.__members__) if hasattr(cls, "__members__") else public(vars(cls))
+        special = {"__init__", "__call__", "__len__", "__getitem__", "__iter__", "__contains__", "__mul__", "__eq__"}
+        if not hasattr(cls, "__members__"):
+            own |= {n for n in special & set(vars(cls)) if "->" in (vars(cls)[n].__doc__ or "")}
         assert own <= members, name
 
 
@@ -46,3 +58,97 @@ def test_help_of_solve():
     text = mc.solve.__doc__
     for part in ("(nq)", "(nv)", "(nu)", "N m", "Report", "ValueError"):
         assert part in text
+
+
+# ---- mypy ----------------------------------------------------------------------------------------------------------
+
+
+def mypy(module, *arguments):
+    if importlib.util.find_spec("mypy") is None:
+        pytest.skip("mypy is not installed")
+    environment = dict(os.environ, MYPYPATH=str(PACKAGE.parent), PYTHONPATH=str(PACKAGE.parent))
+    run = [sys.executable, "-m", module, *arguments]
+    return subprocess.run(run, capture_output=True, text=True, env=environment)
+
+
+def check(tmp_path, text):
+    (tmp_path / "program.py").write_text(text)
+    (tmp_path / "mypy.ini").write_text("[mypy]\n[mypy-scipy.*,matplotlib.*]\nignore_missing_imports = True\n")
+    return mypy(
+        "mypy", "--strict", "--allow-untyped-calls", "--no-error-summary", f"--cache-dir={tmp_path / 'cache'}",
+        f"--config-file={tmp_path / 'mypy.ini'}", str(tmp_path / "program.py"),
+    )  # fmt: skip
+
+
+def test_stubs_are_the_modules(tmp_path):
+    """stubtest: no name of the module is missing in the stubs, nor the other way round."""
+    allowed = tmp_path / "allowed"
+    allowed.write_text("manycontact\\._manycontact.*\nmanycontact\\._classes.*\nmanycontact\\._A.*\nmanycontact\\._G.*\n")
+    run = mypy("mypy.stubtest", "manycontact", "--allowlist", str(allowed), "--ignore-unused-allowlist")
+    assert run.returncode == 0, run.stdout[-4000:] + run.stderr[-1000:]
+
+
+def programs():
+    for page in ("README.md", "src/doc/tutorial.md"):
+        yield page, re.search(r"```python\n([^`]*)```", (ROOT / page).read_text())[1]
+    yield "standing.py", (ROOT / "src/python/examples/standing.py").read_text()
+
+
+GOOD = """
+import manycontact as mc
+import numpy as np
+
+file = mc.load_scene("scene.xml")
+scene = file.scene
+scene.gravity = [0, 0, -1.62]
+scene.contacts["left"].alpha, scene.contacts[0].mu, scene.contacts[1].type = 100, None, "3d"
+scene.contacts[0].B.placement = mc.SE3(p=[0, 0, 1])
+names = [c.name.upper() for c in scene.contacts] + [r.model.joints["knee"].name for r in scene.robots]
+contact = mc.Contact(name="left", type="3d", reference_frame="world", A=mc.attach(scene, "r", "f"), axis=[0, 0, 1], mu=0.5)
+data = mc.SceneData(scene, mc.Options("sparse-ldl", order="camd", threads=2))
+data.options.method, data.active = mc.Method.DENSE, [True, False]
+status: mc.Status = mc.solve(scene, list(file.q), file.v, np.zeros(scene.nu), data).islands[0].status
+a: np.ndarray = data.a + data.f.sum()
+sim = mc.SimulationData(scene, file.q, file.v, "rk4", 1e-3)
+sim.q, sim.v = file.q, np.zeros(3)
+task = mc.load_task("task.xml")
+problem = mc.make_problem(task)
+solver = mc.SolverFDDP(problem.problem)
+solver.solve(solver.xs, solver.us, 10)
+problem.xs = solver.xs
+cost: float = mc.optimize(task, problem, each=lambda i: i.cost < 3).cost
+
+class Mine(mc.CallbackAbstract):
+    def __call__(self, solver: mc.SolverAbstract) -> None:
+        print(solver.iter)
+
+solver.setCallbacks([Mine(), mc.CallbackVerbose("_2")])
+"""
+
+
+@pytest.mark.parametrize("name, text", [*programs(), ("typical", GOOD)], ids=lambda x: x if len(x) < 40 else "")
+def test_programs_pass_mypy(tmp_path, name, text):
+    run = check(tmp_path, text)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(
+    "line, says",
+    [
+        ("scene.contacts[0].alfa = 3", "has no attribute"),
+        ("scene.gravty = [0, 0, 1]", "has no attribute"),
+        ("scene.contacts[0].type = 3", "Incompatible types"),
+        ("scene.contacts[0].B.placement.p = [1, 2, 3]", "read-only"),
+        ("solver.xs[0] = 3", "Unsupported target"),
+        ("scene.contact_index['left'] = 3", "Unsupported target"),
+        ("problem.blocks.append([1])", "has no attribute"),
+        ("sim.h = 3", "read-only"),
+        ("mc.solve(scene, file.q, data)", "Missing positional argument"),
+        ("mc.optimise(task)", "has no attribute"),
+        ("mc.Method.kSparseLdl", "has no attribute"),  # one way is documented
+        ("data.options = 'dense'", "Incompatible types"),
+    ],
+)
+def test_mistakes_do_not_pass_mypy(tmp_path, line, says):
+    run = check(tmp_path, GOOD + line + "\n")
+    assert run.returncode == 1 and says in run.stdout, run.stdout + run.stderr

@@ -7,6 +7,8 @@
 // solve() returns false, and reason() says why it stopped; misuse throws std::invalid_argument.
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "manycontact/control/shooting.hpp"
 
@@ -54,9 +56,10 @@ class SolverAbstract {  // what all solvers share
   double computeEqualityFeasibility();
   void setCandidate(const std::vector<Eigen::VectorXd>& xs_warm = DEFAULT_VECTOR,
                     const std::vector<Eigen::VectorXd>& us_warm = DEFAULT_VECTOR, bool is_feasible = false);
-  /// Called after each iteration.
-  void setCallbacks(const std::vector<std::shared_ptr<CallbackAbstract>>& callbacks);
-  const std::vector<std::shared_ptr<CallbackAbstract>>& getCallbacks() const { return callbacks_; }
+  /// Called after each iteration; those that a callback sets, from the next one on.
+  using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
+  void setCallbacks(const Callbacks& callbacks);
+  const Callbacks& getCallbacks() const { return *callbacks_; }
   /// Ends solve() after the iteration at hand; for callbacks.
   void interrupt() { interrupted_ = true; }
   StopReason reason() const { return reason_; }
@@ -103,9 +106,11 @@ class SolverAbstract {  // what all solvers share
  protected:
   void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
   void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
+  /// Each callback, of the list as it is now: one may set another.
+  void callCallbacks();
   std::shared_ptr<ShootingProblem> problem_;
   std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
-  std::vector<std::shared_ptr<CallbackAbstract>> callbacks_;
+  std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
   bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the one before
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();

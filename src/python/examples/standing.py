@@ -7,7 +7,6 @@ import sys
 
 import manycontact as mc
 import matplotlib.pyplot as plt
-import numpy as np
 
 # %% The scene, the torques that hold it still, and what they cost in contact forces.
 file = mc.load_scene(sys.argv[1])
@@ -24,13 +23,12 @@ print("largest df/du:", abs(blocks.dforces_du).max(), "N per N m")
 h = 1e-3
 gains = mc.recommended_gains("rk4", h)
 for contact in scene.contacts:
-    scene.change_contact(contact.name, gains=tuple(gains))
-v = np.array(file.v)
-v[mc.v_index(scene, scene.robots[0].name, "root") + 1] = 0.1
-simulation = mc.SimulationData(scene, file.q, v, "rk4", h)
+    contact.alpha, contact.beta = gains
+file.v[mc.v_index(scene, scene.robots[0].name, "root") + 1] = 0.1
+simulation = mc.SimulationData(scene, file.q, file.v, "rk4", h)
 times, forces = [], []
 for _ in range(300):
-    if mc.step(scene, u, simulation) != mc.StepStatus.kOk:
+    if mc.step(scene, u, simulation) != mc.StepStatus.OK:
         break
     times.append(simulation.time)
     forces.append([mc.contact_force(scene, simulation, c.name)[2] for c in scene.contacts])

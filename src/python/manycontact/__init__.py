@@ -11,5 +11,8 @@ Names, shapes, units and conventions are those of the C++ library: linear part f
 the base's own frame for a floating base, SI units. Bad input raises ValueError with the text of the C++ library.
 """
 
+from . import _classes, _manycontact
 from ._manycontact import *  # noqa: F401,F403
 from ._manycontact import __version__  # noqa: F401
+
+_classes.complete(_manycontact)

@@ -1,0 +1,174 @@
+// Many states of one scene: floor dynamics.
+
+#include <chrono>
+#include <mutex>
+#include <span>
+
+#include "manycontact/dynamics/batch.hpp"
+#include "objects.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+std::mutex one_batch;  // OpenBLAS' number of threads is the program's
+
+// A matrix with a row per state; numbers that are not finite make that state fail.
+struct Rows {
+  Doubles array;
+  ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {
+    const Eigen::Index cols = array.shape(1);
+    return Eigen::Map<const BatchMatrix, 0, Eigen::OuterStride<>>(array.data() + first * cols, count, cols,
+                                                                  Eigen::OuterStride<>(cols));
+  }
+};
+
+Rows rows_of(const char* function, const char* name, py::handle source, Eigen::Index states = -1) {
+  Rows rows{as_doubles(source, true)};
+  const std::string what = std::string(function) + ": " + name;
+  if (!rows.array || rows.array.ndim() != 2) throw py::value_error(what + " has to be a matrix, one state per row");
+  if (states >= 0 && rows.array.shape(0) != states)
+    throw py::value_error(what + " has " + std::to_string(rows.array.shape(0)) + " rows, Q has " +
+                          std::to_string(states));
+  return rows;
+}
+
+struct NewRows {
+  NewRows(Eigen::Index rows, Eigen::Index cols) : array({rows, cols}) {}
+  BatchRows part(Eigen::Index first, Eigen::Index count) {
+    const Eigen::Index cols = array.shape(1);
+    return Eigen::Map<BatchMatrix, 0, Eigen::OuterStride<>>(array.mutable_data() + first * cols, count, cols,
+                                                            Eigen::OuterStride<>(cols));
+  }
+  py::array_t<double> array;
+};
+
+py::array status_array(const std::vector<Status>& status) {
+  py::array_t<std::int8_t> out(static_cast<py::ssize_t>(status.size()));
+  for (std::size_t i = 0; i < status.size(); ++i) out.mutable_data()[i] = static_cast<std::int8_t>(status[i]);
+  return out;
+}
+
+constexpr Eigen::Index kFirstChunk = 256;
+constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
+
+// work(first, count) on one chunk of the states after the other, of about a tenth of a second each: between them Ctrl-C
+// is heard.
+template <class Work>
+void run_batch(Eigen::Index states, Work&& work) {
+  const std::unique_lock turn(one_batch, std::try_to_lock);
+  if (!turn) throw py::value_error("another thread works on a batch: one at a time");
+  const py::gil_scoped_release unlocked;
+  Eigen::Index chunk = kFirstChunk, first = 0;
+  do {
+    const Eigen::Index count = std::min(chunk, states - first);
+    const auto start = std::chrono::steady_clock::now();
+    work(first, count);
+    const auto took = std::chrono::steady_clock::now() - start;
+    if (took < kShort) chunk *= 2;
+    if (took > kLong) chunk = std::max<Eigen::Index>(chunk / 2, 1);
+    first += count;
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  } while (first < states);
+}
+
+py::tuple batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py::handle u, BatchData& batch,
+                             bool derivatives) {
+  const char* name = derivatives ? "differentiate_batch" : "solve_batch";
+  const Rows Q = rows_of(name, "Q", q);
+  const Eigen::Index n = Q.array.shape(0), nf = force_rows(scene, batch);
+  const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
+  NewRows A(n, scene.nv), F(n, nf), D(n, derivatives ? (scene.nv + nf) * (2 * scene.nv + scene.nu) : 0);
+  std::vector<Status> status(static_cast<std::size_t>(n));
+  run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
+    const BatchStates states{Q.part(k, count), V.part(k, count), U.part(k, count)};
+    const auto worth = std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count));
+    if (derivatives)
+      differentiate_batch(scene, states, batch, A.part(k, count), F.part(k, count), D.part(k, count), worth);
+    else
+      solve_batch(scene, states, batch, A.part(k, count), F.part(k, count), worth);
+  });
+  if (!derivatives) return py::make_tuple(A.array, F.array, status_array(status));
+  const py::object blocks = D.array.attr("reshape")(n, scene.nv + nf, 2 * scene.nv + scene.nu);
+  return py::make_tuple(A.array, F.array, blocks, status_array(status));
+}
+
+py::tuple batch_of_products(const Scene& scene, py::handle q, py::handle v, py::handle u, py::handle wa, py::handle wf,
+                            BatchData& batch) {
+  const char* name = "vjp_batch";
+  const Rows Q = rows_of(name, "Q", q);
+  const Eigen::Index n = Q.array.shape(0);
+  const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
+  const Rows WA = rows_of(name, "WA", wa, n), WF = rows_of(name, "WF", wf, n);
+  NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu);
+  std::vector<Status> status(static_cast<std::size_t>(n));
+  run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
+    vjp_batch(scene, {Q.part(k, count), V.part(k, count), U.part(k, count)}, WA.part(k, count), WF.part(k, count),
+              batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count),
+              std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count)));
+  });
+  return py::make_tuple(WQ.array, WV.array, WU.array, status_array(status));
+}
+
+void add_batch_data(py::module_& m) {
+  using Batch = std::shared_ptr<BatchData>;
+  py::class_<BatchData, Batch>(m, "BatchData", "The memory of the threads that solve many states of one scene.")
+      .def(py::init([](const Scene& scene, int threads, const Options& options) {
+             return std::make_shared<BatchData>(scene, checked_threads(threads), options);
+           }),
+           py::arg("scene"), py::arg("threads") = 0, py::arg_v("options", Options(), "Options()"),
+           "threads: 0, as many as OpenMP would take.")
+      .def_property(
+          "options",
+          [](const Batch& b) {
+            return Handle<Options>([b]() -> const Options& { return b->options; },
+                                   [b](const Options& options) { b->options = options; });
+          },
+          [](BatchData& b, const Options& options) { b.options = options; })
+      .def_property(
+          "active", [](py::object self) { return flags_view(self.cast<BatchData&>().active, self); },
+          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); },
+          "One bool per contact of the scene, as SceneData.active.");
+}
+
+void add_batch_functions(py::module_& m) {
+  const char* const states =
+      "\n\nQ: (n, nq), V: (n, nv), U: (n, nu), one state per row. status: int8 (n), int(Status). States that fail,\n"
+      "those with numbers that are not finite too, are NaN; the others are solved all the same. Bit by bit the "
+      "numbers\n"
+      "of solve, for any number of threads. Ctrl-C is heard between some hundreds of states.";
+  m.def(
+      "solve_batch",
+      [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
+        return batch_of_solutions(scene, Q, V, U, batch, false);
+      },
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
+      (std::string("(A, F, status): accelerations (n, nv) and forces (n, rows) of many states.") + states).c_str());
+  m.def(
+      "differentiate_batch",
+      [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
+        return batch_of_solutions(scene, Q, V, U, batch, true);
+      },
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
+      (std::string("(A, F, D, status): with derivatives D (n, nv + rows, 2 nv + nu) of [a; f] by [q v u].") + states)
+          .c_str());
+  m.def(
+      "vjp_batch",
+      [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
+        return batch_of_products(scene, Q, V, U, WA, WF, batch);
+      },
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
+      (std::string("(WQ, WV, WU, status): rows of WA (n, nv), WF (n, rows) times the derivatives at each state.") +
+       states)
+          .c_str());
+}
+
+}  // namespace
+
+void add_batches(py::module_& m) {
+  add_batch_data(m);
+  add_batch_functions(m);
+}
+
+}  // namespace manycontact::python

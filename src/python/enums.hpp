@@ -1,0 +1,132 @@
+#pragma once
+// Enumerations in Python: members by Python's names, and their names wherever a value is taken.
+//
+//   Method.SPARSE_LDL    'sparse-ldl'    'sparse_ldl'    'SPARSE_LDL'        all the same
+
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <cctype>
+#include <concepts>
+#include <string>
+#include <vector>
+
+#include "manycontact/action/state.hpp"
+#include "manycontact/control/callbacks.hpp"
+#include "manycontact/control/rk.hpp"
+#include "manycontact/dynamics/report.hpp"
+#include "manycontact/model/scene.hpp"
+#include "manycontact/simulation/step.hpp"
+#include "manycontact/task/optimize.hpp"
+
+namespace py = pybind11;
+
+namespace manycontact::python {
+
+/// Lower case, with '-' between words.
+inline std::string plain(std::string name) {
+  for (char& c : name) c = c == '_' || c == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// What the members of an enumeration are called; by add_enumeration.
+template <class E>
+struct Names {
+  struct Member {
+    E value;
+    std::string word;    // as files and the command line have it
+    std::string python;  // "SPARSE_LDL"
+  };
+  static inline std::string what;  // "method"
+  static inline std::vector<Member> members;
+};
+
+/// The member called `name`, in either way; else a ValueError that lists them.
+template <class E>
+E value_called(const std::string& name) {
+  const std::string asked = plain(name);
+  std::string expected;
+  for (const auto& member : Names<E>::members) {
+    if (asked == plain(member.word) || asked == plain(member.python)) return member.value;
+    expected += (expected.empty() ? "'" : ", '") + member.word + "'";
+  }
+  throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
+}
+
+/// "SPARSE_LDL" as C++ has it, "kSparseLdl": older programs use it in Python too.
+inline std::string in_cpp(const std::string& python) {
+  std::string name = "k";
+  for (std::size_t i = 0; i < python.size(); ++i) {
+    const auto c = static_cast<unsigned char>(python[i]);
+    if (c != '_') name += static_cast<char>(i == 0 || python[i - 1] == '_' ? c : std::tolower(c));
+  }
+  return name;
+}
+
+/// what: "method", for errors. Members that have no word of C++'s (to_string) are called by their Python names.
+template <class E>
+void add_enumeration(py::module_& m, const char* name, const char* what, const std::string& doc,
+                     const std::vector<std::pair<const char*, E>>& members) {
+  constexpr bool has_words = requires(E x) {
+    { to_string(x) } -> std::convertible_to<std::string>;
+  };
+  Names<E>::what = what;
+  Names<E>::members.clear();
+  for (const auto& [python, value] : members) {
+    std::string word = python;
+    if constexpr (has_words) word = to_string(value);
+    if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
+    Names<E>::members.push_back({value, word, python});
+  }
+  const std::string text = doc + " Taken by name too: '" + Names<E>::members.front().word + "'.";
+  py::enum_<E> e(m, name, text.c_str());
+  for (const auto& [python, value] : members) e.value(python, value);
+  for (const auto& [python, value] : members)
+    if (!py::hasattr(e, in_cpp(python).c_str())) e.attr(in_cpp(python).c_str()) = e.attr(python);
+  const auto text_of_member = [](E x) -> std::string {
+    if constexpr (has_words) return to_string(x);
+    for (const auto& member : Names<E>::members)
+      if (member.value == x) return member.word;
+    return "?";
+  };
+  e.def("__str__", text_of_member, py::prepend());
+}
+
+/// Takes strings too.
+template <class E>
+struct EnumCaster : py::detail::type_caster_base<E> {
+  bool load(py::handle source, bool convert) {
+    if (!py::isinstance<py::str>(source)) return py::detail::type_caster_base<E>::load(source, convert);
+    named_ = value_called<E>(source.cast<std::string>());
+    this->value = &named_;
+    return true;
+  }
+
+ private:
+  E named_{};
+};
+
+}  // namespace manycontact::python
+
+#define MANYCONTACT_ENUMERATION(E)                                      \
+  namespace pybind11::detail {                                          \
+  template <>                                                           \
+  struct type_caster<E> : manycontact::python::EnumCaster<E> {};        \
+  }
+MANYCONTACT_ENUMERATION(manycontact::Status)
+MANYCONTACT_ENUMERATION(manycontact::Method)
+MANYCONTACT_ENUMERATION(manycontact::Order)
+MANYCONTACT_ENUMERATION(manycontact::Lanes)
+MANYCONTACT_ENUMERATION(manycontact::Reason)
+MANYCONTACT_ENUMERATION(manycontact::JointType)
+MANYCONTACT_ENUMERATION(manycontact::ContactType)
+MANYCONTACT_ENUMERATION(manycontact::ReferenceFrame)
+MANYCONTACT_ENUMERATION(manycontact::Integrator)
+MANYCONTACT_ENUMERATION(manycontact::StepStatus)
+MANYCONTACT_ENUMERATION(manycontact::Jcomponent)
+MANYCONTACT_ENUMERATION(manycontact::MatrixStorage)
+MANYCONTACT_ENUMERATION(manycontact::RKType)
+MANYCONTACT_ENUMERATION(manycontact::StopReason)
+MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
+MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
+#undef MANYCONTACT_ENUMERATION

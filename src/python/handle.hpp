@@ -1,0 +1,135 @@
+#pragma once
+// Objects that lie inside others: scene.contacts[0], scene.contacts[0].B, data.options. In Python each is a Handle: it
+// knows how to find the object and how to assign it, so that
+//
+//     scene.contacts[0].alpha = 9
+//
+// changes the scene, and what cannot be assigned raises. A Handle of an object of Python's own holds it.
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "arrays.hpp"
+#include "manycontact/kkt/options.hpp"
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact::python {
+
+template <class T>
+class Handle {
+ public:
+  using Find = std::function<const T&()>;
+  using Set = std::function<void(T)>;
+
+  explicit Handle(T own) {
+    const auto held = std::make_shared<T>(std::move(own));
+    find_ = [held]() -> const T& { return *held; };
+    set_ = [held](T x) { *held = std::move(x); };
+  }
+  /// set: judges what is to be assigned, and throws where it does not fit.
+  Handle(Find find, Set set) : find_(std::move(find)), set_(std::move(set)) {}
+
+  const T& get() const { return find_(); }
+  /// change(T&) on a copy, which is assigned then.
+  template <class Change>
+  void change(Change&& change) const {
+    T changed = get();
+    change(changed);
+    set_(std::move(changed));
+  }
+
+ private:
+  Find find_;
+  Set set_;
+};
+
+/// A member as a property.
+template <class T, class M, class... Extra>
+void handle_field(py::class_<Handle<T>, Extra...>& c, const char* name, M T::*member, const char* doc = "") {
+  c.def_property(
+      name, [member](const Handle<T>& h) -> M { return h.get().*member; },
+      [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); }, doc);
+}
+
+/// A T where C++ takes or gives one: a Handle's.
+template <class T>
+struct HandleCaster {
+  PYBIND11_TYPE_CASTER(T, py::detail::const_name<Handle<T>>());
+  bool load(py::handle source, bool convert) {
+    py::detail::make_caster<Handle<T>> handle;
+    if (!source || source.is_none() || !handle.load(source, convert)) return false;
+    value = py::detail::cast_op<Handle<T>&>(handle).get();
+    return true;
+  }
+  static py::handle cast(const T& x, py::return_value_policy, py::handle parent) {
+    return py::detail::make_caster<Handle<T>>::cast(Handle<T>(x), py::return_value_policy::move, parent);
+  }
+};
+
+/// What an object has several of, without copying: items are looked up when they are asked for.
+template <class Item>
+struct Items {
+  std::function<std::size_t()> size;
+  std::function<Item(std::size_t)> at;
+  std::function<int(const std::string&)> number = {};   // of the item called so, -1 where there is none
+  std::function<std::string(const std::string&)> none = {};  // says so
+};
+
+/// item: its class' name.
+template <class Item>
+void add_items(py::module_& m, const char* name, const char* doc, bool named) {
+  using List = Items<Item>;
+  py::class_<List> c(m, name, doc);
+  c.def("__len__", [](const List& x) { return x.size(); })
+      .def(
+          "__getitem__",
+          [](const List& x, py::ssize_t i) {
+            const auto n = static_cast<py::ssize_t>(x.size());
+            if (i < -n || i >= n) throw py::index_error("there are " + std::to_string(n) + " items");
+            return x.at(static_cast<std::size_t>(i < 0 ? i + n : i));
+          },
+          py::arg("number"))
+      .def(
+          "__getitem__",
+          [](const List& x, const py::slice& slice) {
+            std::size_t start = 0, stop = 0, step = 0, count = 0;
+            if (!slice.compute(x.size(), &start, &stop, &step, &count)) throw py::error_already_set();
+            std::vector<Item> items;
+            for (std::size_t k = 0; k < count; ++k, start += step) items.push_back(x.at(start));
+            return items;
+          },
+          py::arg("numbers"))
+      .def("__iter__", [](const List& x) {
+        py::list items;
+        for (std::size_t k = 0; k < x.size(); ++k) items.append(py::cast(x.at(k)));
+        return py::iter(items);
+      });
+  if (!named) return;
+  c.def(
+       "__getitem__",
+       [](const List& x, const std::string& item) {
+         const int k = x.number(item);
+         if (k < 0) throw py::value_error(x.none(item));
+         return x.at(static_cast<std::size_t>(k));
+       },
+       py::arg("name"))
+      .def(
+          "__contains__", [](const List& x, const std::string& item) { return x.number(item) >= 0; }, py::arg("name"));
+}
+
+}  // namespace manycontact::python
+
+#define MANYCONTACT_HANDLE(T)                                          \
+  namespace pybind11::detail {                                         \
+  template <>                                                          \
+  struct type_caster<T> : manycontact::python::HandleCaster<T> {};     \
+  }
+MANYCONTACT_HANDLE(manycontact::Contact)
+MANYCONTACT_HANDLE(manycontact::Attachment)
+MANYCONTACT_HANDLE(manycontact::Robot)
+MANYCONTACT_HANDLE(manycontact::Options)
+#undef MANYCONTACT_HANDLE

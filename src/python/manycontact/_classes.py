@@ -1,0 +1,131 @@
+"""What all classes of the package have in common: lists that are copies cannot be changed, every object says what it is,
+and what a class derived in Python defines is called or refused.
+"""
+
+import functools
+import re
+
+
+def _refuse(self, *_, **__):
+    raise TypeError("a copy, which does not change what it was taken from: assign the attribute, or change list(...) of it")
+
+
+class ReadOnlyList(list):
+    """A list that is a copy: equal to any list with the same items; changing it raises."""
+
+    __slots__ = ()
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
+    append = clear = extend = insert = pop = remove = reverse = sort = _refuse
+
+    def __reduce__(self):
+        return list, (list(self),)
+
+
+class ReadOnlyDict(dict):
+    """A dict that is a copy: equal to any dict with the same items; changing it raises."""
+
+    __slots__ = ()
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self):
+        return dict, (dict(self),)
+
+
+def _frozen(x):
+    if type(x) is list:
+        return ReadOnlyList(map(_frozen, x) if x and type(x[0]) is list else x)
+    if type(x) is dict:
+        return ReadOnlyDict(x)
+    return frozenset(x) if type(x) is set else x
+
+
+def _result(function):
+    """The type that pybind11's docstring says a function returns; "" where it says none."""
+    match = re.match(r"\w*\(.*\) -> (.*)", function.__doc__ or "")
+    return match[1] if match else ""
+
+
+def _freeze_lists(cls):
+    for name, member in list(vars(cls).items()):
+        if not isinstance(member, property) or not re.match(r"(List|Dict|Set)\[", _result(member.fget)):
+            continue
+
+        def getter(self, get=member.fget):
+            return _frozen(get(self))
+
+        setattr(cls, name, property(functools.wraps(member.fget)(getter), member.fset, None, member.__doc__))
+
+
+# ---- what an object is ---------------------------------------------------------------------------------------------
+
+
+def _properties(cls):
+    for base in reversed(cls.__mro__):
+        yield from ((name, x) for name, x in vars(base).items() if isinstance(x, property))
+
+
+_TOLD = ("int", "float", "bool", "str", "Optional[float]", "SE3", "numpy.ndarray")
+_MOST = 7  # numbers of an array
+
+
+def _describe(self):
+    """<Class: name=value, ...> of numbers, words, members, placements and short arrays; or what C++ prints."""
+    name = type(self).__name__
+    if type(self).__str__ is not object.__str__:
+        return f"<{name}: {self}>"
+    told = []
+    for key, member in dict(_properties(type(self))).items():
+        result = _result(member.fget).rpartition(".")[2] if "manycontact" in _result(member.fget) else _result(member.fget)
+        if result not in _TOLD and result not in _enumerations:
+            continue
+        try:
+            value = member.fget(self)
+        except (TypeError, ValueError, RuntimeError):  # there is none now
+            continue
+        if result == "numpy.ndarray":
+            if value.size > _MOST or value.ndim != 1:
+                continue
+            value = value.tolist()
+        told.append(f"{key}={value if result in _enumerations else repr(value)}")
+    return f"<{name}: {', '.join(told)}>" if told else f"<{name}>"
+
+
+def _describe_list(self):
+    return f"<{type(self).__name__} of {len(self)}: [{', '.join(map(repr, self[:4]))}{', ...' if len(self) > 4 else ''}]>"
+
+
+_enumerations = {}
+
+
+# ---- classes derived in Python -------------------------------------------------------------------------------------
+
+_CALLED = {"calc", "calcDiff", "createData", "quasiStatic", "__call__"}  # by C++, of an object
+
+
+def _refuse_methods_of(abstract):
+    """A class derived from one of C++'s own models cannot define what C++ calls: it would not be called."""
+
+    def check(cls, **_):
+        concrete = [b for b in cls.__mro__ if b.__module__ == abstract.__module__ and b is not abstract]
+        concrete = [b.__name__ for b in concrete if issubclass(b, abstract)]
+        own = sorted(n for b in cls.__mro__ if b.__module__ != abstract.__module__ for n in _CALLED & set(vars(b)))
+        if concrete and own:
+            raise TypeError(
+                f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {concrete[0]} is a class of C++'s, "
+                f"derive from {abstract.__name__}"
+            )
+
+    abstract.__init_subclass__ = classmethod(check)
+
+
+def complete(module):
+    """All of it, for every class of the extension module."""
+    classes = {x for x in vars(module).values() if isinstance(x, type) and not issubclass(x, Exception)}
+    _enumerations.update({c.__name__: c for c in classes if hasattr(c, "__members__")})
+    for cls in classes - set(_enumerations.values()):
+        _freeze_lists(cls)
+        if cls.__repr__ is object.__repr__:
+            cls.__repr__ = _describe_list if cls.__name__.endswith("List") else _describe
+    for name in ("ActivationModel", "ResidualModel", "DifferentialActionModel", "ActionModel", "Callback"):
+        _refuse_methods_of(getattr(module, name + "Abstract"))

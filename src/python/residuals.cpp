@@ -1,0 +1,340 @@
+// Residuals: floor action.
+
+#include "action.hpp"
+#include "manycontact/action/residuals/centroidal_residuals.hpp"
+#include "manycontact/action/residuals/contact_residuals.hpp"
+#include "manycontact/action/residuals/frame_residuals.hpp"
+#include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/impulse_residuals.hpp"
+#include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/algorithm/frames.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+using State = std::shared_ptr<StateMultibody>;
+
+// What a residual written in Python sees of the action model, while its calc or calcDiff runs.
+class Shared {
+ public:
+  Shared(DataCollector* collector, const StateMultibody& state) : collector_(collector), state_(state) {}
+  void end() { collector_ = nullptr; }
+  const DataCollector& get() const {
+    if (!collector_) throw py::value_error("data.shared is there while calc and calcDiff run, not later");
+    return *collector_;
+  }
+  const Multibody::BodyFrame& frame(std::size_t id) const {
+    (void)get();
+    if (id >= state_.get_model()->frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
+    return state_.get_model()->frames[id];
+  }
+
+ private:
+  DataCollector* collector_;
+  const StateMultibody& state_;
+};
+
+// Calls of Python residuals that run in this thread, innermost last.
+struct Running {
+  const ResidualDataAbstract* data;
+  std::shared_ptr<Shared> shared;
+};
+thread_local std::vector<Running> running;
+
+struct Scope {
+  Scope(const ResidualModelAbstract& model, const ResidualDataAbstract& data) {
+    running.push_back({&data, std::make_shared<Shared>(data.shared, *model.get_state())});
+  }
+  ~Scope() {
+    running.back().shared->end();
+    running.pop_back();
+  }
+};
+
+std::shared_ptr<Shared> shared_of(const ResidualDataAbstract& data) {
+  for (auto r = running.rbegin(); r != running.rend(); ++r)
+    if (r->data == &data) return r->shared;
+  throw py::value_error("data.shared is there while calc and calcDiff of a residual written in Python run");
+}
+
+struct PyResidual : ResidualModelAbstract {
+  using ResidualModelAbstract::ResidualModelAbstract;
+  using Base = ResidualModelAbstract;
+  using Data = std::shared_ptr<ResidualDataAbstract>;
+  void calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    const Scope scope(*this, *data);
+    PYBIND11_OVERRIDE_PURE(void, Base, calc, data, x, u);
+  }
+  void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    const Scope scope(*this, *data);
+    PYBIND11_OVERRIDE_PURE(void, Base, calcDiff, data, x, u);
+  }
+};
+
+FrameAxes axes_of(ReferenceFrame type) {
+  return type == ReferenceFrame::kLocal   ? FrameAxes::kLocal
+         : type == ReferenceFrame::kWorld ? FrameAxes::kWorld
+                                          : FrameAxes::kLocalWorldAligned;
+}
+
+// da/dx (nv, ndx) and da/du (nv, nu) of the last calc.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> acceleration_derivatives(const DataCollector& d) {
+  const Eigen::Index nv = d.scene.nv;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(nv, 2 * nv), u = Eigen::MatrixXd::Zero(nv, d.actuation->u.size());
+  for (std::size_t i = 0; i < d.islands.size(); ++i) {
+    const IslandColumns& at = d.islands[i];
+    const PanelView panel = d.panel(i);
+    for (std::size_t r = 0; r < at.v.size(); ++r) {
+      for (std::size_t c = 0; c < at.x.size(); ++c) x(at.v[r], at.x[c]) = panel(r, c);
+      for (std::size_t c = 0; c < at.u.size(); ++c) u(at.v[r], at.u[c]) = panel(r, at.x.size() + c);
+    }
+  }
+  return {std::move(x), std::move(u)};
+}
+
+void add_shared(py::module_& m) {
+  py::class_<Shared, std::shared_ptr<Shared>>(
+      m, "DataCollector", "What a residual sees of its action model, while calc and calcDiff run; copies.")
+      .def_property_readonly(
+          "acceleration", [](const Shared& s) { return s.get().solution.a; }, "(nv); running nodes.")
+      .def_property_readonly(
+          "tau", [](const Shared& s) { return s.get().actuation->tau; }, "(nv)")
+      .def_property_readonly("report", [](const Shared& s) { return s.get().solution.report; })
+      .def(
+          "contact_force",
+          [](const Shared& s, const std::string& name) {
+            const auto& contacts = s.get().contacts->contacts;
+            const auto found = contacts.find(name);
+            if (found == contacts.end()) throw py::value_error("there is no contact '" + name + "'");
+            return found->second->f;
+          },
+          py::arg("name"), "In the contact's reference frame, on A [N, N m].")
+      .def(
+          "acceleration_derivatives", [](const Shared& s) { return acceleration_derivatives(s.get()); },
+          "(da/dx (nv, ndx), da/du (nv, nu)); in calcDiff of running nodes.")
+      .def(
+          "frame_placement",
+          [](const Shared& s, std::size_t id) {
+            const auto& f = s.frame(id);
+            return frame_placement<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
+                                           f.placement);
+          },
+          py::arg("id"), "oMf at x.")
+      .def(
+          "frame_velocity",
+          [](const Shared& s, std::size_t id, ReferenceFrame type) -> Vec6<double> {
+            const auto& f = s.frame(id);
+            return frame_velocity<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
+                                          f.placement, axes_of(type));
+          },
+          py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
+          "Spatial velocity (6), linear first.")
+      .def(
+          "frame_jacobian",
+          [](const Shared& s, std::size_t id, ReferenceFrame type) {
+            const auto& f = s.frame(id);
+            const Robot& robot = s.get().scene.robots[f.robot];
+            Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, robot.model->nv);
+            frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement,
+                                   axes_of(type), J);
+            Eigen::MatrixXd out = Eigen::MatrixXd::Zero(6, s.get().scene.nv);
+            out.middleCols(robot.idx_v, robot.model->nv) = J;
+            return out;
+          },
+          py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
+          "(6, nv): frame_velocity = J v.");
+}
+
+void check_jacobian(const char* name, const Eigen::MatrixXd& J, Eigen::Index rows, Eigen::Index cols) {
+  if (J.rows() != rows || J.cols() != cols)
+    throw py::value_error(std::string(name) + ": a matrix of shape (" + std::to_string(rows) + ", " +
+                          std::to_string(cols) + ") is expected");
+}
+
+// The whole matrix into the blocks' rows and columns.
+void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
+  const Eigen::MatrixXd now = d.Rx();
+  check_jacobian("Rx", J, now.rows(), now.cols());
+  for (ResidualBlock& b : d.blocks)
+    for (std::size_t i = 0; i < b.rows.size(); ++i)
+      for (std::size_t j = 0; j < b.xcols.size(); ++j) b.Rx(i, j) = J(b.rows[i], b.xcols[j]);
+}
+void set_Ru(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
+  const Eigen::MatrixXd now = d.Ru();
+  check_jacobian("Ru", J, now.rows(), now.cols());
+  for (ResidualBlock& b : d.blocks)
+    for (std::size_t i = 0; i < b.rows.size(); ++i)
+      for (std::size_t j = 0; j < b.ucols.size(); ++j) b.Ru(i, j) = J(b.rows[i], b.ucols[j]);
+}
+
+template <class T>
+auto residual(py::module_& m, const char* name, const char* doc) {
+  return py::class_<T, ResidualModelAbstract, std::shared_ptr<T>>(m, name, doc);
+}
+
+// Cones are the residual's own, which setting their members changes; other references are copies.
+template <class T, class Class>
+void with_reference(Class& c, const char* doc = "") {
+  using X = std::decay_t<decltype(std::declval<T&>().get_reference())>;
+  using Given = std::conditional_t<is_matrix<X> || std::is_same_v<X, SE3<double>>, X, const X&>;
+  c.def_property(
+      "reference", [](const T& r) -> Given { return r.get_reference(); },
+      [](T& r, const X& x) { r.set_reference(x); }, doc);
+}
+
+void add_residual_base(py::module_& m) {
+  using Abstract = ResidualModelAbstract;
+  py::class_<Dependence> dependence(m, "Dependence", "What a residual depends on; what is not said costs nothing.");
+  add_value(dependence)
+      .def(py::init([](bool q, bool v, bool u, bool acceleration, bool forces) {
+             return Dependence{q, v, u, acceleration, forces};
+           }),
+           py::kw_only(), py::arg("q") = false, py::arg("v") = false, py::arg("u") = false,
+           py::arg("acceleration") = false, py::arg("forces") = false)
+      .def_readwrite("q", &Dependence::q)
+      .def_readwrite("v", &Dependence::v)
+      .def_readwrite("u", &Dependence::u)
+      .def_readwrite("acceleration", &Dependence::acceleration)
+      .def_readwrite("forces", &Dependence::forces);
+
+  py::class_<ResidualDataAbstract, std::shared_ptr<ResidualDataAbstract>> data(m, "ResidualDataAbstract");
+  data.def_property("Rx", &ResidualDataAbstract::Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
+      .def_property("Ru", &ResidualDataAbstract::Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
+      .def_property_readonly("shared", &shared_of, "DataCollector, while calc and calcDiff run.");
+  member_view(data, "r", &ResidualDataAbstract::r, "(nr): by calc.");
+
+  py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>>(
+      m, "ResidualModelAbstract",
+      "r(x, u). Derive from it: calc(self, data, x, u) sets data.r; calcDiff(self, data, x, u) sets data.Rx, data.Ru.\n"
+      "u is zero in terminal nodes. data.shared has the robots' kinematics.")
+      .def(py::init<State, std::size_t, std::size_t, Dependence>(), py::arg("state"), py::arg("nr"), py::arg("nu"),
+           py::arg("depends_on"))
+      .def_property_readonly("state", &Abstract::get_state)
+      .def_property_readonly("nr", &Abstract::get_nr)
+      .def_property_readonly("nu", &Abstract::get_nu)
+      .def_property_readonly("q_dependent", &Abstract::get_q_dependent)
+      .def_property_readonly("v_dependent", &Abstract::get_v_dependent)
+      .def_property_readonly("u_dependent", &Abstract::get_u_dependent)
+      .def("__str__", &text_of<Abstract>);
+}
+
+// (state, id, reference, nu) and (state, id, reference).
+template <class T, class Reference>
+void frame_and_reference(py::module_& m, const char* name, const char* reference, const char* doc) {
+  auto c = residual<T>(m, name, doc);
+  c.def(py::init<State, std::size_t, const Reference&, std::size_t>(), py::arg("state"), py::arg("id"),
+        py::arg(reference), py::arg("nu"))
+      .def(py::init<State, std::size_t, const Reference&>(), py::arg("state"), py::arg("id"), py::arg(reference))
+      .def_property("id", &T::get_id, &T::set_id, "Number of the frame: state.pinocchio.getFrameId(name).");
+  with_reference<T>(c);
+}
+
+void add_residuals_of_states(py::module_& m) {
+  {
+    auto c = residual<ResidualModelState>(m, "ResidualModelState", "x (-) xref (ndx).");
+    c.def(py::init<State, const Vector&, std::size_t>(), py::arg("state"), py::arg("xref"), py::arg("nu"))
+        .def(py::init<State, const Vector&>(), py::arg("state"), py::arg("xref"))
+        .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+        .def(py::init<State>(), py::arg("state"));
+    with_reference<ResidualModelState>(c, "(nx)");
+  }
+  {
+    auto c = residual<ResidualModelControl>(m, "ResidualModelControl", "u - uref (nu) [N m, N].");
+    c.def(py::init<State, const Vector&>(), py::arg("state"), py::arg("uref"))
+        .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+        .def(py::init<State>(), py::arg("state"));
+    with_reference<ResidualModelControl>(c, "(nu)");
+  }
+  {
+    using Actuation = std::shared_ptr<ActuationModelAbstract>;
+    auto c = residual<ResidualModelJointEffort>(m, "ResidualModelJointEffort", "Joint efforts - uref (nu) [N m, N].");
+    c.def(py::init<State, Actuation, const Vector&, std::size_t>(), py::arg("state"), py::arg("actuation"),
+          py::arg("uref"), py::arg("nu"))
+        .def(py::init<State, Actuation, const Vector&>(), py::arg("state"), py::arg("actuation"), py::arg("uref"))
+        .def(py::init<State, Actuation, std::size_t>(), py::arg("state"), py::arg("actuation"), py::arg("nu"))
+        .def(py::init<State, Actuation>(), py::arg("state"), py::arg("actuation"));
+    with_reference<ResidualModelJointEffort>(c, "(nu)");
+  }
+  {
+    auto c = residual<ResidualModelJointAcceleration>(m, "ResidualModelJointAcceleration", "a - aref (nv).");
+    c.def(py::init<State, const Vector&, std::size_t>(), py::arg("state"), py::arg("aref"), py::arg("nu"))
+        .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+        .def(py::init<State>(), py::arg("state"));
+    with_reference<ResidualModelJointAcceleration>(c, "(nv)");
+  }
+  {
+    auto c = residual<ResidualModelCoMPosition>(m, "ResidualModelCoMPosition",
+                                                "c - cref [m], of the scene, or of one robot by its number.");
+    c.def(py::init<State, const Eigen::Vector3d&, std::size_t, int>(), py::arg("state"), py::arg("cref"), py::arg("nu"),
+          py::arg("robot") = -1)
+        .def(py::init<State, const Eigen::Vector3d&>(), py::arg("state"), py::arg("cref"));
+    with_reference<ResidualModelCoMPosition>(c, "(3) [m]");
+  }
+  {
+    auto c = residual<ResidualModelCentroidalMomentum>(
+        m, "ResidualModelCentroidalMomentum",
+        "Momentum - href, world axes: linear [N s], angular about the CoM [N m s].");
+    c.def(py::init<State, const Vec6<double>&, std::size_t, int>(), py::arg("state"), py::arg("href"), py::arg("nu"),
+          py::arg("robot") = -1)
+        .def(py::init<State, const Vec6<double>&>(), py::arg("state"), py::arg("href"));
+    with_reference<ResidualModelCentroidalMomentum>(c, "(6)");
+  }
+}
+
+void add_residuals_of_frames(py::module_& m) {
+  frame_and_reference<ResidualModelFramePlacement, SE3<double>>(m, "ResidualModelFramePlacement", "pref",
+                                                                "log6(pref^-1 oMf) (6).");
+  frame_and_reference<ResidualModelFrameTranslation, Eigen::Vector3d>(m, "ResidualModelFrameTranslation", "xref",
+                                                                      "p - xref (3) [m].");
+  frame_and_reference<ResidualModelFrameRotation, Eigen::Matrix3d>(m, "ResidualModelFrameRotation", "Rref",
+                                                                   "log3(Rref^T R) (3) [rad].");
+  {
+    auto c = residual<ResidualModelFrameVelocity>(m, "ResidualModelFrameVelocity", "The frame's velocity - vref (6).");
+    c.def(py::init<State, std::size_t, const Vec6<double>&, ReferenceFrame, std::size_t>(), py::arg("state"),
+          py::arg("id"), py::arg("vref"), py::arg("type"), py::arg("nu"))
+        .def(py::init<State, std::size_t, const Vec6<double>&, ReferenceFrame>(), py::arg("state"), py::arg("id"),
+             py::arg("vref"), py::arg("type"))
+        .def_property("id", &ResidualModelFrameVelocity::get_id, &ResidualModelFrameVelocity::set_id)
+        .def_property("type", &ResidualModelFrameVelocity::get_type, &ResidualModelFrameVelocity::set_type);
+    with_reference<ResidualModelFrameVelocity>(c, "(6)");
+  }
+}
+
+void add_residuals_of_contacts(py::module_& m) {
+  {
+    auto c = residual<ResidualModelContactForce>(m, "ResidualModelContactForce", "f - fref (nc) [N, N m].");
+    c.def(py::init<State, std::size_t, const Vec6<double>&, std::size_t, std::size_t>(), py::arg("state"),
+          py::arg("id"), py::arg("fref"), py::arg("nc"), py::arg("nu"))
+        .def(py::init<State, std::size_t, const Vec6<double>&, std::size_t>(), py::arg("state"), py::arg("id"),
+             py::arg("fref"), py::arg("nc"));
+    with_reference<ResidualModelContactForce>(c, "(6)");
+  }
+  frame_and_reference<ResidualModelContactFrictionCone, FrictionCone>(m, "ResidualModelContactFrictionCone", "fref",
+                                                                      "A f of a friction cone (nf + 1).");
+  frame_and_reference<ResidualModelContactWrenchCone, WrenchCone>(m, "ResidualModelContactWrenchCone", "fref",
+                                                                  "A f of a wrench cone (nf + 13).");
+  frame_and_reference<ResidualModelContactCoPPosition, CoPSupport>(m, "ResidualModelContactCoPPosition", "cref",
+                                                                   "A f of a support polygon (4).");
+  residual<ResidualModelControlGrav>(m, "ResidualModelControlGrav", "tau - g(q) (nv).")
+      .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+      .def(py::init<State>(), py::arg("state"));
+  residual<ResidualModelContactControlGrav>(m, "ResidualModelContactControlGrav", "tau - (g(q) - J^T f) (nv).")
+      .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+      .def(py::init<State>(), py::arg("state"));
+  residual<ResidualModelImpulseCoM>(m, "ResidualModelImpulseCoM", "The jump of the CoM's velocity (3) [m/s].")
+      .def(py::init<State>(), py::arg("state"));
+}
+
+}  // namespace
+
+void add_residual_models(py::module_& m) {
+  add_shared(m);
+  add_residual_base(m);
+  add_residuals_of_states(m);
+  add_residuals_of_frames(m);
+  add_residuals_of_contacts(m);
+}
+
+}  // namespace manycontact::python
