@@ -22,7 +22,7 @@ TaskSolver solver_of(py::handle given) {
 TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared_ptr<TaskProblem>>& given,
                            py::handle solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;
-  options.solver = solver_of(solver);
+  if (!solver.is_none()) options.solver = solver_of(solver);
   options.threads = checked_threads(threads);
   options.each = [&each](const TaskIteration& iteration) {
     const py::gil_scoped_acquire gil;
@@ -33,7 +33,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::optional<std::shared
   };
   const py::gil_scoped_release unlocked;
   if (given && *given) return optimize(task, **given, options);
-  TaskProblem problem = make_problem(task, options.solver);
+  TaskProblem problem = make_problem(task, options.solver.value_or(task.solver));
   return optimize(task, problem, options);
 }
 
@@ -75,6 +75,10 @@ void add_task(py::module_& m) {
           "scene", [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); },
           "SceneFile")
       .def_readonly("step", &TaskFile::step, "[s]")
+      .def_property(
+          "solver", [](const TaskFile& t) { return t.solver; },
+          [](TaskFile& t, py::handle solver) { t.solver = solver_of(solver); },
+          "TaskSolver; a name is taken too. What make_problem and optimize take where they are given none.")
       .def_readwrite("iterations", &TaskFile::iterations)
       .def_readwrite("tolerance", &TaskFile::tolerance)
       .def_property_readonly("nodes", &TaskFile::nodes, "Running ones.");
@@ -85,6 +89,8 @@ void add_task(py::module_& m) {
       .def_readonly("problem", &TaskProblem::problem, "ShootingProblem")
       .def_readwrite("xs", &TaskProblem::xs, "Initial guess; a copy: assign.")
       .def_readwrite("us", &TaskProblem::us)
+      .def_readwrite("multipliers", &TaskProblem::multipliers,
+                     "Guess of the constraints', as TaskSolution.multipliers; none: zeros. A copy: assign.")
       .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.")
       .def_readonly("blocks", &TaskProblem::blocks, "Parts, taken apart where robots only hold each other.");
   py::class_<TaskIteration>(m, "TaskIteration")
@@ -110,7 +116,9 @@ void add_task(py::module_& m) {
   py::class_<TaskSolution>(m, "TaskSolution", "What a solver did.")
       .def_readonly("converged", &TaskSolution::converged)
       .def_readonly("cost", &TaskSolution::cost)
-      .def_readonly("reason", &TaskSolution::reason, "Why it stopped.")
+      .def_readonly("reason", &TaskSolution::reason, "Why it stopped, and the remarks.")
+      .def_readonly("remarks", &TaskSolution::remarks, "What was done where a solver's own rule failed.")
+      .def_readonly("multipliers", &TaskSolution::multipliers, "Of each node's constraints [g; h].")
       .def_readonly("iterations", &TaskSolution::iterations, "List of TaskIteration.")
       .def_readonly("polishing_iterations", &TaskSolution::polishing_iterations, "After these, to the KKT residual.")
       .def_readonly("xs", &TaskSolution::xs, "nodes + 1 states (nq + nv).")
@@ -132,16 +140,18 @@ void add_task(py::module_& m) {
   m.def(
       "make_problem",
       [](const TaskFile& task, py::handle solver) {
-        const TaskSolver type = solver_of(solver);
+        const TaskSolver type = solver.is_none() ? task.solver : solver_of(solver);
         const py::gil_scoped_release unlocked;
         return std::make_shared<TaskProblem>(make_problem(task, type));
       },
-      py::arg("task"), py::arg("solver") = "fddp",
-      "The task's ShootingProblem and its initial guess; 'sparse' and 'auto' take parts where robots never meet.");
+      py::arg("task"), py::arg("solver") = py::none(),
+      "The task's ShootingProblem and its initial guess, for this solver, by default the task's; 'sparse' and 'auto'\n"
+      "take parts where robots never meet. Raises InputError where the nodes would not fit into memory.");
   m.def(
-      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = "auto",
+      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
       py::arg("threads") = 0, py::arg("each") = py::none(),
-      "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name. problem:\n"
+      "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name, by\n"
+      "default the task's. problem:\n"
       "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
       "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
   add_simulated_motion(m);
