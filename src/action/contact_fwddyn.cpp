@@ -126,7 +126,7 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     d.laid_out = false;
   }
   if (!is_prepared(m.solution)) {
-    prepare(m.scene, m.solution);
+    m.prepare();
     d.laid_out = false;
   }
   if (!internal::on_same_frames(*contacts_, *m.contacts) ||

@@ -12,6 +12,7 @@ namespace {
 struct ContactResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   FrameIndex id = 0;
+  std::string name;  // of the contact asked for
   const ContactDataAbstract* contact = nullptr;         // by lay_out
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // by lay_out: unit wrenches of the contact's rows
   Eigen::MatrixXd B;                                    // by calc
@@ -134,7 +135,8 @@ std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector*
 void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   auto& d = static_cast<ContactResidualData&>(data);
   d.id = id_;
-  d.contact = &d.shared->contact_on(d.id, name_);
+  d.name = contact_;
+  d.contact = &d.shared->contact_on(d.id, name_, contact_);
   const Contact& contact = d.shared->scene.contacts[d.contact->index];
   const std::string why = misfit(contact.type);
   require(why.empty(), name_, "the contact on " + state_->get_model()->frames[d.id].name + " is " + why);
@@ -153,7 +155,7 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
 bool ContactResidual::fits(const ResidualDataAbstract& data) const {
   const auto* d = dynamic_cast<const ContactResidualData*>(&data);
   require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
-  return d->id == id_;
+  return d->id == id_ && d->name == contact_;
 }
 
 void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,

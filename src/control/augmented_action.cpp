@@ -69,7 +69,7 @@ void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool t
   check_size(kActionModelAugmentedLagrangian, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
   if (d.y_next.size() != rows.size()) d.y_next.resize(rows.size());
   d.xnext = d.inner->xnext;
-  d.cost = d.inner->cost;
+  d.cost = with_cost_ ? d.inner->cost : 0;
   for (Index i = 0; i < rows.size(); ++i) {
     const double y = y_[i], next = rows.next_multiplier(*d.inner, i, y, rho_);
     d.y_next[i] = next;
@@ -89,6 +89,10 @@ void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, b
   if (d.panel.size() < static_cast<std::size_t>(rows.size() * ld)) d.panel.resize(rows.size() * ld);
   d.Fx = in.Fx, d.Lx = in.Lx, d.Lxx = in.Lxx;
   if (!terminal) d.Fu = in.Fu, d.Lu = in.Lu, d.Lxu = in.Lxu, d.Luu = in.Luu;
+  if (!with_cost_) {
+    for (Eigen::VectorXd* l : {&d.Lx, &d.Lu}) l->setZero();
+    for (Eigen::MatrixXd* L : {&d.Lxx, &d.Lxu, &d.Luu}) L->setZero();
+  }
 
   int active = 0;
   const double root = std::sqrt(rho_);

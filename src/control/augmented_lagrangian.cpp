@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "constraint_rows.hpp"
 #include "coordinates.hpp"
+#include "cost_scale.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -65,7 +67,7 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
     : SolverAugmentedLagrangian(std::move(problem), usual_solver) {}
 
 SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make)
-    : SolverAbstract(std::move(problem)) {
+    : SolverAbstract(std::move(problem)), make_(make) {
   decorate();
   inner_ = make(augmented_);
   require(inner_ != nullptr && inner_->get_problem() == augmented_, kSolverAugmentedLagrangian,
@@ -85,6 +87,11 @@ bool SolverAugmentedLagrangian::solve(const Vectors& init_xs, const Vectors& ini
     ++outer_;
     assess();
     reason_ = judge(maxiter);
+    if (reason_ == StopReason::kInfeasible) {
+      reason_ = restore(maxiter);
+      if (reason_ == StopReason::kNone) startAgain();
+      continue;
+    }
     if (reason_ == StopReason::kNone || reason_ == StopReason::kConverged) updateMultipliers();
   }
   return reason_ == StopReason::kConverged;
@@ -99,20 +106,27 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   interrupted_ = false;
   outer_ = total_ = iter_ = 0;
   stuck_ = flat_ = 0;
+  restorations_ = 0;
   curved_ = false;
   failed_stop_ = std::numeric_limits<double>::infinity();
   cost_ = problem_->calc(xs_, us_);
   merit_ = NAN;
   measureViolation();
+  if (measures_scale_) {
+    problem_->calcDiff(xs_, us_);
+    const double before = std::exchange(scale_, internal::cost_scale(*problem_));
+    set_penalty(rho_ * scale_ / before);
+  }
+  inner_->set_scale(scale_);
   last_measure_ = last_violation_ = best_kkt_ = std::numeric_limits<double>::infinity();
-  tolerance_ = std::max(th_stop_, tolerance_after(violation_, rho_, th_constraint_));
+  tolerance_ = std::max(th_stop_ * scale_, tolerance_after(violation_, rho_, th_constraint_));
 }
 
 void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   // Steps are accepted unseen where what they are to gain is less than the cost's rounding.
   const double rounding = 100 * kEps * std::abs(outer_ == 0 ? cost_ : inner_->get_cost());
-  inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding) : 1e-12);
-  inner_->set_th_stop(tolerance_);
+  inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding / scale_) : 1e-12);
+  inner_->set_th_stop(tolerance_ / scale_);
   std::size_t most = maxiter - std::min(maxiter, total_);
   if (outer_ > 0 && tolerance_ < rounding) most = std::min(most, kPolishing);
   moved_ = crawls_ = false;
@@ -203,17 +217,17 @@ void SolverAugmentedLagrangian::measureViolation() {
 // that of the Lagrangian at y+.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
-  inner_->set_preg(inner_->get_reg_min());
+  inner_->set_preg(inner_->get_reg_min() * scale_);
   inner_->computeDirection(true);
   collectParts();
   merit_ = augmented_->total_cost();
   cost_ = problem_->total_cost();
-  while (!inner_->direction_is_sound() && inner_->get_preg() < inner_->get_reg_max()) {
+  while (!inner_->direction_is_sound() && inner_->get_preg() < inner_->get_reg_max() * scale_) {
     inner_->increaseRegularization();
     inner_->computeDirection(false);
   }
   measureViolation();
-  measure_ = kkt_ = 0;
+  measure_ = kkt_ = 0;  // kkt: of an ordinary scale
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
     for (const Augmented& own : nodes_[t].augmented) {
       const Eigen::VectorXd &y = own.model->get_multipliers(), &next = own.data->y_next;
@@ -221,12 +235,13 @@ void SolverAugmentedLagrangian::assess() {
       for (Index i = 0; i < y.size(); ++i) {
         measure_ = sparse::larger_or_nan(std::abs(next[i] - y[i]) / rho_, measure_);
         const double c = rows.value(*own.data->inner, i);
-        kkt_ = sparse::larger_or_nan(std::abs(c - std::min(std::max(c + next[i], rows.lower(i)), rows.upper(i))), kkt_);
+        kkt_ = sparse::larger_or_nan(std::abs(c - std::min(std::max(c + next[i] / scale_, rows.lower(i)), rows.upper(i))), kkt_);
       }
     }
   }
   kkt_ = sparse::larger_or_nan(
-      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, work_),
+      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, work_) /
+          scale_,
       kkt_);
   if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
@@ -234,7 +249,7 @@ void SolverAugmentedLagrangian::assess() {
 StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   const StopReason inner = ended_;
   const bool met = violation_ <= th_constraint_;
-  if (met && kkt_ <= th_kkt_ && (inner_->get_stop() < th_stop_ || inner == StopReason::kNoStep))
+  if (met && kkt_ <= th_kkt_ && (inner_->get_stop() < th_stop_ * scale_ || inner == StopReason::kNoStep))
     return StopReason::kConverged;
   if (interrupted_ || (inner == StopReason::kInterrupted && !crawls_)) return StopReason::kInterrupted;
   if (inner == StopReason::kNoDirection) return inner;
@@ -243,7 +258,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   if (total_ >= maxiter) return flat_ > 0 ? StopReason::kInfeasible : StopReason::kIterations;
   const bool progress = (last_measure_ > th_constraint_ && measure_ <= 0.5 * last_measure_) || kkt_ <= 0.5 * best_kkt_;
   if (met && !moved_ && !progress && inner == StopReason::kNoStep) return inner;
-  const bool grows = measure_ > th_constraint_ && rho_ < rho_max_;
+  const bool grows = measure_ > th_constraint_ && rho_ < rho_max_ * scale_;
   stuck_ = progress || grows || (met && inner == StopReason::kIterations) ? 0 : stuck_ + 1;
   if (stuck_ < kPatience) return StopReason::kNone;
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
@@ -267,12 +282,12 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   failed_stop_ = std::numeric_limits<double>::infinity();
   const bool small = measure_ <= th_constraint_;
   if (!small && !(measure_ <= kProgress * last_measure_)) {
-    set_penalty(std::min(rho_ * rho_factor_, rho_max_));
+    set_penalty(std::min(rho_ * rho_factor_, rho_max_ * scale_));
     curved_ = false;
   }
-  tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_) : tolerance_,
+  tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,
                         tolerance_after(measure_, rho_, th_constraint_));
-  tolerance_ = std::max(tolerance_, 1e-30);
+  tolerance_ = std::max(tolerance_, 1e-30 * scale_);
   last_measure_ = measure_;
   last_violation_ = violation_;
   best_kkt_ = std::min(best_kkt_, kkt_);

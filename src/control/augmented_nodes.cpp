@@ -65,10 +65,18 @@ AL::Copy AL::augment_parts(const Model& whole, const Data& data, bool terminal, 
   return {model, model->createData(std::move(datas))};
 }
 
-// What has no rows stays what it is. rows: of the problem's node, those of this node or part.
+namespace {
+
+bool is_of_parts(const ActionModelAbstract& model) {
+  return dynamic_cast<const ActionModelParts*>(&model) || dynamic_cast<const ActionModelJoined*>(&model);
+}
+
+}  // namespace
+
+// What has no rows stays what it is, unless all are asked for: but for what has no matrices. rows: of the problem's node, those of this node or part.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
-  if (rows.empty()) return of;
+  if (rows.empty() && (!augments_all_ || (of.data->Fx.size() == 0 && !is_of_parts(*of.model)))) return of;
   if (const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get()))
     return augment_parts(*whole, internal::own_data<ActionDataParts>(kAugmentedNodes, of.data), terminal, rows,
                          multipliers, out);
@@ -172,7 +180,7 @@ void AL::set_multipliers(const Multipliers& multipliers) {
 
 void AL::reset() {
   resizeData();
-  set_penalty(rho_init_);
+  set_penalty(rho_init_ * scale_);
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     for (const Augmented& own : nodes_[t].augmented)
       own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "cost_scale.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/euler.hpp"
 #include "step_lengths.hpp"
@@ -76,7 +77,9 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   (void)problem_->is_updated();
   resizeData();
   setCandidate(init_xs, init_us, is_feasible);
-  preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ : init_reg;
+  limitGuess();
+  rolled_out_ = false;
+  preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ * scale_ : init_reg;
   was_feasible_ = false;
   interrupted_ = false;
   kkt_ = NAN;
@@ -94,14 +97,14 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       reason_ = StopReason::kNoDirection;
       break;
     }
-    recalc = searchLine();
+    recalc = searchLine() || rollOutCandidate();
     if (!adaptRegularization()) {
       reason_ = StopReason::kNoStep;
       break;
     }
     stoppingCriteria();
     callCallbacks();
-    if (was_feasible_ && stop_ < th_stop_) {
+    if (was_feasible_ && stop_ < th_stop_ * scale_) {
       reason_ = StopReason::kConverged;
       break;
     }
@@ -121,7 +124,7 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
     double &number, value;
     ~Restore() { number = value; }
   } restore{th_grad_, th_grad_};
-  th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
   for (bool moved = true;; ++polishing_) {
     if (moved) {
       calcDiff();
@@ -129,7 +132,7 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
       Eigen::VectorXd work;
       kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, work);
     }
-    if (kkt_ <= th_kkt_) return StopReason::kConverged;
+    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
     if (polishing_ == maxiter) return StopReason::kIterations;
     if (!findDirection(false)) return StopReason::kNoDirection;
     moved = searchLine();
@@ -137,11 +140,50 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
   }
 }
 
+namespace {
+
+// All finite and below 1e30.
+bool is_sound(const Eigen::VectorXd& x) {
+  for (double number : x)
+    if (!(std::abs(number) < 1e30)) return false;
+  return true;
+}
+
+}  // namespace
+
+void SolverDDP::limitGuess() {
+  if (!keeps_limits()) return;
+  for (std::size_t t = 0; t < us_.size(); ++t) {
+    const ActionModelAbstract& model = *problem_->model(t);
+    if (!model.get_has_control_limits()) continue;
+    us_try_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    if (us_try_[t] == us_[t]) continue;
+    us_[t] = us_try_[t];
+    is_feasible_ = false;
+  }
+}
+
+// Directions from a candidate with gaps are those without limits, of which no step may be worth anything. What the
+// controls lead to has no gaps, and from there on the limits are in the direction.
+bool SolverDDP::rollOutCandidate() {
+  if (!keeps_limits() || is_feasible_) return false;
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  problem_->rollout(us_try_, xs_try_);
+  cost_try_ = problem_->total_cost();
+  for (const Eigen::VectorXd& x : xs_try_)
+    if (raiseIfNaN(cost_try_) || !is_sound(x)) return false;
+  setCandidate(xs_try_, us_try_, true);
+  cost_ = cost_try_;
+  preg_ = dreg_ = reg_min_ * scale_;
+  steplength_ = 1;
+  return stepped_ = rolled_out_ = true;
+}
+
 // More and more regularised until there is one.
 bool SolverDDP::findDirection(bool recalc) {
   for (computeDirection(recalc); !sound_; computeDirection(false)) {
     increaseRegularization();
-    if (preg_ == reg_max_) return false;
+    if (preg_ == reg_max_ * scale_) return false;
   }
   return true;
 }
@@ -151,7 +193,7 @@ bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
   increaseRegularization();
-  return preg_ != reg_max_;
+  return preg_ != reg_max_ * scale_;
 }
 
 // The first of the step lengths that is accepted becomes the candidate; false when none is.
@@ -175,7 +217,7 @@ bool SolverDDP::searchLine() {
 }
 
 bool SolverDDP::accepts() const {
-  return dVexp_ >= 0 && (std::abs(d_[0]) < th_grad_ || !is_feasible_ || dV_ > th_acceptstep_ * dVexp_);
+  return dVexp_ >= 0 && (std::abs(d_[0]) < th_grad_ * scale_ || !is_feasible_ || dV_ > th_acceptstep_ * dVexp_);
 }
 
 void SolverDDP::computeDirection(bool recalc) {
@@ -213,24 +255,15 @@ double SolverDDP::expectedReduction() const {
 double SolverDDP::calcDiff() {
   if (iter_ == 0) problem_->calc(xs_, us_);
   cost_ = problem_->calcDiff(xs_, us_);
+  if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
+  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // else limits would wait for gaps to close
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
   return cost_;
 }
 
 void SolverDDP::forwardPass(double steplength) { rollOut(steplength, false, false); }
-
-namespace {
-
-// All finite and below 1e30.
-bool is_sound(const Eigen::VectorXd& x) {
-  for (double number : x)
-    if (!(std::abs(number) < 1e30)) return false;
-  return true;
-}
-
-}  // namespace
 
 void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap) {
   require(steplength >= 0 && steplength <= 1, "Solver::forwardPass", "a step length in [0, 1] is expected");
@@ -263,9 +296,23 @@ void SolverDDP::stepControl(std::size_t t, double steplength) {
   limitControl(t);
 }
 
-void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_); }
+void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_ * scale_); }
 
-void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_decfactor_, reg_min_); }
+void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_decfactor_, reg_min_ * scale_); }
+
+void SolverDDP::set_scale(double scale) {
+  require(scale > 0 && std::isfinite(scale), "SolverDDP::set_scale", "a positive number is expected");
+  scale_ = scale;
+  adoptScale();
+}
+
+// The regularisation at hand was chosen for the scale before.
+void SolverDDP::measureScale() {
+  const double before = scale_;
+  set_scale(internal::cost_scale(*problem_));
+  preg_ *= scale_ / before;
+  dreg_ *= scale_ / before;
+}
 
 void SolverDDP::set_reg_incfactor(double regfactor) {
   require(regfactor > 1, "SolverDDP::set_reg_incfactor", "a number above 1 is expected");

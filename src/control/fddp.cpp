@@ -36,7 +36,7 @@ void SolverFDDP::updateExpectedImprovement() {
 }
 
 bool SolverFDDP::accepts() const {
-  if (dVexp_ >= 0) return std::abs(d_[0]) < th_grad_ || dV_ > th_acceptstep_ * dVexp_;
+  if (dVexp_ >= 0) return std::abs(d_[0]) < th_grad_ * scale_ || dV_ > th_acceptstep_ * dVexp_;
   return !is_feasible_ && dV_ > th_acceptnegstep_ * dVexp_;  // the cost may rise while gaps close
 }
 

@@ -51,7 +51,7 @@ void SolverDDP::preconditionFeedForward(Vectors& g) {
 // A step along nu_ that lowers the cost enough, or where that drowns in rounding flattens its slope enough; g_try_ is
 // the gradient there.
 bool SolverDDP::searchFeedForward() {
-  const double rounding = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  const double rounding = std::max(th_grad_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
   setFeedForward(nu_);
   steplength_ = 1;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -119,7 +119,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
       cost_ = cost_try_;
     }
     callCallbacks();
-    if (stop_ < th_stop_) return reason_ = StopReason::kConverged;
+    if (stop_ < th_stop_ * scale_) return reason_ = StopReason::kConverged;
     if (interrupted_) return reason_ = StopReason::kInterrupted;
     short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;
     if (!stepped_ || steplength_ < kVeryShort || short_steps == 2) return reason_ = StopReason::kNoStep;

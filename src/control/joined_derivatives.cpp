@@ -1,11 +1,13 @@
 // Nodes of parts that hold each other: derivatives.
 
 #include <Eigen/LU>
+#include <cassert>
 
 #include "coordinates.hpp"
 #include "joined_parts.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/joined.hpp"
+#include "manycontact/dynamics/jvp.hpp"
 
 namespace manycontact {
 
@@ -56,6 +58,10 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
       Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
   if (m == 6) return N;
+  if (m == 5) {  // a hinge: the torque about its axis
+    N.row(0).tail<3>() = Vec3<double>(W.row(3).tail<3>()).cross(Vec3<double>(W.row(4).tail<3>()));
+    return N;
+  }
   N.bottomRightCorner<3, 3>().setIdentity();
   const Vec3<double> a = W.row(0).head<3>();
   if (m == 1) {
@@ -65,6 +71,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   } else if (m == 2) {
     N.row(0).head<3>() = a.cross(Vec3<double>(W.row(1).head<3>()));
   }
+  assert((W * N.transpose()).isZero(1e-12) && (N * N.transpose()).isIdentity(1e-12));
   return N;
 }
 
@@ -231,19 +238,15 @@ struct PartGradient {
 
 }  // namespace
 
-// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
-void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next, bool terminal,
-                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
-  const Index ndx = static_cast<Index>(model.get_state()->get_ndx());
-  const auto rows = internal::constraint_rows(model.get_parts(), terminal);
-  gx.resize(ndx);
-  if (terminal) {
-    for (std::size_t i = 0; i < d.parts.size(); ++i)
-      gx(model.get_parts()[i].dx) = PartGradient(*d.parts[i], y, rows[i], true).x;
-    return;
-  }
+namespace {
+
+// Lx + A^T next, Lu + B^T next of all parts with the wrenches held, and what stands with these in by_w.
+void gradient_of_parts(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next,
+                       const VectorXd& y, VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
+  const auto rows = internal::constraint_rows(model.get_parts(), false);
+  gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
   gu.resize(static_cast<Index>(model.get_nu()));
-  VectorXd by_w = VectorXd::Zero(6 * static_cast<Index>(model.get_bonds().size()));
+  by_w.setZero(6 * static_cast<Index>(model.get_bonds().size()));
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const ActionPart& part = model.get_parts()[i];
     const ActionDataAbstract& from = *d.parts[i];
@@ -255,12 +258,68 @@ void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, 
     for (std::size_t b = 0; b < model.bonds_of_parts()[i].size(); ++b)
       by_w.segment<6>(6 * model.bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
   }
+}
+
+void terminal_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& y, VectorXd& gx) {
+  const auto rows = internal::constraint_rows(model.get_parts(), true);
+  gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
+  for (std::size_t i = 0; i < d.parts.size(); ++i)
+    gx(model.get_parts()[i].dx) = PartGradient(*d.parts[i], y, rows[i], true).x;
+}
+
+}  // namespace
+
+// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
+void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next, bool terminal,
+                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
+  if (terminal) return terminal_gradient(model, d, y, gx);
+  VectorXd by_w;
+  gradient_of_parts(model, d, next, y, gx, gu, by_w);
   if (by_w.size() == 0) return;
   const BondSystem system = system_of(model, d);
   const VectorXd mu = -system.by_w.transpose().partialPivLu().solve(by_w);
   const VectorXd add = system.rows.transpose() * mu;
-  gx += add.head(ndx);
+  gx += add.head(gx.size());
   gu += add.tail(gu.size());
+}
+
+// A bond's wrench is w = R F about a point that stands still, F = W^T f in A's moving axes. With s = J_A dq_A, and th
+// the turning of a world-aligned frame as A's axes see it,
+//
+//     R^T dw = W^T df + s x* F - th x F
+//
+// so that what stands with w stands with f, whose derivatives are the scene's, and with A's place.
+void scene_gradient(const ActionModelJoined& model, ActionDataJoined& d, const VectorXd& next, bool terminal,
+                    const VectorXd& y, VectorXd& gx, VectorXd& gu) {
+  if (terminal) return terminal_gradient(model, d, y, gx);
+  VectorXd by_w;
+  gradient_of_parts(model, d, next, y, gx, gu, by_w);
+  if (by_w.size() == 0) return;
+  const Scene& scene = model.get_scene();
+  VectorXd by_f = VectorXd::Zero(d.solution.f.size());
+  for (std::size_t b = 0; b < model.get_bonds().size(); ++b) {
+    const int c = model.get_bonds()[b].contact;
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
+    const ActionDataJoined::OfBond& bond = d.bonds[b];
+    const ContactDerivatives& dr = bond.derivatives;
+    const Mat3<double>& R = bond.rows.aMA.R;
+    Vec6<double> g;
+    g << R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b)),
+        R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b) + 3);
+    by_f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = bond.rows.W * g;
+    const int first = scene.robots[static_cast<std::size_t>(contact.A.robot)].idx_v;
+    for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
+      const Index column = static_cast<Index>(k);
+      Vec6<double> moved = cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
+      if (dr.turns) moved -= turned<double>(dr.turn.col(column), dr.F);
+      gx[first + bond.support.a[k]] += g.dot(moved);
+    }
+  }
+  VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu);
+  vjp(scene, d.solution, VectorXd::Zero(scene.nv), by_f, wq, wv, wu);
+  gx.head(scene.nv) += wq;
+  gx.tail(scene.nv) += wv;
+  gu += wu;
 }
 
 }  // namespace manycontact

@@ -102,7 +102,8 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
-// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients.
+// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients, by the scene's own derivatives
+// and not by the rows that directions are made of.
 double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                               bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
@@ -114,10 +115,10 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
     const ActionModelAbstract& model = *problem.model(t);
-    const auto& d = static_cast<const ActionDataJoined&>(*problem.data(t));
+    auto& d = static_cast<ActionDataJoined&>(*problem.data(t));
     if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], worst);
-    joined_gradient(static_cast<const ActionModelJoined&>(model), d, l[std::min(t + 1, T)], t == T,
-                    ys.empty() ? none : ys[t], gx, gu);
+    scene_gradient(static_cast<const ActionModelJoined&>(model), d, l[std::min(t + 1, T)], t == T,
+                   ys.empty() ? none : ys[t], gx, gu);
     worst.add(gx - l[t]);
     if (t == T) break;
     for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i], worst);

@@ -61,13 +61,13 @@ void check_shape(const char* who, const char* what, const Matrix& matrix, Eigen:
               std::to_string(rows) + " x " + std::to_string(cols) + " is expected");
 }
 
-/// [Q N; N^T R] has no eigenvalue below -1e-12.
+/// [Q N; N^T R] has no eigenvalue below -1e-12 of its largest: what rounding makes of a zero.
 inline void check_convex(const char* who, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
                          const Eigen::MatrixXd& N) {
   Eigen::MatrixXd L(Q.rows() + R.rows(), Q.cols() + R.cols());
   L << Q, N, N.transpose(), R;
-  require(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() >= -1e-12,
-          who, "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues();
+  require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), who, "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
 }
 
 inline std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }

@@ -15,16 +15,6 @@ SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits
   if (limits_) th_stop_ = 5e-5;  // as SolverBoxFDDP
 }
 
-namespace {
-
-void check_controls(const ShootingProblem& whole, const ShootingPart& part) {
-  for (std::size_t t = 0; t < part.u.size(); ++t)
-    require(!part.u[t].empty() || whole.by_state_alone(t), "SolverSparse",
-            "a part has no controls where others have some, it is expected with one of these");
-}
-
-}  // namespace
-
 std::unique_ptr<SolverSparsePart> SolverSparse::solver_of(ShootingPart part) const {
   const bool joined = SolverJoinedPart::serves(*part.problem);
   if (joined && !limits_) return std::make_unique<SolverJoinedPart>(std::move(part));
@@ -62,7 +52,6 @@ void SolverSparse::allocateData() {
   if (parts_.size() != parts.size()) parts_.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     parts[i].problem->set_nthreads(1);
-    check_controls(*problem_, parts[i]);
     if (i >= parts_.size()) {
       parts_.push_back(solver_of(std::move(parts[i])));
     } else if (follows(*parts_[i], parts[i])) {
@@ -73,9 +62,14 @@ void SolverSparse::allocateData() {
       parts_[i] = solver_of(std::move(parts[i]));
     }
     parts_[i]->feed_forward_ = parts_[i]->us_;
+    parts_[i]->set_scale(scale_);
   }
   nodes_ = problem_->get_runningDatas();
   terminal_ = problem_->get_terminalData();
+}
+
+void SolverSparse::adoptScale() {
+  for (const auto& own : parts_) own->set_scale(scale_);
 }
 
 double SolverSparse::calcDiff() {

@@ -52,7 +52,7 @@ void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
 }
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
-  e.allow_attributes({"nodes", "contacts", "impact"});
+  e.allow_attributes({"nodes", "contacts", "impact", "at"});
   e.allow_children({"cost", "constraint"});
   TaskPhase phase;
   phase.line = e.line();
@@ -68,6 +68,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
         e.where("contacts").fail(e.label("contacts") + " names " + quote(name) + " twice, expected once");
       phase.active[static_cast<std::size_t>(c)] = true;
     }
+  phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
   read_impact(e, before, phase);
   read_terms(e, false, reader, phase);
   return phase;

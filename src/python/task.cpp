@@ -12,7 +12,7 @@ namespace {
 TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
                            std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;
-  options.solver = solver.value_or(task.solver);
+  options.solver = solver;
   options.threads = checked_threads(threads);
   options.each = [&each](const TaskIteration& iteration) {
     const py::gil_scoped_acquire gil;
@@ -23,7 +23,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProbl
   };
   const py::gil_scoped_release unlocked;
   if (given) return optimize(task, *given, options);
-  TaskProblem problem = make_problem(task, options.solver);
+  TaskProblem problem = make_problem(task, options.solver.value_or(task.solver));
   return optimize(task, problem, options);
 }
 
@@ -72,6 +72,8 @@ void add_task_files(py::module_& m) {
       .def_readonly("problem", &TaskProblem::problem, "ShootingProblem")
       .def_readwrite("xs", &TaskProblem::xs, "Initial guess; a copy: assign.")
       .def_readwrite("us", &TaskProblem::us)
+      .def_readwrite("multipliers", &TaskProblem::multipliers,
+                     "Guess of the constraints', as TaskSolution.multipliers; none: zeros. A copy: assign.")
       .def_readonly("parts", &TaskProblem::parts, "Robots of each part of the nodes.")
       .def_readonly("blocks", &TaskProblem::blocks, "Parts, taken apart where robots only hold each other.");
 }
@@ -105,7 +107,9 @@ void add_task_solutions(py::module_& m) {
   add_value(solution)
       .def_readonly("converged", &TaskSolution::converged)
       .def_readonly("cost", &TaskSolution::cost)
-      .def_readonly("reason", &TaskSolution::reason, "Why it stopped.")
+      .def_readonly("reason", &TaskSolution::reason, "Why it stopped, and the remarks.")
+      .def_readonly("remarks", &TaskSolution::remarks, "What was done where a solver's own rule failed.")
+      .def_readonly("multipliers", &TaskSolution::multipliers, "Of each node's constraints [g; h].")
       .def_readonly("iterations", &TaskSolution::iterations, "List of TaskIteration.")
       .def_readonly("polishing_iterations", &TaskSolution::polishing_iterations, "After these, to the KKT residual.")
       .def_readonly("xs", &TaskSolution::xs, "nodes + 1 states (nq + nv).")
@@ -137,7 +141,8 @@ void add_task(py::module_& m) {
       },
       py::arg("task"), py::arg("solver") = py::none(), Unlocked(),
       "The task's ShootingProblem and its initial guess. solver: None, the task's own; 'sparse' and 'auto' take parts\n"
-      "where robots never meet, 'fddp' nodes of the whole scene (herds: hundreds of times the memory).");
+      "where robots never meet, 'fddp' nodes of the whole scene (herds: hundreds of times the memory).\n"
+      "Raises InputError where the nodes would not fit into memory.");
   m.def(
       "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
       py::arg("threads") = 0, py::arg("each") = py::none(),

@@ -49,8 +49,9 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     }
 }
 
-// Rows that depend on others, at x0.
-int dependent_rows(const Scene& scene, const Eigen::VectorXd& x0) {
+// Rows that depend on others, at x0, without damping: with it every row counts.
+int dependent_rows(Scene scene, const Eigen::VectorXd& x0) {
+  scene.damping = 0;
   SceneData data(scene);
   const Report& report = solve(scene, x0.head(scene.nq), x0.tail(scene.nv), Eigen::VectorXd::Zero(scene.nu), data);
   return report.nc - report.rank;
@@ -126,7 +127,9 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
   for (std::size_t k = 0; k <= task.phases.size(); ++k) {
     const bool terminal = k == task.phases.size();
     const TaskPhase& phase = terminal ? task.terminal : task.phases[k];
-    const Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
+    Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
+    for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+      if (phase.active[c] && task::holds_where_it_closed(task, phase, c)) scene.contacts[c].alpha = 0;
     const std::vector<JoinedBond> bonds = bonds_between(scene, groups);
     std::vector<JoinedPart> parts;
     for (std::size_t i = 0; i < groups.size(); ++i) {

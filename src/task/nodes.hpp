@@ -32,6 +32,10 @@ struct Nodes {
 /// The scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
 
+/// Whether a contact that is active in the phase (or the terminal node) closed on the way and holds where it did: its
+/// placement error is nothing to correct.
+bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact);
+
 /// Torques of each phase: quasi-static at x0 without its velocity, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 

@@ -10,6 +10,8 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/timer.hpp"
+#include "beside.hpp"
+#include "memory.hpp"
 
 namespace manycontact {
 
@@ -149,59 +151,145 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
 
 }  // namespace
 
-TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
-  const TaskSolver type = chosen(options.solver, problem.blocks.size());
-  problem.problem->set_nthreads(options.threads);
+namespace {
+
+// One solve: its maker and what it fills.
+struct Run {
+  const TaskFile& task;
+  TaskProblem& problem;
+  const TaskOptions& options;
+  TaskSolver type;
   Passes passes;
   TaskSolution out;
-  out.solver = to_string(type);
-  out.direction = "Riccati";
-  out.blocks = {static_cast<int>(problem.actuation->get_nu())};
-  const auto make = [&](const std::shared_ptr<ShootingProblem>& shooting) {
+
+  std::shared_ptr<SolverDDP> make(const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, problem.parts.size() > 1, shooting, passes);
-  };
-  const auto solve = [&](SolverAbstract& solver, const SolverDDP& inner) {
-    solver.set_th_stop(task.tolerance);
-    solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
-    const Timer timer;
-    out.converged = solver.solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
-    out.times = times_of(passes, problem.problem->get_T());
-    out.times.total = timer.get_us_duration();
-    out.reason = to_string(solver.reason());
-    out.xs = solver.get_xs();
-    out.us = solver.get_us();
-    out.cost = solver.get_cost();
-    out.gains = gains_of(inner);
-    if (const auto* sparse = dynamic_cast<const SolverSparse*>(&inner)) {
-      out.blocks = sparse->blocks();
-      out.direction = sparse->direction();
-    }
-  };
-  if (has_constraints(task)) {
-    SolverAugmentedLagrangian solver(problem.problem, make);
-    solver.set_penalty_init(task.step);  // as a running cost of weight 1
-    solver.set_th_constraint(kMostViolation);
-    solver.set_th_kkt(kMostResidual);
-    solve(solver, *solver.get_inner());
-    out.constraint_violation = solver.get_violation();
-    out.outer_iterations = solver.get_outer_iter();
-    problem.problem->calc(out.xs, out.us);  // forces of bonds too
-    out.violations = violations(problem);
-    if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
-    out.kkt_residual = solver.get_kkt_residual();
-  } else {
-    const std::shared_ptr<SolverDDP> solver = make(problem.problem);
-    solver->set_th_kkt(kMostResidual);
-    solve(*solver, *solver);
-    out.polishing_iterations = solver->get_polishing_iter();
-    out.kkt_residual = solver->get_kkt_residual();
-    if (std::isnan(out.kkt_residual)) {
-      const bool limits = solver->keeps_limits();
-      const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
-      out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits);
-    }
   }
-  return out;
+  void solve(SolverAbstract& solver, const SolverDDP& inner);
+  void with_constraints();
+  void without();
+  void operator()() {
+    problem.problem->set_nthreads(options.threads);
+    has_constraints(task) ? with_constraints() : without();
+  }
+};
+
+void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
+  solver.set_th_stop(task.tolerance);
+  solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
+  const Timer timer;
+  out.converged = solver.solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
+  out.times = times_of(passes, problem.problem->get_T());
+  out.times.total = timer.get_us_duration();
+  out.reason = to_string(solver.reason());
+  out.interrupted = solver.reason() == StopReason::kInterrupted;
+  out.xs = solver.get_xs();
+  out.us = solver.get_us();
+  out.cost = solver.get_cost();
+  out.gains = gains_of(inner);
+  if (const auto* sparse = dynamic_cast<const SolverSparse*>(&inner)) {
+    out.blocks = sparse->blocks();
+    out.direction = sparse->direction();
+  }
+  if (inner.has_rolled_out()) out.remarks.push_back("no step closed the gaps: from the motion of the limited torques");
+}
+
+void Run::with_constraints() {
+  SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
+  solver.set_penalty_init(task.step);  // as a running cost of weight 1
+  solver.set_th_constraint(kMostViolation);
+  solver.set_th_kkt(kMostResidual);
+  solver.set_measures_scale(true);
+  if (!problem.multipliers.empty()) solver.set_multipliers(problem.multipliers);
+  solve(solver, *solver.get_inner());
+  out.constraint_violation = solver.get_violation();
+  out.outer_iterations = solver.get_outer_iter();
+  out.multipliers = solver.get_multipliers();
+  problem.problem->calc(out.xs, out.us);  // forces of bonds too
+  out.violations = violations(problem);
+  if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
+  out.kkt_residual = solver.get_kkt_residual();
+}
+
+void Run::without() {
+  const std::shared_ptr<SolverDDP> solver = make(problem.problem);
+  solver->set_th_kkt(kMostResidual);
+  solver->set_measures_scale(true);
+  solve(*solver, *solver);
+  out.polishing_iterations = solver->get_polishing_iter();
+  out.kkt_residual = solver->get_kkt_residual() / solver->get_scale();
+  if (std::isfinite(out.kkt_residual)) return;
+  const bool limits = solver->keeps_limits();
+  const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
+  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits) / solver->get_scale();
+}
+
+// Once more, from what was found: iterations and times go on.
+void go_on(Run& run) {
+  const TaskSolution before = std::move(run.out);
+  const TaskProblem guess{{}, {}, {}, {}, run.problem.xs, run.problem.us, {}, {}, run.problem.multipliers};
+  run.problem.xs = before.xs;
+  run.problem.us = before.us;
+  run.problem.multipliers = before.multipliers;
+  run.out = TaskSolution();
+  run.out.solver = before.solver;
+  run.out.direction = "Riccati";
+  run.out.blocks = before.blocks;
+  run.out.iterations = before.iterations;
+  run.out.remarks = before.remarks;
+  run();
+  run.out.times.total += before.times.total;
+  run.out.outer_iterations += before.outer_iterations;
+  run.problem.xs = guess.xs;
+  run.problem.us = guess.us;
+  run.problem.multipliers = guess.multipliers;
+}
+
+// Whether the solve ended where it began, at a gradient of zero with cost left.
+bool stayed_at_guess(const TaskSolution& s) {
+  if (!s.converged || s.iterations.empty() || s.cost <= 0) return false;
+  return s.iterations.front().stop <= 1e-14 * s.cost && std::abs(s.iterations.front().cost - s.cost) <= 1e-12 * s.cost;
+}
+
+void leave_stationary_guess(Run& run) {
+  const bool limits = run.type == TaskSolver::kBoxFddp;
+  std::vector<Eigen::VectorXd> xs = run.out.xs, us = run.out.us;
+  if (!task::falls_beside(*run.problem.problem, limits, run.out.cost, xs, us)) {
+    run.problem.problem->calc(run.out.xs, run.out.us);
+    return;
+  }
+  const TaskSolution stayed = run.out;
+  run.out.xs = std::move(xs);
+  run.out.us = std::move(us);
+  run.out.remarks.push_back("the guess was stationary, but no minimum: from beside it");
+  go_on(run);
+}
+
+void take_dense_recursion(Run& run) {
+  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // of which parts are not taken apart
+  dense.xs = run.problem.xs;
+  dense.us = run.problem.us;
+  dense.multipliers = run.problem.multipliers;
+  run.problem = std::move(dense);
+  run.out.remarks.push_back("directions by blocks ended with \"" + run.out.reason +
+                            "\": from there by the dense recursion");
+  go_on(run);
+}
+
+}  // namespace
+
+TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
+  Run run{task, problem, options, chosen(options.solver.value_or(task.solver), problem.blocks.size()), {}, {}};
+  run.out.solver = to_string(run.type);
+  run.out.direction = "Riccati";
+  run.out.blocks = {static_cast<int>(problem.actuation->get_nu())};
+  run();
+  const bool by_blocks = problem.blocks.size() > problem.parts.size();
+  if (!run.out.converged && by_blocks && !run.out.interrupted && !run.out.infeasible() && task::dense_parts_fit(task))
+    take_dense_recursion(run);
+  if (!has_constraints(task) && stayed_at_guess(run.out)) leave_stationary_guess(run);
+  for (const std::string& remark : run.out.remarks) run.out.reason += "; " + remark;
+  return std::move(run.out);
 }
 
 }  // namespace manycontact

@@ -24,20 +24,6 @@ void join_of_phase(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
         for (int r = 1; r < scene.nrobots(); ++r) sets.join(0, r);
 }
 
-// To the first with torques: nodes without controls are evaluated by their state alone, as terminal ones are, and would
-// stand still.
-void join_without_torques(const Scene& scene, sparse::UnionFind& sets) {
-  const std::vector<std::vector<int>> parts = sets_of(sets, scene.nrobots());
-  const auto moves = [&](const std::vector<int>& robots) {
-    return std::any_of(robots.begin(), robots.end(),
-                       [&](int r) { return scene.robots[static_cast<std::size_t>(r)].model->nu() > 0; });
-  };
-  const auto first = std::find_if(parts.begin(), parts.end(), moves);
-  if (first == parts.end()) return;
-  for (const std::vector<int>& robots : parts)
-    if (!moves(robots)) sets.join(first->front(), robots.front());
-}
-
 void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
@@ -144,6 +130,7 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.line = phase.line;
   out.nodes = phase.nodes;
   out.impact = phase.impact;
+  out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
@@ -173,7 +160,6 @@ std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
   sparse::UnionFind sets(memory);
   for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, sets);
   join_of_phase(scene, task.terminal, sets);
-  join_without_torques(scene, sets);
   return sets_of(sets, scene.nrobots());
 }
 

@@ -7,6 +7,7 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/task/joined.hpp"
 #include "manycontact/task/parts.hpp"
+#include "memory.hpp"
 #include "nodes.hpp"
 #include "terms.hpp"
 
@@ -31,14 +32,24 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
   const auto& contacts = task.scene.scene.contacts;
   auto out = std::make_shared<ContactModelMultiple>(state, nu);
   for (std::size_t c = 0; c < contacts.size(); ++c)
-    if (phase.active[c])
-      out->addContact(contacts[c].name, std::make_shared<ContactModelOfScene>(state, contacts[c], nu));
+    if (phase.active[c]) {
+      Contact contact = contacts[c];
+      if (task::holds_where_it_closed(task, phase, c)) contact.alpha = 0;
+      out->addContact(contact.name, std::make_shared<ContactModelOfScene>(state, contact, nu));
+    }
   return out;
 }
 
 }  // namespace
 
 namespace task {
+
+bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
+  std::size_t k = 0;  // of the phase; the terminal node goes on with the last one's contacts
+  while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
+  while (k > 0 && task.phases[k - 1].active[contact]) --k;
+  return k > 0 && !task.phases[k].at_scene;
+}
 
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state) {
   for (const Robot& robot : state->get_model()->scene().robots)
@@ -151,6 +162,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
     running.insert(running.end(), static_cast<std::size_t>(task.phases[k].nodes), nodes.phases[k]);
     out.us.insert(out.us.end(), static_cast<std::size_t>(task.phases[k].nodes), us[k]);
   }
+  task::require_memory(task, running);
   const Eigen::VectorXd x0 = task::x0_of(task.scene);
   out.problem = std::make_shared<ShootingProblem>(x0, running, nodes.terminal);
   out.xs.assign(running.size() + 1, x0);
@@ -235,16 +247,9 @@ bool has_constraints(const TaskFile& task) {
          std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& p) { return !p.constraints.empty(); });
 }
 
-TaskProblem make_problem(const TaskFile& task, TaskSolver solver) {
-  std::vector<Part> parts;
-  if (solver != TaskSolver::kFddp) parts = parts_of(task, solver);
-  if (parts.empty() || (parts.size() == 1 && parts[0].blocks.size() == 1)) return make_problem(task);
-  TaskProblem out = models_of(task, MatrixStorage::kSparse);
-  finish_by_parts(task, parts, out);
-  return out;
-}
+namespace {
 
-TaskProblem make_problem(const TaskFile& task) {
+TaskProblem problem_of_whole(const TaskFile& task) {
   TaskProblem out = models_of(task, MatrixStorage::kDense);
   out.parts.emplace_back();
   for (int r = 0; r < task.scene.scene.nrobots(); ++r) out.parts[0].push_back(r);
@@ -252,6 +257,19 @@ TaskProblem make_problem(const TaskFile& task) {
   finish(task, nodes_of(task, out), task::guess_of(task), out);
   return out;
 }
+
+}  // namespace
+
+TaskProblem make_problem(const TaskFile& task, TaskSolver solver) {
+  std::vector<Part> parts;
+  if (solver != TaskSolver::kFddp) parts = parts_of(task, solver);
+  if (parts.empty() || (parts.size() == 1 && parts[0].blocks.size() == 1)) return problem_of_whole(task);
+  TaskProblem out = models_of(task, MatrixStorage::kSparse);
+  finish_by_parts(task, parts, out);
+  return out;
+}
+
+TaskProblem make_problem(const TaskFile& task) { return make_problem(task, task.solver); }
 
 std::vector<TaskNode> timeline(const TaskFile& task) {
   std::vector<TaskNode> out;

@@ -140,38 +140,49 @@ Cone cone_of(const TaskTerm& term, const Parts& p, const Contact& contact) {
   return out;
 }
 
+// The force that the term's numbers are, in the contact's reference frame; R turns world axes to the copy's.
+Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, const Mat3<double>& R) {
+  Vec6<double> force = Vec6<double>::Zero();
+  if (numbers.size() == 0) return force;
+  if (contact.type == ContactType::k1D)
+    force.head<3>() = numbers[0] * contact.axis;
+  else if (contact.type == ContactType::k2D)
+    force[0] = numbers[0], force[2] = numbers[1];
+  else if (contact.type == ContactType::k5D)
+    force << R * numbers.head<3>(), across(contact.axis).transpose() * numbers.tail<2>();
+  else
+    force.head(numbers.size()) = numbers, force = turned(R, force);
+  return force;
+}
+
+// A copy's world axes are turned as the copy is: references and facets, not weights and bounds.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[static_cast<std::size_t>(c)];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
   Residual out;
   const auto [axes, R] = cone_of(term, p, contact);
+  std::shared_ptr<ContactResidual> model;
   if (term.residual == TaskResidual::kFrictionCone) {
     const FrictionCone cone(R, term.mu, 4, false);
-    out.model = std::make_shared<ResidualModelContactFrictionCone>(p.state, id, cone, p.nu());
+    model = std::make_shared<ResidualModelContactFrictionCone>(p.state, id, cone, p.nu());
     out.lower = cone.get_lb(), out.upper = cone.get_ub();
   } else if (term.residual == TaskResidual::kWrenchCone) {
     const WrenchCone cone(R, term.mu, term.box, 4, false);
-    out.model = std::make_shared<ResidualModelContactWrenchCone>(p.state, id, cone, p.nu());
+    model = std::make_shared<ResidualModelContactWrenchCone>(p.state, id, cone, p.nu());
     out.lower = cone.get_lb(), out.upper = cone.get_ub();
   } else if (term.residual == TaskResidual::kCop) {
     const CoPSupport support(R, term.box);
-    out.model = std::make_shared<ResidualModelContactCoPPosition>(p.state, id, support, p.nu());
+    model = std::make_shared<ResidualModelContactCoPPosition>(p.state, id, support, p.nu());
     out.lower = support.get_lb(), out.upper = support.get_ub();
   } else {
-    Vec6<double> force = Vec6<double>::Zero();
-    if (term.reference.size() > 0) {
-      if (contact.type == ContactType::k1D)
-        force.head<3>() = term.reference[0] * contact.axis;
-      else if (contact.type == ContactType::k2D)
-        force[0] = term.reference[0], force[2] = term.reference[1];
-      else if (contact.type == ContactType::k5D)
-        force << term.reference.head<3>(), across(contact.axis).transpose() * term.reference.tail<2>();
-      else
-        force.head(term.reference.size()) = term.reference;
-    }
-    out.model = std::make_shared<ResidualModelContactForce>(p.state, id, force, contact.rows(), p.nu());
+    Mat3<double> turn = Mat3<double>::Identity();
+    if (contact.reference_frame != ReferenceFrame::kLocal) turn = move(p.task.scene, term, robot_of(contact)).R;
+    model = std::make_shared<ResidualModelContactForce>(p.state, id, force_of(term.reference, contact, turn),
+                                                        contact.rows(), p.nu());
   }
-  if (out.lower.size() > 0) std::dynamic_pointer_cast<ContactResidual>(out.model)->set_axes(axes);
+  if (out.lower.size() > 0) model->set_axes(axes);
+  model->set_contact(contact.name);
+  out.model = std::move(model);
   return out;
 }
 

@@ -33,11 +33,12 @@ void check_fits(const TaskFile& task, const TaskSolution& solution, const StateM
   require(fits, "simulate", "the solution is of another task");
 }
 
-// The phase's contacts; those that close hold what they find. False where the impact failed.
+// The phase's contacts; those that close hold what they find, unless the phase says that they hold where the scene has
+// them. False where the impact failed.
 bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, SimulatedMotion& out) {
   const std::vector<char> active(phase.active.begin(), phase.active.end());
   for (std::size_t c = 0; c < active.size(); ++c)
-    if (active[c] && !world.dynamics.active[c]) resolve_reference(scene, world.q, true, true, scene.contacts[c]);
+    if (active[c] && !world.dynamics.active[c] && !phase.at_scene) resolve_reference(scene, world.q, true, true, scene.contacts[c]);
   const VelocityJump jump = switch_contacts(scene, active, world);
   out.energy_lost += jump.energy_lost;
   return jump.status != Status::kFailed;

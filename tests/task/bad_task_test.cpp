@@ -149,7 +149,7 @@ TEST_F(BadTask, EveryTermIsMade) {
     <constraint name="cone" type="friction_cone" contact="rf" mu="0.6"/>
     <constraint name="still" type="state" robot="a" lower="0 0 0 0 0 0 0 -1 -1 -1 -1 -1 -1 -1"
                 upper="0 0 0 0 0 0 0 1 1 1 1 1 1 1"/>)"));
-  const TaskProblem problem = make_problem(task);
+  const TaskProblem problem = make_problem(task, TaskSolver::kFddp);
   const auto& model = *problem.models[0];
   EXPECT_EQ(model.get_costs()->get_costs().size(), 20u);
   // state, state_r, control x2, effort, acceleration, com x2, momentum, frames, force, cones, gravity, barrier

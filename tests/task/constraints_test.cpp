@@ -40,7 +40,7 @@ class Constraints : public testing::Test {
   }
   static TaskSolution solved(TaskFile& task, TaskSolver solver = TaskSolver::kFddp) {
     task.iterations = 300;
-    TaskProblem problem = make_problem(task);
+    TaskProblem problem = make_problem(task, TaskSolver::kFddp);
     return optimize(task, problem, {solver, 1, {}});
   }
 };
@@ -116,7 +116,7 @@ TEST_F(Constraints, ThatAreOutOfReachAreReportedInTheFilesIterations) {
   const TaskFile task = with("",
                              R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
                                     xyz="0 0 3" lower="0 0 0" upper="0 0 0"/>)");
-  TaskProblem problem = make_problem(task);
+  TaskProblem problem = make_problem(task, TaskSolver::kFddp);
   const TaskSolution s = optimize(task, problem, {TaskSolver::kFddp, 1, {}});
   EXPECT_FALSE(s.converged);
   EXPECT_GT(s.constraint_violation, 0.5);

@@ -35,10 +35,10 @@ TaskFile herd(int copies, const std::string& arrange) {
 
 TEST(Copies, TrotAsOneDoes) {
   TaskFile one = read_task(kTasks + "quadruped_trots.xml");
-  TaskProblem alone = make_problem(one);
+  TaskProblem alone = make_problem(one, TaskSolver::kFddp);
   const TaskSolution a = optimize(one, alone, {TaskSolver::kFddp, 1, {}});
   TaskFile three = herd(3, "line");
-  TaskProblem together = make_problem(three);
+  TaskProblem together = make_problem(three, TaskSolver::kFddp);
   const TaskSolution b = optimize(three, together, {TaskSolver::kFddp, 1, {}});
   EXPECT_TRUE(a.converged && b.converged) << a.reason << ", " << b.reason;
   EXPECT_NEAR(b.cost, 3 * a.cost, 1e-6 * b.cost);
@@ -56,9 +56,9 @@ TEST(Copies, TrotAsOneDoes) {
 // stay along the world's axes and cost nothing there.
 TEST(Copies, OfARingCostTheSame) {
   TaskFile one = read_task(kTasks + "quadruped_trots.xml");
-  TaskProblem alone = make_problem(one);
+  TaskProblem alone = make_problem(one, TaskSolver::kFddp);
   TaskFile five = herd(5, "circle");
-  TaskProblem together = make_problem(five);
+  TaskProblem together = make_problem(five, TaskSolver::kFddp);
   const double cost = alone.problem->calc(alone.xs, alone.us);
   EXPECT_NEAR(together.problem->calc(together.xs, together.us), 5 * cost, 1e-9 * cost);
 }

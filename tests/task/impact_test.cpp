@@ -28,7 +28,7 @@ TEST(Impact, IsANodeBeforeThoseOfItsPhase) {
   EXPECT_EQ(nodes[56].phase, 7);
   EXPECT_DOUBLE_EQ(nodes[56].time, 0.54);
   EXPECT_EQ(&phase_at(task, nodes[56]), &task.terminal);
-  const TaskProblem problem = make_problem(task);
+  const TaskProblem problem = make_problem(task, TaskSolver::kFddp);
   EXPECT_EQ(problem.problem->get_T(), 56u);
   EXPECT_EQ(problem.xs.size(), 57u);
   for (std::size_t t = 0; t < 56; ++t) EXPECT_EQ(problem.us[t].size(), nodes[t].impact ? 0 : 12) << t;
@@ -42,7 +42,7 @@ TEST(Impact, IsThatOfTheSimulation) {
   TaskFile task = read_task(kTasks + "quadruped_trots.xml");
   for (Contact& contact : task.scene.scene.contacts) contact.alpha = 7;  // an impact has no error to correct
   const Scene& scene = task.scene.scene;
-  const TaskProblem problem = make_problem(task);
+  const TaskProblem problem = make_problem(task, TaskSolver::kFddp);
   std::mt19937 rng(1);
   const Eigen::VectorXd x = problem.state->integrate_x(problem.xs[24], random_vector(36, rng, 0.3));
   SimulationData sim(scene, x.head(scene.nq), x.tail(scene.nv), Integrator::kRk4, 1e-3);

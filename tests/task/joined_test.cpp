@@ -84,7 +84,7 @@ Candidate random_candidate(const TaskProblem& problem, unsigned seed, double siz
 // ---- nodes ------------------------------------------------------------------------------------------------------
 
 void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
-  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   ASSERT_EQ(joined.parts.size(), 1u);
   ASSERT_EQ(joined.blocks.size(), blocks);
   const Candidate at = random_candidate(whole, 1);
@@ -169,7 +169,7 @@ Step step_of(const SolverFDDP& solver) {
 }
 
 void expect_dense_direction(const TaskFile& task, const std::string& way, double size = 0.2) {
-  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   SolverFDDP dense(whole.problem);
   SolverSparse sparse(joined.problem);
   const Candidate at = random_candidate(whole, 2, size);
@@ -266,7 +266,7 @@ TEST(JoinedDirections, OfABeamCarriedByTwo) { expect_dense_direction(beam(4), "S
 // ---- motions ----------------------------------------------------------------------------------------------------
 
 void expect_dense_optimum(const TaskFile& task, std::size_t blocks) {
-  TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   ASSERT_EQ(joined.blocks.size(), blocks);
   for (std::size_t t = 0; t < whole.us.size(); ++t) EXPECT_LT(difference_of(joined.us[t], whole.us[t]), 1e-9);
   const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
@@ -297,7 +297,7 @@ TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3);
 TEST(JoinedTask, OptimumWithConstraints) {
   TaskFile task = chain(3, "local", "0", "6d", kPush);
   task.iterations = 200;
-  TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   ASSERT_EQ(joined.blocks.size(), 3u);
   const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}});
   const TaskSolution ours = optimize(task, joined, {TaskSolver::kSparse, 1, {}});
@@ -471,7 +471,7 @@ TEST(JoinedFeedForward, DescendsToTheOptimum) {
 // size, but for the condition of the bonds' equations.
 TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
   const TaskFile task = chain(3, "local", "0", "6d", kPush);
-  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   const Candidate at = random_candidate(whole, 7);
   std::mt19937 rng(8);
   std::vector<Eigen::VectorXd> l, y;
@@ -522,7 +522,7 @@ std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixS
 // One dense block with a box: SolverBoxFDDP on the whole scene, but for the rounding of the condensed nodes.
 TEST(JoinedTask, LimitsWithDenseMatricesTakeTheStepsOfBoxFDDP) {
   const TaskFile task = chain(2);
-  const TaskProblem whole = make_problem(task), joined = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
   const double limit = 0.7 * whole.us[0].lpNorm<Eigen::Infinity>();  // of what holds x0
   for (const auto& model : whole.problem->get_runningModels()) {
     model->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->get_nu()), -limit));

@@ -36,7 +36,7 @@ std::vector<Eigen::VectorXd> adjoint(ShootingProblem& problem, const std::vector
 TEST(KktResidual, IsTheGradientOnARollout) {
   TaskFile task = read_task(kTasks + "humanoid_reaches.xml");
   for (TaskPhase& phase : task.phases) phase.nodes = 3;
-  TaskProblem p = make_problem(task);
+  TaskProblem p = make_problem(task, TaskSolver::kFddp);
   const std::vector<Eigen::VectorXd> us = p.us;
   double largest = 0;
   constexpr double h = 1e-4;
@@ -56,7 +56,7 @@ TEST(KktResidual, IsTheGradientOnARollout) {
 TEST(KktResidual, GoesToZeroWithTheStoppingValueAndSeesGaps) {
   TaskFile task = read_task(kTasks + "humanoid_reaches.xml");
   task.tolerance = 1e-16;
-  TaskProblem p = make_problem(task);
+  TaskProblem p = make_problem(task, TaskSolver::kFddp);
   TaskSolution s = optimize(task, p, {TaskSolver::kFddp, 1, {}});
   EXPECT_TRUE(s.converged) << s.reason;
   EXPECT_LT(s.kkt_residual, 1e-7);

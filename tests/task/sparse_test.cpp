@@ -86,7 +86,7 @@ struct Both {
 
 Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver of_whole = TaskSolver::kFddp,
                            TaskSolver of_parts = TaskSolver::kSparse, std::size_t blocks = 0) {
-  TaskProblem whole = make_problem(task), by_parts = make_problem(task, of_parts);
+  TaskProblem whole = make_problem(task, TaskSolver::kFddp), by_parts = make_problem(task, of_parts);
   EXPECT_EQ(by_parts.parts.size(), parts);
   for (std::size_t t = 0; t < whole.us.size(); ++t)
     if (whole.us[t].size() > 0) {
@@ -142,7 +142,7 @@ TEST(SparseTask, RobotsWithoutTorquesAreAsInOneScene) {
                                 "<scene name='boxes'><robot name='box' urdf='" + kModels +
                                     "box.urdf' base='floating' copies='2' xyz='0 0 1'/></scene>",
                                 "<phase nodes='4'><cost name='state' type='state' weight='1' robot='box'/></phase>");
-  TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  TaskProblem whole = make_problem(task, TaskSolver::kFddp), by_parts = make_problem(task, TaskSolver::kSparse);
   EXPECT_EQ(by_parts.parts.size(), 2u);
   const TaskSolution dense = optimize(task, whole, {TaskSolver::kFddp, 1, {}}),
                      sparse = optimize(task, by_parts, {TaskSolver::kSparse, 1, {}});
@@ -214,7 +214,7 @@ TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
 
 // Steps k and gains K at one candidate with gaps.
 void expect_dense_direction(const TaskFile& task) {
-  const TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), by_parts = make_problem(task, TaskSolver::kSparse);
   SolverFDDP dense(whole.problem);
   SolverSparse sparse(by_parts.problem);
   std::mt19937 rng(1);
@@ -270,7 +270,7 @@ TEST(SparseTask, AutoTakesPartsWhereThereAreSome) {
 
 TEST(SparseTask, ForcesAreThoseOfTheWholeScene) {
   const TaskFile task = joined_task();
-  const TaskProblem whole = make_problem(task), by_parts = make_problem(task, TaskSolver::kSparse);
+  const TaskProblem whole = make_problem(task, TaskSolver::kFddp), by_parts = make_problem(task, TaskSolver::kSparse);
   for (const TaskProblem* problem : {&whole, &by_parts}) problem->problem->calc(whole.xs, whole.us);
   for (const std::size_t t : {0u, 5u}) {
     const std::vector<Eigen::VectorXd> ours = contact_forces(task, by_parts, t), dense = contact_forces(task, whole, t);

@@ -16,6 +16,13 @@
 // iterations, and by less than three in the last, SolverDDP::descend goes on with what it learns of that curvature;
 // where that fails too, the solver goes on until `stop` is ten times less.
 //
+// Where the violation comes no closer although the constraints outweigh the cost, they may be impossible, or the
+// penalty too small yet, or the minimisation stuck. So the least violation is asked for, by a problem of its own
+// (restoration.cpp): the same nodes at the cost 1/2 sum |c - P(c)|^2. Where it finds a point that meets the constraints,
+// the method goes on from there. Where it ends at one at which a step of the linearised problem takes less than a
+// millionth of the squared violation off, and from beside it as well, the solve ends there as kInfeasible: that is
+// the least violation found. (Near that candidate; a nonconvex problem may have others.)
+//
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
 
@@ -75,6 +82,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   double get_penalty_max() const { return rho_max_; }
   double get_th_constraint() const { return th_constraint_; }
   double get_th_kkt() const { return th_kkt_; }
+  /// How often the last solve asked for the least violation alone.
+  std::size_t get_restorations() const { return restorations_; }
+  /// As SolverDDP's: the size of the cost, by which the penalties (set_penalty_init, set_penalty_max), th_stop and
+  /// th_kkt are multiplied, measured at the guess of a solve where it may.
+  double get_scale() const { return scale_; }
+  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
   /// Throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);              // > 0
   void set_penalty_init(double penalty);         // > 0; of new solvers, and after reset()
@@ -85,6 +98,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
 
  private:
   class Relay;  // the unconstrained solver's callback
+  class Watch;  // that of the least violation's
   /// A node with constraints, or such a part of ActionModelParts or ActionModelJoined, within the augmented Lagrangian.
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
@@ -107,6 +121,11 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   template <class Model, class Data>
   Copy augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
                      const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const;
+  std::shared_ptr<ShootingProblem> violationAlone(std::vector<Augmented>& augmented) const;
+  void leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most);
+  bool isStationary(SolverDDP& solver);
+  StopReason restore(std::size_t maxiter);
+  bool reportRestoration(const SolverAbstract& solver);
   Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;
   void decorate();
   bool is_decorated() const;
@@ -122,9 +141,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   bool isSlow();
   void assess();
   StopReason judge(std::size_t maxiter);
+  void startAgain();
   bool comesNoCloser(StopReason inner);
   void updateMultipliers();
 
+  MakeSolver make_;
+  bool augments_all_ = false;  // nodes and parts without constraints too
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
   std::vector<Node> nodes_;  // T + 1
@@ -146,7 +168,9 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // minimisations in a row that brought nothing
   int flat_ = 0;                          // that brought constraints no closer, though these outweigh the cost
-  std::size_t outer_ = 0, total_ = 0;
+  std::size_t outer_ = 0, total_ = 0, restorations_ = 0;
+  double scale_ = 1;
+  bool measures_scale_ = false;
 };
 
 }  // namespace manycontact

@@ -21,6 +21,7 @@ class SolverWithBox : public Base {
 
  protected:
   void limitControl(std::size_t t) override;
+  void adoptScale() override { qp_.set_th_grad(1e-5 * this->scale_); }
   void preconditionFeedForward(std::vector<Eigen::VectorXd>& g) override;
   void holdFeedForward(std::vector<Eigen::VectorXd>& nu) override;
   void holdControls(std::size_t t, Eigen::VectorXd& g) override;

@@ -74,8 +74,22 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual bool keeps_limits() const { return false; }
   /// Whether the last iteration took a step.
   bool has_stepped() const { return stepped_; }
+  /// Whether the last solve, of a solver that keeps limits, found no step from a candidate with gaps and went on from
+  /// the motion of its controls: Crocoddyl's rule plans as if there were no limits until the gaps are closed, which
+  /// tight limits never let happen.
+  bool has_rolled_out() const { return rolled_out_; }
   /// What a full step is expected to reduce the cost by, at the direction of a candidate without gaps.
   virtual double expectedReduction() const;
+
+  /// The size of the cost. Thresholds and the limits of the regularisation are numbers for a cost whose Hessian is of
+  /// ordinary size; they are multiplied by it (th_stop, th_grad, th_kkt, reg_min, reg_max), so that the weights of a
+  /// problem times a number give the same motion. 1 at first.
+  double get_scale() const { return scale_; }
+  void set_scale(double scale);  // > 0, or std::invalid_argument
+  /// Whether a solve sets it by the Hessians at its guess (cost_scale.hpp): 1 at ordinary sizes. Not at first, so that
+  /// regularisations are Crocoddyl's at every size.
+  bool get_measures_scale() const { return measures_scale_; }
+  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
 
   double get_reg_incfactor() const { return reg_incfactor_; }
   double get_reg_decfactor() const { return reg_decfactor_; }
@@ -128,6 +142,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool searchLine();
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
+  /// What depends on scale_ besides the thresholds.
+  virtual void adoptScale() {}
   /// us_try[t] at xs_try[t].
   virtual void stepControl(std::size_t t, double steplength);
   /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
@@ -144,8 +160,14 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void holdControls(std::size_t, Eigen::VectorXd&) {}
   /// us_try[t] onto the control limits, for box solvers.
   virtual void limitControl(std::size_t) {}
+  /// The guess us onto the limits that are kept; without gaps it is one no longer where that changes it.
+  void limitGuess();
+  /// Whether the search ended with gaps left and the controls' own motion became the candidate.
+  bool rollOutCandidate();
 
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
+  double scale_ = 1;
+  bool measures_scale_ = false;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_;
   std::vector<Eigen::VectorXd> dx_;            // T
@@ -164,7 +186,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
-  bool sound_ = false, stepped_ = false;
+  bool sound_ = false, stepped_ = false, rolled_out_ = false;
   bool keeps_values_ = true;   // whether Vxx, Qxx, Qxu, Quu of all nodes are kept
   bool held_changed_ = false;  // other controls stand at limits than at the gradient before
 
@@ -178,6 +200,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
     std::vector<double> YF, Fv;
     Eigen::VectorXd g, j1v;
   };
+  void measureScale();
   void computeFeedForwardDirection();
   bool searchFeedForward();
   void layOutPanels(Eigen::Index nu);

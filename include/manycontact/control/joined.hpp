@@ -142,5 +142,9 @@ class ActionModelJoined : public ActionModelAbstract {  // robots that hold each
 /// depend on each other.
 void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& data, const Eigen::VectorXd& next,
                      bool terminal, const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
+/// The same by other means, for those who judge an answer: how the wrenches answer to x and u is the whole scene's
+/// dynamics differentiated (vjp), not the bonds' rows C, D. After calc(data, x, u) and calcDiff.
+void scene_gradient(const ActionModelJoined& model, ActionDataJoined& data, const Eigen::VectorXd& next, bool terminal,
+                    const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
 
 }  // namespace manycontact

@@ -64,8 +64,9 @@ class ShootingProblem {  // x0, running nodes, a terminal one
   const std::shared_ptr<ActionDataAbstract>& data(std::size_t t) const {
     return t < get_T() ? running_datas_[t] : terminal_data_;
   }
-  /// Whether node t is evaluated by x alone: the terminal one, and nodes without controls.
-  bool by_state_alone(std::size_t t) const { return t == get_T() || running_models_[t]->get_nu() == 0; }
+  /// Whether node t is evaluated by x alone: the terminal one. Running nodes without controls are evaluated at (x, u)
+  /// with an empty u: they move.
+  bool by_state_alone(std::size_t t) const { return t == get_T(); }
   std::size_t get_nx() const { return nx_; }
   std::size_t get_ndx() const { return ndx_; }
   std::size_t get_nu_max() const;

@@ -49,9 +49,8 @@ extern template class SolverWithBox<SolverSparsePart>;
 class SolverSparse : public SolverFDDP {
  public:
   /// limits: controls stay within the models'. Throws std::invalid_argument where nodes differ in their parts (see
-  /// `separate`), for limits of ActionModelJoined without dense matrices (with them, parts that hold each other are one
-  /// dense part, whose steps are SolverBoxFDDP's), and for a part without controls at a node that has some: alone it
-  /// would be evaluated as terminal nodes are, and stand still. A problem without ActionModelParts is one part.
+  /// `separate`), and for limits of ActionModelJoined without dense matrices (with them, parts that hold each other are
+  /// one dense part, whose steps are SolverBoxFDDP's). A problem without ActionModelParts is one part.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
   double calcDiff() override;
@@ -75,6 +74,7 @@ class SolverSparse : public SolverFDDP {
   std::string direction() const;
 
  protected:
+  void adoptScale() override;
   void prepareImprovement() override;
   void setFeedForward(const std::vector<Eigen::VectorXd>& nu) override;
   void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g) override;

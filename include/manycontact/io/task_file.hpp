@@ -68,6 +68,7 @@ struct TaskPhase {
   int line = 1;
   int nodes = 0;             // without that of an impact
   bool impact = false;       // before them: contacts stop their frames' velocity at once
+  bool at_scene = false;     // contacts that close hold where the scene has them, else where they close
   std::vector<bool> active;  // per contact of the scene
   std::vector<TaskTerm> costs, constraints;
 };

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,9 @@ struct TaskGains {
 struct TaskSolution {  // What optimize found, and how.
   bool converged = false;
   double cost = 0;
-  std::string reason;                     // why it stopped; of constraints that are missed, which and by how much
+  std::string reason;  // why it stopped; of constraints that are missed, which and by how much; and the remarks
+  std::vector<std::string> remarks;       // what was done where a solver's own rule failed
+  bool interrupted = false;               // by TaskOptions::each
   std::vector<TaskIteration> iterations;  // until the task's tolerance
   std::size_t polishing_iterations = 0;   // after these, to the KKT residual
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1, nodes
@@ -46,12 +49,15 @@ struct TaskSolution {  // What optimize found, and how.
   double kkt_residual = 0;
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
+  std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; for TaskProblem's, to go on
   std::size_t outer_iterations = 0;  // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
+
+  bool infeasible() const { return reason.rfind("infeasible", 0) == 0; }
 };
 
 struct TaskOptions {  // How to solve, where the file does not say it.
-  TaskSolver solver = TaskSolver::kAuto;
+  std::optional<TaskSolver> solver = {};  // none: the task's
   int threads = 0;  // 0: OpenMP's
   /// After each iteration; false ends the solve there.
   std::function<bool(const TaskIteration&)> each = {};
@@ -60,8 +66,13 @@ struct TaskOptions {  // How to solve, where the file does not say it.
 /// The problem is make_problem's for this solver: FDDP needs nodes of the whole scene, Box-FDDP takes these or parts.
 /// kAuto: sparse where the problem has more than one block, else FDDP. From the problem's guess, with the task's
 /// iterations and tolerance. Where the stopping value is below the tolerance it goes on until the KKT residual is below
-/// 1e-6: both are what `converged` means. Constraints are met to 1e-9 by SolverAugmentedLagrangian around any of these
-/// solvers. Numerical failure is no exception: `reason` says it.
+/// 1e-6: both are what `converged` means, relative to the size of the costs where that is not an ordinary one
+/// (SolverDDP::set_measures_scale). Constraints are met to 1e-9 by SolverAugmentedLagrangian around any of these
+/// solvers. Numerical failure is no exception: `reason` says it, and what else was done:
+///
+/// * Robots that hold each other whose directions by blocks end without convergence: from there on by the dense
+///   recursion of their part, with as many iterations again. The problem's nodes are then those of that part.
+/// * A guess at which the gradient vanishes, though costs fall beside it: from beside it.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
 }  // namespace manycontact

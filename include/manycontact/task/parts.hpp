@@ -11,7 +11,7 @@ namespace manycontact {
 std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count);
 
 /// Robots by parts, each ascending, in the order of their first ones. Joined: by a contact that is active in any phase;
-/// all of them by a centre of mass or a momentum of the whole scene. Those without torques are with others.
+/// all of them by a centre of mass or a momentum of the whole scene.
 std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 
 /// The task of these robots alone, with the contacts among them and the terms that are about them. The robots are whole

@@ -22,10 +22,8 @@ struct TaskProblem {  // A task as a shooting problem.
   std::vector<Eigen::VectorXd> xs, us;   // initial guess
   std::vector<std::vector<int>> parts;   // robots that meet, of each part of the nodes
   std::vector<std::vector<int>> blocks;  // parts, taken apart at their bonds; one: nodes of the whole scene
+  std::vector<Eigen::VectorXd> multipliers = {};  // guess of the constraints', as TaskSolution has them; none: zeros
 };
-
-/// Nodes of the whole scene. Throws InputError where a term does not fit the models, with the task's file and line.
-TaskProblem make_problem(const TaskFile& task);
 
 /// Whether any node has constraints.
 bool has_constraints(const TaskFile& task);
@@ -34,7 +32,11 @@ bool has_constraints(const TaskFile& task);
 /// divide_robots takes apart (task/joined.hpp) are ActionModelJoined of these blocks, unless their bonds depend on each
 /// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. kBoxFddp: parts
 /// are not taken apart. With a single block, and for kFddp, nodes of the whole scene.
+/// Throws InputError where a term does not fit the models, with the task's file and line, and where the nodes would not
+/// fit into memory.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
+/// For the task's own solver.
+TaskProblem make_problem(const TaskFile& task);
 
 struct TaskNode {       // A node of a task's horizon.
   int phase = 0;        // of the task's; as many as there are: the terminal one

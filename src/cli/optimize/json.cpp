@@ -24,6 +24,22 @@ Json constraints(const TaskSolution& s) {
   return list;
 }
 
+Json costs(const OptimizedTask& motion) {
+  Json list = Json::array();
+  for (const PlanCost& cost : motion.costs) {
+    list.push_back({{"name", cost.name}, {"type", to_string(cost.residual)}, {"cost", cost.cost}});
+    if (cost.is_goal) list.back()["missed"] = cost.missed, list.back()["node"] = cost.node;
+  }
+  return list;
+}
+
+Json findings(const OptimizedTask& motion) {
+  Json list = Json::array();
+  for (const PlanFinding& f : motion.findings)
+    list.push_back({{"kind", f.kind}, {"name", f.name}, {"node", f.node}, {"text", f.text}});
+  return list;
+}
+
 Json report(const OptimizedTask& motion) {
   const TaskSolution& s = motion.solution;
   const TaskTimes& t = s.times;
@@ -36,6 +52,8 @@ Json report(const OptimizedTask& motion) {
       {"constraint_violation", s.constraint_violation},
       {"constraints", constraints(s)},
       {"outer_iterations", s.outer_iterations},
+      {"remarks", s.remarks},
+      {"cost_by_term", costs(motion)},
       {"time_us", {{"calc", t.calc}, {"calc_diff", t.calc_diff}, {"direction", t.direction}, {"total", t.total}}},
   };
   if (const auto& simulation = motion.simulation)
@@ -55,6 +73,7 @@ void write_json(const OptimizedTask& motion, const std::string& path) {
                    {"converged", s.converged},
                    {"cost", s.cost},
                    {"reason", s.reason},
+                   {"findings", findings(motion)},
                    {"iterations", iterations(s)},
                    {"xs", json_of(s.xs)},
                    {"us", json_of(s.us)},

@@ -18,6 +18,8 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
+const std::vector<std::string> kFiles = {"--out", "--json", "--view", "--torques", "--forces"};
+
 // While it lives, the first Ctrl-C sets a flag; the second ends the program.
 class InterruptFlag {
  public:
@@ -62,7 +64,7 @@ void check_charts(const Arguments& arguments, const std::string& path, const Tas
   for (const char* name : {"convergence", "torques", "forces"})
     for (const char* kind : {".svg", ".png"}) names.push_back(std::string(name) + kind);
   others.push_back(path);
-  for (const char* option : {"--out", "--json", "--view"})
+  for (const std::string& option : kFiles)
     if (const auto file = arguments.value(option)) others.push_back(*file);
   check_folder("--charts", folder, names, others);
 }
@@ -91,15 +93,16 @@ int run_optimize(const Arguments& arguments) {
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
   const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
   if (!out) throw UsageError("option --out is missing");
-  check_files(arguments, {path}, {"--out", "--json", "--view"});
+  check_files(arguments, {path}, kFiles);
 
   const TaskFile task = read_task(path);
-  check_files(arguments, task.scene.files, {"--out", "--json", "--view"});
+  check_files(arguments, task.scene.files, kFiles);
   if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);
   TaskProblem problem = make_problem(task, chosen);
   check_writable(*out, "--out");
-  if (json) check_writable(*json, "--json");
+  for (const char* option : {"--json", "--torques", "--forces"})
+    if (const auto file = arguments.value(option)) check_writable(*file, option);
   if (charts) prepare_charts(*charts);
   std::optional<Recording> view = recording_of(arguments, task.scene.scene);
 
@@ -109,11 +112,15 @@ int run_optimize(const Arguments& arguments) {
                                                            show(k++, iteration);
                                                            return !stop.is_set();
                                                          }});
-  const OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution)};
+  problem.problem->calc(solution.xs, solution.us);
+  OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution), cost_by_term(task, problem)};
+  motion.findings = plan_findings(task, solution.xs, solution.us, motion.costs);
   write_trajectory(motion, *out);
+  if (const auto file = arguments.value("--torques")) write_torques(motion, *file);
+  if (const auto file = arguments.value("--forces")) write_forces(motion, *file);
   if (json) write_json(motion, *json);
   if (charts) draw_charts(motion, *charts);
-  const bool summary = !is_standard_output(arguments, {"--out", "--json"});
+  const bool summary = !is_standard_output(arguments, {"--out", "--json", "--torques", "--forces"});
   if (summary) print_summary(std::cout, motion);
   if (view) record_motion(motion, *view);
   finish_view(arguments, task.scene, view, summary ? &std::cout : nullptr);

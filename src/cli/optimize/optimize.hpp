@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "manycontact/task/forces.hpp"
+#include "manycontact/task/plan.hpp"
 #include "manycontact/task/simulate.hpp"
 
 namespace manycontact::cli {
@@ -16,6 +17,8 @@ struct OptimizedTask {
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
   std::optional<SimulatedMotion> simulation;
+  std::vector<PlanCost> costs = {};  // by term
+  std::vector<PlanFinding> findings = {};
 };
 
 /// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.
@@ -23,6 +26,11 @@ void write_json(const OptimizedTask& motion, const std::string& path);
 
 /// CSV in the columns of `simulate`: a row per node, but for those of impacts, whose time is that of the next.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
+
+/// t and a column per torque (u:robot/joint), a row per node: what `simulate --torques` takes.
+void write_torques(const OptimizedTask& motion, const std::string& path);
+/// t and the columns of `simulate --forces`, a row per node; zeros of contacts that are open.
+void write_forces(const OptimizedTask& motion, const std::string& path);
 
 /// convergence, torques and forces, .svg and .png, into the folder, by gnuplot. Throws as draw does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
@@ -38,5 +46,7 @@ void print_summary(std::ostream& out, const OptimizedTask& motion);
 void print_motion(std::ostream& out, const OptimizedTask& motion);
 void print_torques(std::ostream& out, const OptimizedTask& motion);
 void print_forces(std::ostream& out, const OptimizedTask& motion);
+void print_costs(std::ostream& out, const OptimizedTask& motion);
+void print_plan_findings(std::ostream& out, const OptimizedTask& motion);
 
 }  // namespace manycontact::cli

@@ -63,6 +63,8 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
   print_motion(out, motion);
   print_torques(out, motion);
   print_forces(out, motion);
+  print_costs(out, motion);
+  print_plan_findings(out, motion);
   if (motion.simulation) print_simulation(out, *motion.simulation);
   print_times(out, s);
 }

@@ -28,6 +28,37 @@ void write_trajectory(const OptimizedTask& motion, const std::string& path) {
   csv.close();
 }
 
+void write_torques(const OptimizedTask& motion, const std::string& path) {
+  const std::vector<TaskNode> nodes = timeline(motion.task);
+  CsvFile csv(path, "--torques");
+  csv << "t";
+  for (const std::string& name : torque_names(motion.task.scene.scene)) csv << "u:" + name;
+  csv.end_row();
+  for (std::size_t t = 0; t < motion.solution.us.size(); ++t) {
+    if (nodes[t].impact) continue;
+    csv << nodes[t].time;
+    for (const double u : motion.solution.us[t]) csv << u;
+    csv.end_row();
+  }
+  csv.close();
+}
+
+void write_forces(const OptimizedTask& motion, const std::string& path) {
+  const auto& contacts = motion.task.scene.scene.contacts;
+  const std::vector<TaskNode> nodes = timeline(motion.task);
+  CsvFile csv(path, "--forces");
+  write_forces_header(motion.task.scene.scene, csv);
+  for (std::size_t t = 0; t < motion.solution.us.size(); ++t) {
+    if (nodes[t].impact) continue;
+    const std::vector<Eigen::VectorXd> forces = contact_forces(motion.task, motion.problem, t);
+    csv << nodes[t].time;
+    for (std::size_t c = 0; c < contacts.size(); ++c)
+      for (int k = 0; k < contacts[c].rows(); ++k) csv << (forces[c].size() > 0 ? forces[c][k] : 0.0);
+    csv.end_row();
+  }
+  csv.close();
+}
+
 void record_motion(const OptimizedTask& motion, Recording& recording) {
   const TaskFile& task = motion.task;
   const Scene& scene = task.scene.scene;

@@ -30,6 +30,9 @@ class ContactResidual : public ResidualModelAbstract {
   FrameIndex get_id() const { return id_; }
   /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
+  /// Which of several contacts on that frame, by its name in ContactModelMultiple. Empty at first: the only one.
+  const std::string& get_contact() const { return contact_; }
+  void set_contact(const std::string& name) { contact_ = name; }
   bool is_fwddyn() const { return true; }
   ConeAxes get_axes() const { return axes_; }
   /// kContact at first. Throws std::invalid_argument for anything else on a residual that is no cone.
@@ -49,6 +52,7 @@ class ContactResidual : public ResidualModelAbstract {
   const char* name_;
   FrameIndex id_;
   ConeAxes axes_ = ConeAxes::kContact;
+  std::string contact_;
 };
 
 /// f - fref (nc): of fref the components the contact has.

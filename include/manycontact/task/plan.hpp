@@ -1,0 +1,53 @@
+#pragma once
+// What a careful reader asks of a plan, and what no solver says: where contacts close, which joints pass their limits,
+// which goals are missed, and what each cost is of the whole.
+
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/task/problem.hpp"
+
+namespace manycontact {
+
+/// A contact that closes between two phases, at the first node of the second, before its impact.
+struct PlanClosing {
+  int contact = 0;
+  std::size_t node = 0;
+  double time = 0;   // s
+  double above = 0;  // m: of A's origin over where the scene holds it, along the normal (world z; between bodies the
+                     // distance of the two), below: negative
+  double aside = 0;  // m: across the normal
+  double speed = 0;  // m/s: of A's origin from B'
+  bool holds_there = true;  // where it closes, not where the scene has it (TaskPhase::at_scene)
+};
+/// In the order of time. A foot of the plan that steps forward closes aside, as it should; above it closes in the air.
+std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
+
+struct PlanLimit {  // A coordinate beyond a limit of the robot's file, where it is furthest.
+  LimitPassed limit;
+  std::size_t node = 0;
+};
+/// Of every coordinate and quantity the worst, by robot: position, velocity, and effort.
+std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
+                                     const std::vector<Eigen::VectorXd>& us);
+
+struct PlanCost {  // A <cost> of the task, by its name in all phases, its copies together.
+  std::string name;
+  TaskResidual residual = TaskResidual::kState;
+  double cost = 0;       // over all nodes, as the solver adds it up
+  bool is_goal = false;  // of a place or an orientation: frame_placement, _translation, _rotation, com
+  double missed = 0;     // of a goal: |r| at the last node that has it, of its worst copy [m, rad]
+  std::size_t node = 0;
+};
+/// At the problem's last calc, dearest first. They add up to the cost.
+std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem);
+
+/// One line each, what above is worth a look: kind is "closes" (a millimetre or more out of place), "position",
+/// "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more); name: the contact's, the joint's,
+/// the cost's.
+struct PlanFinding {
+  std::string kind, name, text;
+  std::size_t node = 0;
+};
+std::vector<PlanFinding> plan_findings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
+                                       const std::vector<Eigen::VectorXd>& us, const std::vector<PlanCost>& costs);
+
+}  // namespace manycontact
