@@ -44,7 +44,7 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   steplength_ = solver.get_steplength();
   ffeas_ = solver.get_ffeas();
   is_feasible_ = solver.get_is_feasible();
-  for (const auto& callback : callbacks_) (*callback)(*this);
+  callCallbacks();
   return interrupted_;
 }
 
