@@ -111,9 +111,9 @@ TEST_F(Inspect, ContactsAreListed) {
     <contact name="turned" type="6d" frame="b/crate" to="c0/crate" to_offset="1 2 -2"
              to_offset_quat_xyzw="0 0 1 0" active="false"/>
     <contact name="each" type="1d" frame="c/crate"/>)"));
-  expect_contains(out, "far 3d in the world's b/crate world 1.00 2.00 3.00 25 10 0.7 0.25 m");
-  expect_contains(out, "turned 6d in A's axes b/crate c0/crate 1.00 2.00 3.00 0 0 3.14 rad not active");
-  expect_contains(out, "each0 .. each4 1d in A's axes c0/crate world 0.00 0.00 5.00 0 0 0");
+  expect_contains(out, "far 3d world b/crate world 1.00 2.00 3.00 25 10 0.7 world z 0.25 m");
+  expect_contains(out, "turned 6d local b/crate c0/crate 1.00 2.00 3.00 0 0 3.14 rad not active");
+  expect_contains(out, "each0 .. each4 1d local c0/crate world 0.00 0.00 5.00 0 0 0");
 }
 
 // What is cut out of the middle of two names is not what they differ by.

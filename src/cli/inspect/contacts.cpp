@@ -17,6 +17,13 @@ constexpr std::size_t kMostElements = 24;
 
 std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
 
+// Of a contact that can only push; where the file gives none, what model/scene.hpp says.
+std::string normal_of(const Contact& contact) {
+  if (contact.normal) return three_numbers(*contact.normal);
+  if (!contact.mu) return "";
+  return contact.type == ContactType::k6D ? "A's z" : "world z";
+}
+
 // "0.1 m, 0.02 rad", "0" in place.
 std::string off_by(double position, double angle) {
   std::string text;
@@ -36,7 +43,7 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   (void)invariants(scene, all, file.q, file.v, room);
 
   Table table({{"contact", Table::kLeft, 24},
-               {"holds", Table::kLeft},
+               {"type, axes", Table::kLeft},
                {"frame A", Table::kLeft, 24},
                {"to B'", Table::kLeft, 20},
                {"A at [m]"},
@@ -59,12 +66,10 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
       angle = std::max(angle, errors[c].angle);
     }
     table.add({contact.name + (group.count > 1 ? " .. " + last.name : ""),
-               to_string(contact.type) +
-                   (contact.reference_frame == ReferenceFrame::kLocal ? " in A's axes" : " in the world's"),
+               to_string(contact.type) + (contact.reference_frame == ReferenceFrame::kLocal ? " local" : " world"),
                place_name(scene, {&contact.A}), place_name(scene, {&contact.B}), three_numbers(oMA.p),
                number(contact.alpha) + " " + number(contact.beta), contact.mu ? number(*contact.mu) : "",
-               contact.normal ? three_numbers(*contact.normal) : "", off_by(position, angle),
-               contact.active ? "" : "not active"});
+               normal_of(contact), off_by(position, angle), contact.active ? "" : "not active"});
   }
   if (table.empty()) return;
   out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], and how far A is from where it is held;\n"
