@@ -2,12 +2,23 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "text.hpp"
 
 namespace manycontact::io {
+
+namespace {
+
+// Six digits.
+std::string brief(double x) {
+  char digits[40];
+  return {digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 6).ptr};
+}
+
+}  // namespace
 
 InertiaVerdict judge_inertia(const Inertia<double>& Y) {
   if (!std::isfinite(Y.m) || !Y.h.allFinite() || !Y.I.allFinite())
@@ -28,8 +39,9 @@ InertiaVerdict judge_inertia(const Inertia<double>& Y) {
             ""};
   // I_1 + I_2 - I_3 = 2 int x_3^2 dm >= 0
   if (Y.m > 0 && !(moments[0] + moments[1] - moments[2] >= -allowed))
-    return {"", "the principal moments of inertia " + show(moments[0]) + ", " + show(moments[1]) + ", " +
-                    show(moments[2]) + " kg m^2, which no body has: one is above the sum of the other two"};
+    return {"", "the principal moments of inertia " + brief(moments[0]) + ", " + brief(moments[1]) + ", " +
+                    brief(moments[2]) + " kg m^2, which no body has: the last is above the sum of the others by " +
+                    brief(moments[2] - moments[0] - moments[1])};
   return {};
 }
 
