@@ -1,6 +1,7 @@
 #pragma once
 // The bodies that say where a tree stands, placed from its anchor on (algorithm/kinematics.hpp).
 
+#include <cstdint>
 #include <limits>
 
 #include "manycontact/algorithm/kinematics.hpp"
@@ -14,7 +15,7 @@ namespace detail {
 template <class S>
 inline S upper_half(const S& a) {
   constexpr int digits = std::numeric_limits<S>::is_specialized ? std::numeric_limits<S>::digits : 53;  // packs: 53
-  const S c = a * S(static_cast<double>((std::int64_t(1) << ((digits + 1) / 2)) + 1));
+  const S c = a * (S(static_cast<double>(std::int64_t(1) << ((digits + 1) / 2))) + S(1));
   return c - (c - a);
 }
 

@@ -25,9 +25,9 @@ double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
 
 // Sizes of the linear and the angular part of a motion or a force: a body that only slides has no lever, and its
 // turning is not to count with the lever of where it stands.
-struct Parts {
+struct TwistSize {
   double linear = 0, angular = 0;
-  double of(const Parts& motion) const { return linear * motion.linear + angular * motion.angular; }
+  double of(const TwistSize& motion) const { return linear * motion.linear + angular * motion.angular; }
   void take(const Vec6<double>& x) {
     linear = std::max(linear, x.head<3>().cwiseAbs().maxCoeff());
     angular = std::max(angular, x.tail<3>().cwiseAbs().maxCoeff());
@@ -43,12 +43,12 @@ struct InertiaSize {
         h(std::max(Y.h.cwiseAbs().maxCoeff(), m * lever)),
         I(std::max(Y.I.cwiseAbs().maxCoeff(), m * lever * lever)) {}
   InertiaSize& operator+=(const InertiaSize& o) { return m += o.m, h += o.h, I += o.I, *this; }
-  Parts operator*(const Parts& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
+  TwistSize operator*(const TwistSize& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
 };
 
 // Of a motion subspace's column, its lever included.
-Parts size_of_column(const Kinematics<double>& kin, int joint, int k) {
-  Parts out;
+TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
+  TwistSize out;
   out.take(kin.J.col(k));
   out.linear = std::max(out.linear, out.angular * kin.oMi[joint].p.cwiseAbs().maxCoeff());
   return out;
@@ -58,7 +58,7 @@ Parts size_of_column(const Kinematics<double>& kin, int joint, int k) {
 // the tree frame's origin.
 void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
   const std::size_t n = model.joints.size();
-  std::vector<Parts> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
+  std::vector<TwistSize> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
   std::vector<InertiaSize> Yc(n);
   for (int i = 0; i < model.njoints(); ++i) {
     if (const int parent = model.joints[i].parent; parent >= 0)
@@ -66,7 +66,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
     v[i].take(r.kin.v[i]);
     acceleration[i].take(r.kin.a[i]);
     Yc[i] = InertiaSize(r.kin.Y[i], r.kin.oMi[i].p.cwiseAbs().maxCoeff());
-    const Parts l = Yc[i] * v[i];  // f = Y a + v x* Y v
+    const TwistSize l = Yc[i] * v[i];  // f = Y a + v x* Y v
     force[i] = Yc[i] * acceleration[i];
     force[i].linear += v[i].angular * l.linear;
     force[i].angular += v[i].angular * l.angular + v[i].linear * l.linear;
@@ -75,7 +75,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
   for (int i = model.njoints() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
-      const Parts s = size_of_column(r.kin, i, k), F = Yc[i] * s;
+      const TwistSize s = size_of_column(r.kin, i, k), F = Yc[i] * s;
       w[k] += force[i].of(s);
       for (int j = k; j >= 0; j = model.dof_parent[j]) {
         const double entry = F.of(size_of_column(r.kin, model.dof_joint[j], j));
