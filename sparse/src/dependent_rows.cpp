@@ -37,6 +37,10 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
       const int j = s.Rj[p], end = s.Rk[p];
       const double yj = y[j], l = yj * rows.inverse[j];
       y[j] = 0;
+      if (rows.inverse[j] == 0) {  // dropped
+        Lx[end] = 0;
+        continue;
+      }
       for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
       Lx[end] = l;
       d -= l * yj;
@@ -44,8 +48,9 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
       passed_on += l * l * rows.noise[j];
     }
     // Rounding of its own terms, and of the pivots before it times what they are multiplied by here: a small pivot has
-    // large multiples, and what it is wrong by may look like a pivot in a row that has none.
-    rows.noise[k] = tolerance::kRowRounding * terms + passed_on;
+    // large multiples, and what it is wrong by may look like a pivot in a row that has none. (Not among rows of M,
+    // which is definite: there nothing grows, and down a long tree the sum would.)
+    rows.noise[k] = tolerance::kRowRounding * terms + (k < nv ? 0 : passed_on);
     const bool moves = k < nv || (size > tolerance::kRank * row_size[k] && std::abs(d) > rows.noise[k]);
     const bool left = moves && std::abs(d) > tolerance * terms;
     if (k >= nv && !left && std::isfinite(terms)) {

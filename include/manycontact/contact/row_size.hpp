@@ -17,6 +17,7 @@ S row_size(const Contact& contact, const ContactData<S>& data, int k) {
     point.type = ContactType::k3D;
     point.A.placement = contact.A.placement;
     point.B.robot = contact.B.robot;
+    point.B.joint = contact.B.joint;
     return motion_size(point, data);
   }
   S turning(0);
