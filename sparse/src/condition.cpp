@@ -17,6 +17,20 @@ double sum_abs(const std::vector<double>& x) {
 
 double inverse_norm_1(int n, const std::function<void(double*)>& solve) { return norm_1_estimate(n, solve, solve); }
 
+double norm_1_by_columns(int n, const std::function<void(double*)>& multiply) {
+  double norm = 0;
+  std::vector<double> x(n);
+  for (int j = 0; j < n; ++j) {
+    std::fill(x.begin(), x.end(), 0.0);
+    x[j] = 1;
+    multiply(x.data());
+    const double s = sum_abs(x);
+    if (!std::isfinite(s)) return std::numeric_limits<double>::infinity();
+    norm = std::max(norm, s);
+  }
+  return norm;
+}
+
 double norm_1_estimate(int n, const std::function<void(double*)>& multiply,
                        const std::function<void(double*)>& multiply_transposed) {
   if (n == 0) return 0;

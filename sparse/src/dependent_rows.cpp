@@ -18,10 +18,11 @@ bool DependentRows::believable() const {
 }
 
 int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
-                         double nothing, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
+                         const double* row_size, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
   rows.inverse.resize(s.n);
+  rows.noise.resize(s.n);
   double* y = w.Y.data();  // may hold anything: entry j is zero from step j on, between rows
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
@@ -30,22 +31,32 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
       y[K.i[p]] = Kx[p];
       if (K.i[p] < nv) size = std::max(size, std::abs(Kx[p]));
     }
-    double d = y[k], terms = std::abs(d);
+    double d = y[k], terms = std::abs(d), passed_on = 0;
     y[k] = 0;
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
       const int j = s.Rj[p], end = s.Rk[p];
       const double yj = y[j], l = yj * rows.inverse[j];
       y[j] = 0;
+      if (rows.inverse[j] == 0) {  // dropped
+        Lx[end] = 0;
+        continue;
+      }
       for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
       Lx[end] = l;
       d -= l * yj;
       terms += std::abs(l * yj);
+      passed_on += l * l * rows.noise[j];
     }
-    const bool left = (k < nv || size > nothing) && std::abs(d) > tolerance * terms;
+    // Rounding of its own terms, and of the pivots before it times what they are multiplied by here: a small pivot has
+    // large multiples, and what it is wrong by may look like a pivot in a row that has none. (Not among rows of M,
+    // which is definite: there nothing grows, and down a long tree the sum would.)
+    rows.noise[k] = tolerance::kRowRounding * terms + (k < nv ? 0 : passed_on);
+    const bool moves = k < nv || (size > tolerance::kRank * row_size[k] && std::abs(d) > rows.noise[k]);
+    const bool left = moves && std::abs(d) > tolerance * terms;
     if (k >= nv && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
-      rows.inverse[k] = 0;
+      rows.inverse[k] = rows.noise[k] = 0;
       continue;
     }
     if (!left || !(k < nv ? d > 0 : d < 0) || !std::isfinite(d)) return k;
@@ -57,16 +68,19 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 
 namespace {
 
-// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const DependentRows& rows,
-                           std::vector<double>& residual) {
+// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_size,
+                           const DependentRows& rows, std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
-  for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p)
+  double size = 0;
+  for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
+    size = std::max(size, std::abs(rows.Nx[p]) * row_size[rows.Ni[p]]);
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
+  }
   double largest = 0;
   for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
-  return largest;
+  return largest == 0 ? 0 : largest / size;
 }
 
 // L^T z = l_k over the rows of J, and the column e_k - z of N.
@@ -181,8 +195,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double J_size, const double* Lx,
-                     const double* D, DependentRows& rows) {
+void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_size,
+                     const double* Lx, const double* D, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
   rows.Nx.clear();
@@ -195,10 +209,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
     null_column(s, nv, Lx, k, rows);
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
-        [&] {
-          const double left = dependence_residual(K, Kx, nv, rows, rows.residual);
-          return left == 0 ? 0 : left / J_size;
-        },
+        [&] { return dependence_residual(K, Kx, nv, row_size, rows, rows.residual); },
         [&] { refine_column(s, nv, Lx, D, rows); });
     rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }

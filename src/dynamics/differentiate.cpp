@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -72,8 +73,10 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
   else if (d.in_lanes)
     complete_island(scene, data, d, thread);
   differentiate_island(scene, data, i, out, thread);
-  if (by_bodies(d) && out.X.hasNaN() && climb_again(scene, data, d, thread))  // joint space may do better
-    differentiate_island(scene, data, i, out, thread);
+  if (!d.factor) return;
+  const bool bodies = by_bodies(d), refused = bodies ? out.X.hasNaN() : out.X.size() > 0 && std::isnan(out.X(0, 0));
+  if (refused && (bodies ? climb_again(scene, data, d, thread) : climb_to_oracle(scene, data, d, thread)))
+    differentiate_island(scene, data, i, out, thread);  // another factor may do better
 }
 
 }  // namespace

@@ -198,6 +198,13 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
   return w;
 }
 
+// What projecting the forces to those of least norm may have made of them.
+double projected_forces(const IslandWork& d) {
+  double f = 0;
+  for (int k = d.island.nv; k < d.island.size(); ++k) f = std::max(f, std::abs(d.v.x[d.K.pattern->iperm[k]]));
+  return d.factor->projector_error() * f;
+}
+
 // By how much the answer given (a, f) differs from x = [a; -f], which another factor may have found since (`complete`):
 // the bounds are x's.
 std::pair<double, double> moved(const SceneData& data, const Scene& scene, const IslandWork& d) {
@@ -210,6 +217,17 @@ std::pair<double, double> moved(const SceneData& data, const Scene& scene, const
     for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[given + i] + d.v.x[iperm[d.island.nv + own + i]]));
   });
   return {a, f};
+}
+
+}  // namespace
+
+namespace {
+
+// |K^-1|_1: of a small K itself, by all its columns, which costs no more than a factor; else an estimate.
+double inverse_norm(IslandWork& d) {
+  constexpr int kSmall = 64;
+  const int n = d.island.size();
+  return n <= kSmall ? sparse::norm_1_by_columns(n, inverse(d)) : sparse::inverse_norm_1(n, inverse(d));
 }
 
 }  // namespace
@@ -246,9 +264,9 @@ void estimate_errors(const Scene& scene, SceneData& data) {
       return error == 0 ? 0 : error / size;
     };
     report.error_acceleration = relative(0, d.island.nv, moved_a);
-    report.error_forces =
-        relative(d.island.nv, d.island.nc,
-                 moved_f + (internal::rank_deficient(d) ? turned_forces(scene, *data.workspace, d) : 0));
+    double more = moved_f;
+    if (internal::rank_deficient(d)) more += turned_forces(scene, *data.workspace, d) + projected_forces(d);
+    report.error_forces = relative(d.island.nv, d.island.nc, more);
   }
   summarise(data.report);
 }
@@ -266,12 +284,12 @@ void estimate_condition(const Scene& scene, SceneData& data) {
       const BodySystem& system = d.bodies->factor.system;
       data.report.islands[i].condition =
           sparse::inverse_norm_1(d.island.size(), [&](double* x) { internal::multiply_bodies(system, x); }) *
-          sparse::inverse_norm_1(d.island.size(), inverse(d));
+          inverse_norm(d);
       continue;
     }
     std::vector<double> sums(d.island.size());
     const double norm = sparse::norm_1(d.K.pattern->K, d.K.values.data(), sums.data());
-    data.report.islands[i].condition = norm * sparse::inverse_norm_1(d.island.size(), inverse(d));
+    data.report.islands[i].condition = norm * inverse_norm(d);
   }
   summarise(data.report);
 }

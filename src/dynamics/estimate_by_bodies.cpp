@@ -46,9 +46,12 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
     const Contact& contact = scene.contacts[d.island.contacts[k]];
     const ContactData<double>& rows = work.contacts[d.island.contacts[k]];
     const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
+    const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
+    const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
+    const double answered = v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
     for (int i = 0; i < contact.rows(); ++i) {
       const int row = d.island.row_offset[k] + i;
-      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + v * (v + std::abs(contact.beta))));
+      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + answered));
     }
   }
   return w;

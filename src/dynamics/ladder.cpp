@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/contact/row_size.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "row_terms.hpp"
@@ -32,18 +33,27 @@ Factor& factor_of(IslandWork& d, Way way) {
   return made(d.chosen, [&d] { return make_factor(d.choice.method, d.shape); });
 }
 
+// What the rows of the island's J are judged beside.
+void row_sizes(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
+  size.resize(island.nc);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const int c = island.contacts[k];
+    for (int i = 0; i < scene.contacts[c].rows(); ++i)
+      size[island.row_offset[k] + i] = row_size(scene.contacts[c], w.contacts[c], i);
+  }
+}
+
 // Whether a row of the island's J is nothing but rounding beside the contacts' motions: no pivot shows that.
-bool has_vanishing_row(const Scene& scene, const IslandWork& d) {
-  double smallest = std::numeric_limits<double>::infinity();
+bool has_vanishing_row(const Scene& scene, const IslandWork& d, const std::vector<double>& size) {
   for (std::size_t c = 0; c < d.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[d.island.contacts[c]].rows();
     const Eigen::Map<const Eigen::MatrixXd> J(d.J[c].data(), rows, static_cast<Eigen::Index>(d.J[c].size()) / rows);
     for (Eigen::Index i = 0; i < rows; ++i) {
-      const double size = J.cols() > 0 ? J.row(i).cwiseAbs().maxCoeff() : 0;
-      smallest = std::min(smallest, size);
+      const double largest = J.cols() > 0 ? J.row(i).cwiseAbs().maxCoeff() : 0;
+      if (!(largest > tolerance::kRank * size[d.island.row_offset[c] + i])) return true;
     }
   }
-  return !d.J.empty() && !(smallest > tolerance::kRank * d.K.row_size);
+  return false;
 }
 
 // The largest term that the contacts' a0 are computed from. Of the bodies' velocities and accelerations as the tree has
@@ -66,7 +76,8 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
 // |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the null space of J^T: what dependent rows cannot
 // agree on, which is all that exact arithmetic leaves of J a + a0. (What rounding leaves there beside it was judged as
 // a residual.) It may still be rounding of the terms of drift_size: that is no contradiction.
-bool contradictory(const KktPattern& p, const KktVectors& v, double drift) {
+// Derivatives take note of what is left above rounding alone (of_rows: kDriftRounding, too).
+bool contradictory(const KktPattern& p, const KktVectors& v, double drift, double of_rows) {
   double left = 0, Ja = 0, a0 = 0;
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
@@ -74,7 +85,7 @@ bool contradictory(const KktPattern& p, const KktVectors& v, double drift) {
     Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
     a0 = std::max(a0, std::abs(v.b[at]));
   }
-  return !(left <= tolerance::kContradiction * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+  return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
 }
 
 // report.dependent_rows, numbered as data.f has them.
@@ -101,7 +112,9 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   Factor& factor = factor_of(d, rung.way);
   report.method = factor.method();
   report.order = rung.order;
-  if (rung.way == Way::kChosen && rung.damping == 0 && has_vanishing_row(scene, d)) return Reason::kSmallPivot;
+  row_sizes(scene, *data.workspace, d.island, scratch.row_size);
+  if (rung.way == Way::kChosen && rung.damping == 0 && has_vanishing_row(scene, d, scratch.row_size))
+    return Reason::kSmallPivot;
   ++d.factorizations;
   if (const Reason reason = factor.factorize(d.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
@@ -121,8 +134,10 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.status = Status::kOk;
   d.contradiction = false;
   if (rank_deficient(d)) {
-    d.contradiction = contradictory(*d.K.pattern, d.v, drift_size(scene, *data.workspace, d.island));
-    report.status = d.contradiction ? Status::kInconsistent : Status::kRedundant;
+    const double drift = drift_size(scene, *data.workspace, d.island);
+    d.contradiction = contradictory(*d.K.pattern, d.v, drift, tolerance::kDriftRounding);
+    const bool told = contradictory(*d.K.pattern, d.v, drift, tolerance::kContradiction);
+    report.status = told ? Status::kInconsistent : Status::kRedundant;
     name_dependent_rows(data, d, report);
   }
   return Reason::kNone;
@@ -201,6 +216,15 @@ bool climb_again(const Scene& scene, const SceneData& data, IslandWork& d, Threa
   const bool answered = climb_ladder(scene, data, thread.scratch, d, thread.spare_report);
   d.was_dependent = was_dependent;
   return answered;
+}
+
+bool climb_to_oracle(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
+  constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
+  if (d.factor == d.dense.get() || d.choice.method == Method::kDenseSchur || d.island.size() > kLargest) return false;
+  const Rung oracle{Way::kDense, d.choice.order, scene.damping};
+  if (attempt(scene, data, thread.scratch, oracle, d, thread.spare_report) == Reason::kNone) return true;
+  factorize_again(scene, data, d, thread);
+  return false;
 }
 
 void factorize_again(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {

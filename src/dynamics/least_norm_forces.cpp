@@ -1,3 +1,4 @@
+#include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 
 // With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
@@ -10,14 +11,22 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// w.y with J y = w.f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.)
+// w.y with J y = w.f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.) Refined on K, as every
+// solve is, unless the oracle has decomposed J itself.
 void any_motion(const IslandWork& d, DependentDerivatives& w) {
   const int* iperm = d.K.pattern->iperm.data();
-  w.x.setZero(d.island.size());
+  thread_local KktVectors v;  // memory
+  v.resize(d.island.size());
+  std::fill(v.b.begin(), v.b.end(), 0.0);
+  for (int k = 0; k < d.island.nc; ++k) v.b[iperm[d.island.nv + k]] = w.f[k];
+  if (d.factor->own_refinements() > 0) {
+    v.x = v.b;
+    d.factor->some_motion(v.x.data());
+  } else {
+    solve_refined(*d.factor, d.K, v, tolerance::kRefinementSteps);
+  }
   w.y.resize(d.island.nv);
-  for (int k = 0; k < d.island.nc; ++k) w.x[iperm[d.island.nv + k]] = w.f[k];
-  d.factor->some_motion(w.x.data());
-  for (int k = 0; k < d.island.nv; ++k) w.y[k] = w.x[iperm[k]];
+  for (int k = 0; k < d.island.nv; ++k) w.y[k] = v.x[iperm[k]];
 }
 
 // w.D = d(J(q) y)/dq, nc x nv.

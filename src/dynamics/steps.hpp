@@ -56,6 +56,9 @@ bool climb_ladder(const Scene& scene, const SceneData& data, FactorScratch& scra
 
 /// climb_ladder once more for an island that was answered: what the next solve tries first, and the report, stay.
 bool climb_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
+/// The oracle alone, where the factor at hand does not serve for derivatives; false, and that factor again, where the
+/// oracle has no answer either or would take too long.
+bool climb_to_oracle(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
 /// The same for an answer that lanes or parts gave. island.factor is null where there is none.
 void factorize_again(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -84,11 +85,26 @@ double predicted_cost_dense(int nv, int nc) {
   return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
 }
 
+namespace {
+
+// Of rows that fill each other's columns, at so much an entry and a multiply-add.
+double full_rows_cost(const Island& island, double entry, double flop) {
+  const double n = island.nc;
+  return entry * n * n / 2 + flop * n * n * n / 3;
+}
+
+}  // namespace
+
 PredictedCosts predict_costs(IslandShape& shape) {
   PredictedCosts costs;
   costs.bodies = predicted_cost_bodies(shape);
   costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
   costs.supernodal = std::numeric_limits<double>::infinity();
+  if (overdetermined(shape.island())) {
+    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1));
+    costs.cholmod.fill(8000 + full_rows_cost(shape.island(), 13, 1.7));
+    return costs;
+  }
   if (is_deep(shape)) {
     costs.ldl.fill(least_cost_ldl(shape));
     costs.cholmod.fill(costs.supernodal);
@@ -106,6 +122,10 @@ PredictedCosts predict_costs(IslandShape& shape) {
 Choice choose(IslandShape& shape, const Options& options) {
   Choice choice{options.method, Order::kLeafToRoot};
   if (options.method == Method::kSparseBodies) return choice;
+  const bool rows_fill = has_order(options.method) || options.method == Method::kSparseSupernodal;
+  if (options.method == Method::kAuto ? overdetermined(shape.island()) && !options.order
+                                      : rows_fill && too_full_for_sparse(shape.island()))
+    return {Method::kDense, Order::kLeafToRoot};
   if (options.method == Method::kAuto && !options.order && is_deep(shape)) return {Method::kSparseBodies};
   const bool ordered = has_order(options.method) || options.method == Method::kAuto;
   if (options.order) {
@@ -141,6 +161,8 @@ std::string number(double x) {
 std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const Options& options) {
   const std::size_t order = static_cast<std::size_t>(choice.order);
   const double ldl = costs.ldl[order];
+  if (choice.method == Method::kDense && options.method != Method::kDense)
+    return "dense, at " + number(costs.dense / ldl) + " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
     return to_string(choice.method) + ", at " +
            number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +

@@ -22,6 +22,29 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
+// Which rows of J count.
+template <class S>
+void decide_rank(DenseKkt<S>& kkt) {
+  MatX<S> scaled = kkt.J.transpose();
+  for (int k = 0; k < kkt.nc(); ++k) {
+    const S own = kkt.nv() > 0 ? kkt.J.row(k).cwiseAbs().maxCoeff() : S(0);
+    const S size = kkt.row_size.size() > 0 ? std::max(own, kkt.row_size[k]) : own;
+    if (size > S(0)) scaled.col(k) /= size;
+  }
+  kkt.choice.compute(scaled);
+  const int most = static_cast<int>(std::min(scaled.rows(), scaled.cols()));
+  using std::abs;
+  while (kkt.rank < most && abs(kkt.choice.matrixQR()(kkt.rank, kkt.rank)) > S(tolerance::kRank)) ++kkt.rank;
+}
+
+template <class S>
+void decompose_rows(DenseKkt<S>& kkt) {
+  kkt.of_Jt.compute(kkt.J.transpose() * kkt.choice.colsPermutation());
+  MatX<S> C = kkt.of_Jt.matrixQR().topRows(kkt.rank);
+  for (int k = 0; k < kkt.rank; ++k) C.col(k).tail(kkt.rank - k - 1).setZero();
+  kkt.of_Ct.compute(C.transpose());
+}
+
 // A pivot that is no more than rounding of the terms it was computed from.
 template <class S>
 bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRounding) {
@@ -29,12 +52,13 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
+// A = N^T M N; terms: |N|^T |M| |N|, of which A may be no more than rounding, however large beside itself.
 template <class S>
-bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A) {
+bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A, const MatX<S>& terms) {
   if (llt.info() != Eigen::Success) return false;
   for (int k = 0; k < A.rows(); ++k) {
     const S l = llt.matrixLLT()(k, k);
-    if (is_noise<S>(l * l, A(k, k))) return false;
+    if (is_noise<S>(l * l, terms(k, k))) return false;
   }
   // Without pivoting, noise can pass on from a poor pivot to the next and grow: the condition shows it.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
@@ -66,18 +90,34 @@ void solve_once(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, Ma
     f = -x.bottomRows(nc);
     return;
   }
-  if (nc > 0)
-    a = kkt.cod.transpose().solve(b2);  // J^+ b2
-  else
-    a = MatX<S>::Zero(nv, b1.cols());
+  a = kkt.motion(b2);
   if (kkt.N.cols() > 0) a += kkt.N * kkt.reduced.solve(kkt.N.transpose() * (b1 - kkt.M * a));
-  if (nc > 0)
-    f = kkt.cod.solve(kkt.M * a - b1);
-  else
-    f = MatX<S>::Zero(0, b1.cols());
+  f = kkt.force(kkt.M * a - b1);
 }
 
 }  // namespace
+
+template <class S>
+MatX<S> DenseKkt<S>::motion(const MatX<S>& b) const {
+  if (rank == 0) return MatX<S>::Zero(nv(), b.cols());
+  MatX<S> y = choice.colsPermutation().transpose() * b, a = MatX<S>::Zero(nv(), b.cols());
+  y.applyOnTheLeft(of_Ct.householderQ().transpose());
+  const auto T = of_Ct.matrixQR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
+  a.topRows(rank) = T.solve(y.topRows(rank));
+  a.applyOnTheLeft(of_Jt.householderQ());
+  return a;
+}
+
+template <class S>
+MatX<S> DenseKkt<S>::force(const MatX<S>& g) const {
+  if (rank == 0) return MatX<S>::Zero(nc(), g.cols());
+  MatX<S> z = g, y = MatX<S>::Zero(nc(), g.cols());
+  z.applyOnTheLeft(of_Jt.householderQ().transpose());
+  const auto T = of_Ct.matrixQR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
+  y.topRows(rank) = T.transpose().solve(z.topRows(rank));
+  y.applyOnTheLeft(of_Ct.householderQ());
+  return choice.colsPermutation() * y;
+}
 
 template <class S>
 void factor(DenseKkt<S>& kkt) {
@@ -86,16 +126,11 @@ void factor(DenseKkt<S>& kkt) {
   kkt.holds = kkt.regular = false;
   if (!kkt.M.allFinite() || !kkt.J.allFinite()) return;
   if (nc > 0) {
-    S largest(0);  // column of J^T, which the first pivot is
-    for (int k = 0; k < nc; ++k) largest = std::max(largest, S(kkt.J.row(k).norm()));
-    S threshold(tolerance::kRank);
-    if (kkt.J_size > largest) threshold *= largest > S(0) ? S(kkt.J_size / largest) : S(1);
-    kkt.cod.setThreshold(threshold);
-    kkt.cod.compute(kkt.J.transpose());
-    kkt.rank = static_cast<int>(kkt.cod.rank());
+    decide_rank(kkt);
+    if (kkt.rank > 0) decompose_rows(kkt);
   }
   MatX<S> Q = MatX<S>::Identity(nv, nv);
-  if (nc > 0) Q = kkt.cod.matrixQ() * Q;
+  if (kkt.rank > 0) Q.applyOnTheLeft(kkt.of_Jt.householderQ());
   // A change of rank makes these anew: where memory runs out, Eigen's own resize leaves an array freed.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
@@ -104,11 +139,9 @@ void factor(DenseKkt<S>& kkt) {
   kkt.N = Q.rightCols(nv - kkt.rank);
   kkt.regular = true;
   if (kkt.N.cols() > 0) {
-    const MatX<S> MN = kkt.M * kkt.N, A = kkt.N.transpose() * MN;
+    const MatX<S> A = kkt.N.transpose() * (kkt.M * kkt.N);
     kkt.reduced.compute(A);
-    kkt.regular = sound<S>(kkt.reduced, A);
-    // What N's own rounding makes of M where M has nothing.
-    for (int k = 0; k < A.rows(); ++k) kkt.regular = kkt.regular && !is_noise<S>(A(k, k), MN.col(k).cwiseAbs().sum());
+    kkt.regular = sound<S>(kkt.reduced, A, kkt.N.cwiseAbs().transpose() * (kkt.M.cwiseAbs() * kkt.N.cwiseAbs()));
   }
   kkt.holds = kkt.regular;
   if (kkt.regular && kkt.delta > S(0)) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -173,7 +174,7 @@ KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport
   for (const auto& entry : inertia_entries(scene, island)) p.M_slot.push_back(slot(entry));
   for (const auto& entry : contact_entries(scene, island, support)) p.J_slot.push_back(slot(entry));
   for (int k = 0; k < island.nc; ++k) p.diagonal_slot.push_back(slot({island.nv + k, island.nv + k}));
-  p.ldl = sparse::ldl_analyze(p.K);
+  if (!too_full_for_sparse(island)) p.ldl = sparse::ldl_analyze(p.K);
   return p;
 }
 

@@ -21,7 +21,7 @@ using sparse::DependentRows;
 struct FactorOfRows {
   Symmetric K;
   int nv;
-  double J_size;
+  std::vector<double> row_size;
   sparse::LdlSymbolic symbolic;
   sparse::LdlWorkspace work;
   std::vector<double> L, D;
@@ -29,15 +29,15 @@ struct FactorOfRows {
   int done = -1;
 
   explicit FactorOfRows(const SaddlePoint& s)
-      : K(s.dense()), nv(s.nv()), J_size(s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
+      : K(s.dense()), nv(s.nv()), row_size(K.n(), s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
     D.assign(K.n(), NAN);
     factor();
   }
   void factor() {
     done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), nv, tolerance::kPivotLeft,
-                                        tolerance::kRank * J_size, work, L.data(), D.data(), rows);
-    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, J_size, L.data(), D.data(), rows);
+                                        row_size.data(), work, L.data(), D.data(), rows);
+    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, row_size.data(), L.data(), D.data(), rows);
   }
   void solve(double* x) {
     project_out(rows, x);

@@ -5,8 +5,9 @@
 //   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
 //   f is the least-norm solution of J^T f = M a - b1.
 //
-// Null-space method: J^T = Q [T; 0] Z^T (complete orthogonal decomposition), a = J^+ b2 + N y,
-// (N^T M N) y = N^T (b1 - M J^+ b2). With delta > 0 the answer is unique: LU of K.
+// Null-space method: J^T P = Q [C; 0], C^T = U T (a complete orthogonal decomposition), a = J^+ b2 + N y,
+// (N^T M N) y = N^T (b1 - M J^+ b2). Which rows count, and come first in P, a QR with pivoting tells of J with each row
+// beside its own size: metres and radians, and levers of any length, do not decide it. With delta > 0 the answer is unique: LU of K.
 // Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2.
 
 #include <Eigen/Cholesky>
@@ -21,19 +22,25 @@ template <class S>
 struct DenseKkt {  // K and its rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
-  S J_size = S(0);  // rows of J count against this too (contact/rows.hpp, motion_size): all of J may be rounding
+  VecX<S> row_size;  // nc, what rows of J count beside (contact/row_size.hpp); empty: their largest entries
 
   // by factor
   int rank = 0;          // of J
   bool holds = false;    // N^T M N is positive definite, whatever delta: contacts hold what M lets go
   bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
-  Eigen::CompleteOrthogonalDecomposition<MatX<S>> cod;  // of J^T
-  MatX<S> N;                                            // nv x (nv - rank): orthonormal basis of J's null space
+  Eigen::ColPivHouseholderQR<MatX<S>> choice;  // of J^T, rows over their sizes: P, and how much was left of each
+  Eigen::HouseholderQR<MatX<S>> of_Jt, of_Ct;  // J^T P = Q [C; 0], C^T = U T
+  MatX<S> N;                                   // nv x (nv - rank): orthonormal basis of J's null space
   Eigen::LLT<MatX<S>> reduced;                          // of N^T M N
   Eigen::PartialPivLU<MatX<S>> lu;                      // of K, delta > 0
 
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }
+
+  /// J^+ b: of the a of least |J a - b| the least; one column of b (nc x k) each.
+  MatX<S> motion(const MatX<S>& b) const;
+  /// (J^T)^+ g: of the f with J^T f = g (nv x k), or nearest to it, the least.
+  MatX<S> force(const MatX<S>& g) const;
 };
 
 /// Factorizes M, J, delta, which the caller has set.
@@ -42,7 +49,7 @@ void factor(DenseKkt<S>& kkt);
 
 /// Solves M a - J^T f = b1, J a + delta f = b2, as defined above; one column of b1 (nv x k), b2 (nc x k) per system.
 /// Refines once on the true residual. Where `regular` is false, a and f are NaN. A row of J counts as dependent when
-/// its part orthogonal to the others is below tolerance::kRank of the largest.
+/// its part orthogonal to the others is below tolerance::kRank of its size.
 template <class S>
 void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>& a, MatX<S>& f);
 

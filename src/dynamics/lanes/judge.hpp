@@ -52,12 +52,16 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
 /// As judge_pivots (kkt/factor/pivots.hpp). terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
 template <class S, class Diagonal>
 typename S::Mask believable_pivots(int nv, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
-  const S largest(std::numeric_limits<double>::max());
+  const S largest(std::numeric_limits<double>::max()), one(1);
   FourSums<S> positive;
   typename S::Mask good = S(0) <= largest;
+  S least = one, least_of_J = one;  // as PassedOn has them
   in_four(D.size(), [&](std::size_t k, int c) {
     positive.of[c] += select(D[k] > S(0), S(1), S(0));
-    const S size = abs(D[k]);
+    const S size = abs(D[k]), left = select(diagonal(k) < S(0), one, size / terms[k]);
+    good = good & (left * select(D[k] > S(0), least_of_J, least) >= S(tolerance::kRowRounding));
+    least = -larger(-left, -least);
+    least_of_J = select(D[k] > S(0), least_of_J, -larger(-left, -least_of_J));
     good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * terms[k]) &
            (terms[k] <= largest) & (select(D[k] > S(0), diagonal(k), terms[k]) >= S(tolerance::kPivotLeft) * terms[k]);
   });

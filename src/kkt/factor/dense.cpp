@@ -1,7 +1,11 @@
 #include "manycontact/kkt/dense.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include "expand.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "pivots.hpp"
 
 namespace manycontact {
 
@@ -11,11 +15,12 @@ class DenseFactor final : public Factor {
  public:
   Method method() const override { return Method::kDense; }
 
-  Reason factorize(const KktMatrix& K, FactorScratch&) override {
+  Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     pattern_ = K.pattern;
     internal::expand(K, kkt_.M, kkt_.J);
     kkt_.delta = K.damping;
-    kkt_.J_size = K.row_size;
+    kkt_.row_size.resize(K.nc());
+    for (int k = 0; k < K.nc(); ++k) kkt_.row_size[k] = internal::size_of_row(K, scratch, k);
     factor<double>(kkt_);
     if (kkt_.regular) return Reason::kNone;
     if (!kkt_.M.allFinite() || !kkt_.J.allFinite()) return Reason::kNotFinite;
@@ -43,8 +48,8 @@ class DenseFactor final : public Factor {
     if (rank() == kkt_.nc()) return solve(x);
     Eigen::VectorXd a(kkt_.nv()), f(kkt_.nc());
     internal::split(*pattern_, x, a, f);
-    const Eigen::VectorXd motion = kkt_.cod.transpose().solve(f);
-    internal::join(*pattern_, motion, f, x);
+    const Eigen::MatrixXd motion = kkt_.motion(f);
+    internal::join(*pattern_, motion.col(0), f, x);
   }
   int own_refinements() const override { return 1; }
 
@@ -52,7 +57,7 @@ class DenseFactor final : public Factor {
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
     if (kkt_.nc() == 0) return;
-    const auto& order = kkt_.cod.colsPermutation().indices();
+    const auto& order = kkt_.choice.colsPermutation().indices();
     for (int k = rank(); k < kkt_.nc(); ++k) rows.push_back(order[k]);
   }
 
@@ -61,15 +66,20 @@ class DenseFactor final : public Factor {
     if (rank() == kkt_.nc()) return;
     Eigen::VectorXd a(kkt_.nv()), b(kkt_.nc());
     internal::split(*pattern_, y, a, b);
-    const Eigen::VectorXd motion = kkt_.cod.transpose().solve(b), kept = kkt_.J * motion;
+    const Eigen::VectorXd kept = kkt_.J * kkt_.motion(b);
     internal::join(*pattern_, a, kept, y);
     for (int k = 0; null_part && k < kkt_.nc(); ++k) null_part[pattern_->iperm[kkt_.nv() + k]] += b[k] - kept[k];
   }
   void project_out_panel(double* X, int ld, int cols) override {
     if (rank() == kkt_.nc()) return;
     auto rows = view(X, ld).leftCols(cols).bottomRows(kkt_.nc());
-    const Eigen::MatrixXd a = kkt_.cod.transpose().solve(Eigen::MatrixXd(rows));
+    const Eigen::MatrixXd a = kkt_.motion(Eigen::MatrixXd(rows));
     rows = kkt_.J * a;
+  }
+
+  double projector_error() const override {
+    if (rank() == kkt_.nc()) return 0;
+    return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * std::sqrt(kkt_.nc());
   }
 
   int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }

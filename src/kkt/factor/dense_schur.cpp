@@ -4,6 +4,7 @@
 #include "expand.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "pivots.hpp"
 
 namespace manycontact {
 
@@ -42,6 +43,7 @@ class DenseSchurFactor final : public Factor {
     if (llt_S_.rows() != K.nc()) llt_S_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nc(), K.nc()));
     llt_S_.compute(S_);
     if (llt_S_.info() != Eigen::Success) return Reason::kSmallPivot;
+    if (K.damping == 0 && (K.nc() > K.nv() || pivots_pass_on())) return Reason::kSmallPivot;
     return smallest_pivot(llt_S_, S_.diagonal()) < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
   }
 
@@ -68,6 +70,7 @@ class DenseSchurFactor final : public Factor {
     panel = product;
   }
   bool panel_is_like_solve() const override { return false; }
+
   void release_panels() override {
     inverted_ = false;
     inverse_ = Eigen::MatrixXd();
@@ -78,6 +81,16 @@ class DenseSchurFactor final : public Factor {
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // Whether a pivot of S may be what rounding of another leaves.
+  bool pivots_pass_on() const {
+    internal::PassedOn passed_on;
+    for (int k = 0; k < S_.rows(); ++k) {
+      const double l = llt_S_.matrixLLT()(k, k);
+      if (passed_on.next(false, l * l / S_(k, k))) return true;
+    }
+    return false;
+  }
 
   // K^-1 = [Mi - Y Si Y^T, Y Si; Si Y^T, -Si] with Mi = M^-1, Y = Mi J^T, Si = S^-1, written out in full.
   void invert() {

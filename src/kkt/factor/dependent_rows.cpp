@@ -27,6 +27,7 @@ class DependentRowsFactor final : public Factor {
     if (ldl_.pattern != K.pattern) take(K.pattern);
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     scratch.ldl.reserve(ldl_.pattern->ldl);
+    take_sizes(K, scratch);
     if (drop_again(K, scratch.scale)) return Reason::kNone;  // those of the K before
     if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
     if (ldl_.schedule && !dependence_.dropped.empty()) {
@@ -66,20 +67,33 @@ class DependentRowsFactor final : public Factor {
     sparse::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
   }
 
+  // Coefficients z of the null space enter by their square; sums go over as many as a column has.
+  double projector_error() const override {
+    if (dependence_.dropped.empty()) return 0;
+    const double z = dependence_.largest_entry, sums = static_cast<double>(dependence_.Ni.size());
+    return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
+  }
+
   int nonzeros() const override { return ldl_.nonzeros(); }
 
  private:
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     dependence_.dropped.clear();
     pinned_.resize(pattern->K.nonzeros());
+    row_size_.assign(pattern->size(), 0.0);
     ldl_.take(pattern, true);
+  }
+
+  void take_sizes(const KktMatrix& K, const FactorScratch& scratch) {
+    const KktPattern& p = *ldl_.pattern;
+    for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
   }
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const int done = sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft,
-                                                  tolerance::kRank * K.row_size, scratch.ldl, ldl_.L.data(),
-                                                  ldl_.D.data(), dependence_);
+                                                  row_size_.data(), scratch.ldl, ldl_.L.data(), ldl_.D.data(),
+                                                  dependence_);
     if (done == p.size()) return Reason::kNone;
     return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
@@ -103,8 +117,8 @@ class DependentRowsFactor final : public Factor {
   bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
     constexpr double kMargin = 10;
     const sparse::UpperCsc& A = ldl_.pattern->K;
-    const double nothing = tolerance::kRank * K.row_size;
     auto dropped = dependence_.dropped.begin();
+    internal::PassedOn passed_on;
     for (int k = 0; k < K.size(); ++k) {
       const bool of_M = k < ldl_.pattern->nv, is_dropped = dropped != dependence_.dropped.end() && *dropped == k;
       double d = ldl_.D[k], terms = scale[k], size = 0;
@@ -112,7 +126,9 @@ class DependentRowsFactor final : public Factor {
       for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
         if (A.i[p] < ldl_.pattern->nv) size = std::max(size, std::abs(K.values[p]));
       const double margin = is_dropped ? 1 / kMargin : kMargin;
-      const bool left = (of_M || size > margin * nothing) && std::abs(d) > margin * tolerance::kPivotLeft * terms;
+      const bool moves = of_M || size > margin * tolerance::kRank * row_size_[k];
+      const bool left = moves && std::abs(d) > margin * tolerance::kPivotLeft * terms;
+      if (!is_dropped && passed_on.next(of_M, std::abs(d) / (kMargin * terms))) return false;
       if (!std::isfinite(terms) || left == is_dropped || (left && (d > 0) != of_M)) return false;
     }
     return true;
@@ -130,7 +146,8 @@ class DependentRowsFactor final : public Factor {
   }
   bool depends(const KktMatrix& K) {
     const KktPattern& p = *ldl_.pattern;
-    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, K.row_size, ldl_.L.data(), ldl_.D.data(), dependence_);
+    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
+                            dependence_);
     return dependence_.believable();
   }
 
@@ -145,7 +162,8 @@ class DependentRowsFactor final : public Factor {
   }
 
   internal::LdlNumbers ldl_;
-  std::vector<double> pinned_;  // K, the rows dropped damped
+  std::vector<double> pinned_;    // K, the rows dropped damped
+  std::vector<double> row_size_;  // in K's order; of M's rows nothing
   sparse::DependentRows dependence_;
   double growth_ = 1;
 };

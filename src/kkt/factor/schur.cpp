@@ -35,7 +35,9 @@ class SchurFactor final : public Factor {
     if (!cholmod_) cholmod_.emplace(shape_->cholmod_schur());
     if (!cholmod_->factorize(data_.Sx.data())) return Reason::kSmallPivot;
     if (K.damping == 0 && K.nc() > K.nv()) return Reason::kSmallPivot;  // whatever rounding makes of it
-    return cholmod_->rcond() < tolerance::kPivotLeft * inertia_spread() ? Reason::kSmallPivot : Reason::kNone;
+    // The parts left of two pivots may both be this small, and one then be what rounding of the other leaves.
+    const double least = K.damping > 0 ? tolerance::kPivotLeft : std::sqrt(tolerance::kRowRounding);
+    return cholmod_->rcond() < least * inertia_spread() ? Reason::kSmallPivot : Reason::kNone;
   }
 
   // sqrt(largest / smallest pivot of M): S = Z^T Z is formed of D^-1/2 L^-T J^T, whose rounding grows by about as much.

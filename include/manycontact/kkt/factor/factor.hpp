@@ -13,6 +13,9 @@ namespace manycontact {
 struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;  // of pivots
+  /// In, of each row of J, in the island's order: the largest motion it is picked from (contact/row_size.hpp), beside
+  /// which it is judged. Of another length: all are K.row_size.
+  std::vector<double> row_size;
 };
 
 class Factor {  // one island's factor, whatever the method
@@ -49,6 +52,9 @@ class Factor {  // one island's factor, whatever the method
   virtual void project_out(double* y, double* null_part) { (void)y, (void)null_part; }
   /// The same for all columns of a panel as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
+
+  /// What rounding makes of the projections, beside the largest entry of y: the forces of least norm are no better.
+  virtual double projector_error() const { return 0; }
 
   /// Of the factor, diagonals included.
   virtual int nonzeros() const = 0;

@@ -7,7 +7,10 @@ namespace manycontact::sparse {
 /// solve: x <- A^-1 x, x of length n. Source: Higham, Algorithm 674 (1988), after Hager (1984).
 double inverse_norm_1(int n, const std::function<void(double*)>& solve);
 
-/// The same of any n x n matrix B, from products with B and B^T in place.
+/// |B|_1 itself, from products with B in place: n of them.
+double norm_1_by_columns(int n, const std::function<void(double*)>& multiply);
+
+/// The estimate of any n x n matrix B, from products with B and B^T in place.
 double norm_1_estimate(int n, const std::function<void(double*)>& multiply,
                        const std::function<void(double*)>& multiply_transposed);
 

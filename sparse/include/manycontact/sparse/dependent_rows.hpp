@@ -21,7 +21,7 @@ struct DependentRows {
   std::vector<int> dropped;     // rows of K, ascending
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
-  double largest_residual = 0;  // max |J_k - sum z_j J_j| / J_size
+  double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
@@ -39,20 +39,21 @@ struct DependentRows {
   std::vector<double> gram;
 
   // scratch
-  std::vector<double> inverse, x, residual, panel, t;
+  std::vector<double> inverse, noise, x, residual, panel, t;
   std::vector<int> owner;
 };
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
-/// of J is dropped when less than `tolerance` of its pivot is left, or when all of it is below `nothing`; a row of M
-/// never. Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
+/// of J is dropped when less than `tolerance` of its pivot is left, or no more than the rounding that small pivots
+/// before it passed on, or when all of it is rounding beside row_size (n; of the rows of M unused); a row of M never.
+/// Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
 [[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv,
-                                       double tolerance, double nothing, LdlWorkspace& work, double* Lx, double* D,
-                                       DependentRows& rows);
+                                       double tolerance, const double* row_size, LdlWorkspace& work, double* Lx,
+                                       double* D, DependentRows& rows);
 
-/// N and its projector, after ldl_factor_dependent; J_size: of J's entries. Sets largest_residual, which is rounding
+/// N and its projector, after ldl_factor_dependent; row_size: as there. Sets largest_residual, which is rounding
 /// when the dropped rows depend on the others in truth, and largest_entry.
-void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, double J_size,
+void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_size,
                      const double* Lx, const double* D, DependentRows& rows);
 
 /// y -= P y, and P y into `null_part` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M

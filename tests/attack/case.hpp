@@ -1,0 +1,105 @@
+#pragma once
+// A scene to attack with, as plain numbers: what is written as URDF and scene file for the library, and what the
+// reference computes from. Units SI, coordinates in the library's order.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace manycontact::attack {
+
+using Numbers = std::array<double, 3>;
+
+enum class Kind { kRevolute, kPrismatic, kFloating, kPlanar, kFixed };
+constexpr int nq_of(Kind k) { return k == Kind::kFloating ? 7 : k == Kind::kPlanar ? 3 : k == Kind::kFixed ? 0 : 1; }
+constexpr int nv_of(Kind k) { return k == Kind::kFloating ? 6 : k == Kind::kPlanar ? 3 : k == Kind::kFixed ? 0 : 1; }
+
+struct Link {  // and the joint that carries it
+  std::string name, joint;
+  int parent = -1;  // link; -1: the root
+  Kind kind = Kind::kRevolute;
+  Numbers xyz = {}, rpy = {}, axis = {0, 0, 1};  // of the joint in its parent link
+  double mass = 0;
+  Numbers com = {}, com_rpy = {};
+  std::array<double, 6> inertia = {};  // ixx ixy ixz iyy iyz izz about the centre of mass
+  double armature = 0;
+  std::optional<double> locked;  // stands still there
+  int iq = -1, iv = -1;          // within the tree's q and v; by number_coordinates
+
+  bool moves() const { return nv_of(kind) > 0 && !locked; }
+};
+
+struct Tree {
+  std::string urdf;  // path of the file it came from; empty: it is written
+  bool floating = false;
+  Numbers xyz = {}, rpy = {};  // of a fixed base
+  std::vector<Link> links;     // parents first, the root first of all
+  std::vector<double> q, v, u;
+  int nq = 0, nv = 0;
+
+  int free() const { return floating ? 6 : 0; }  // coordinates of the base, which have no torque
+};
+
+struct Hold {      // a contact
+  int rows = 3;    // 1, 2, 3, 5, 6
+  int tree = 0, link = 0;
+  Numbers offset = {};
+  std::array<double, 4> turned = {0, 0, 0, 1};  // quaternion xyzw
+  int to_tree = -1, to_link = 0;                // -1: the world
+  Numbers place = {};                           // B' on that link, or in the world
+  std::array<double, 4> place_turned = {0, 0, 0, 1};
+  std::string frame = "local";
+  Numbers axis = {0, 0, 1};
+  double alpha = 0, beta = 0;
+};
+
+struct Case {
+  std::string name;
+  Numbers gravity = {0, 0, -9.81};
+  double damping = 0;
+  std::vector<Tree> trees;
+  std::vector<Hold> holds;
+
+  int nv() const;
+  int rows() const;
+};
+
+/// iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
+void number_coordinates(Tree& tree);
+
+/// The link whose joint moves this one, climbing fixed and locked joints; -1: none does.
+int moving_link(const Tree& tree, int link);
+
+/// Leaves out what the library refuses: contacts of a body with itself, or of two that cannot move.
+void drop_refused(Case& c);
+
+/// The scene file's text; the trees that are not of a file stand as r<k>.urdf beside it.
+std::string scene_text(const Case& c);
+std::string urdf_text(const Tree& tree);
+/// Writes all of it into a folder, which is made; the scene's path.
+std::string write_case(const Case& c, const std::string& folder);
+
+/// A robot from its URDF, at its neutral state.
+Tree read_tree(const std::string& urdf, bool floating);
+
+/// What can be hostile, each on its own or together.
+inline const std::vector<std::string> kDimensions = {
+    "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
+    "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",
+    "joint", "chain",    "exact",    "lever"};
+Case random_case(std::uint64_t seed, const std::vector<std::string>& dimensions);
+/// Up to three dimensions of those given, drawn by the seed.
+std::vector<std::string> draw_dimensions(std::uint64_t seed, const std::vector<std::string>& from);
+
+/// Mechanisms of the literature, closed by one contact with more rows than they need: a parallelogram of four bars,
+/// Bennett's four hinges in space, Bricard's six on the edges of a cube.
+std::vector<Case> published_mechanisms();
+
+/// A robot held on its frames, at a random posture near neutral: at rest, or moving for an impact.
+Case random_posture(std::uint64_t seed, const Tree& robot, const std::vector<std::string>& frames, int rows,
+                    double velocity);
+
+}  // namespace manycontact::attack

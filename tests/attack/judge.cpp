@@ -1,0 +1,432 @@
+#include "judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/simulation/switch.hpp"
+#include "reference.hpp"
+
+namespace manycontact::attack {
+
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kNoise = 100;  // times what an eps in every number of the input does to the truth
+constexpr int kBlurs = 4;
+
+double most(double a, double b) { return a > b || std::isnan(a) ? a : b; }
+
+// |x - truth|, maximum norm, over some entries.
+double distance(std::span<const double> x, const Column& truth, std::size_t first, std::size_t count) {
+  double d = 0;
+  for (std::size_t k = first; k < first + count; ++k) d = most(static_cast<double>(fabsq(Quad(x[k]) - truth[k])), d);
+  return d;
+}
+double size_of(const Column& x, std::size_t first, std::size_t count) {
+  double d = 0;
+  for (std::size_t k = first; k < first + count; ++k) d = most(static_cast<double>(fabsq(x[k])), d);
+  return d;
+}
+std::span<const double> span(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+double largest(const Eigen::MatrixXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
+
+std::string text(const char* format, auto... values) {
+  char line[400];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+// A case, its truths and how far they move when its numbers do.
+struct Trial {
+  explicit Trial(const Case& given) : c(given), truth(given) {}
+
+  const Case& c;
+  Reference truth;
+  std::vector<std::unique_ptr<Reference>> blurs;
+
+  void blur() {
+    for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
+  }
+  // The largest change of a (or f) over some entries.
+  double noise(int rank, Column Answer::*part, std::size_t first, std::size_t count) {
+    if (blurs.empty()) blur();
+    const Column& x = truth.at(rank).*part;
+    double most_moved = kEps * size_of(x, first, count);
+    for (auto& b : blurs) {
+      const Answer& other = b->at(rank);
+      if (!other.regular) return std::numeric_limits<double>::infinity();
+      for (std::size_t k = first; k < first + count; ++k)
+        most_moved = most(static_cast<double>(fabsq((other.*part)[k] - x[k])), most_moved);
+    }
+    return most_moved;
+  }
+};
+
+struct Blocks {  // of the derivatives: q, v, u
+  const Eigen::MatrixXd *a[3], *f[3];
+};
+
+// One method's answer.
+struct Trying {
+  Trial& trial;
+  const SceneFile& file;
+  Method method;
+  Judgement& out;
+  SceneData data;
+
+  Trying(Trial& t, const SceneFile& f, Method m, Judgement& o)
+      : trial(t), file(f), method(m), out(o), data(f.scene, Options{m, {}}) {}
+
+  void find(Fault fault, std::string words) { out.findings.push_back({fault, to_string(method), std::move(words)}); }
+  bool one_island() const { return data.report.islands.size() == 1; }
+
+  bool values();
+  double excess(const Answer& t) const;
+  void judge_values(const Answer& t);
+  void judge_status(const Answer& t);
+  void judge_bounds(const Answer& t);
+  void judge_condition(const Answer& t);
+  void judge_derivatives(const Answer& t);
+  void judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f);
+};
+
+double allowed(const Answer& t) { return std::max(1e-12, 100 * kEps * t.condition); }
+
+// The largest error of a, tree by tree, and of f, in units of what is allowed.
+double Trying::excess(const Answer& t) const {
+  double worst = 0;
+  std::size_t first = 0;
+  for (const Tree& tree : trial.c.trees) {
+    const double size = size_of(t.a, first, tree.nv);
+    const double d = distance(span(data.a), t.a, first, tree.nv);
+    worst = most(d == 0 ? 0 : d / size, worst);
+    first += tree.nv;
+  }
+  const double d = distance(span(data.f), t.f, 0, t.f.size());
+  return most(d == 0 ? 0 : d / size_of(t.f, 0, t.f.size()), worst) / allowed(t);
+}
+
+void Trying::judge_values(const Answer& t) {
+  const Report& r = data.report;
+  const auto part = [&](const char* name, const Eigen::VectorXd& x, Column Answer::*of, std::size_t first,
+                        std::size_t count, double bound) {
+    const double d = distance(span(x), t.*of, first, count), size = size_of(t.*of, first, count);
+    if (d <= allowed(t) * size) return;
+    // What vanishes is rounding of what it is a difference of.
+    const double of_terms =
+        kEps * (of == &Answer::a ? std::max(t.terms, trial.truth.free_size())
+                                 : std::min(t.condition, 1e4) * trial.truth.load() / trial.truth.largest_J());
+    const double noise = std::max(trial.noise(t.rank, of, first, count), of_terms);
+    if (d <= kNoise * noise) return;
+    if (bound < 1 && d <= bound * largest(x)) return;
+    const bool silent = !(bound < 1);
+    find(silent ? Fault::kSilent : Fault::kValue,
+         text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, bound %.1e, %s, rank %d of %d, condition %.1e", name, d,
+              size, allowed(t), noise, bound, to_string(r.status).c_str(), t.rank, trial.truth.rows(), t.condition));
+  };
+  std::size_t first = 0;
+  for (const Tree& tree : trial.c.trees) {
+    part("a", data.a, &Answer::a, first, tree.nv, r.error_acceleration);
+    first += tree.nv;
+  }
+  part("f", data.f, &Answer::f, 0, t.f.size(), r.error_forces);
+}
+
+void Trying::judge_status(const Answer& t) {
+  const Status status = data.report.status;
+  const double size = t.moved + t.drift;
+  // In between the two the definition's own rounding decides.
+  const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms;
+  const bool contradict = t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
+  if (!agree && !contradict) return;
+  const Status right = contradict                         ? Status::kInconsistent
+                       : t.rank == trial.truth.rows()     ? Status::kOk
+                                                          : Status::kRedundant;
+  if (status != right)
+    find(Fault::kStatus, text("%s, right is %s: J a + a0 leaves %.1e of %.1e, and of terms of %.1e",
+                              to_string(status).c_str(), to_string(right).c_str(), t.left, size, t.terms));
+}
+
+void Trying::judge_condition(const Answer& t) {
+  const double ratio = data.report.condition / t.condition;
+  if (one_island() && trial.truth.ranks().size() == 1 && t.condition > 0 && t.condition < 1e14 && !(ratio > 0.1 && ratio < 10))
+    find(Fault::kCondition, text("condition %.2e, right is %.2e", data.report.condition, t.condition));
+}
+
+void Trying::judge_bounds(const Answer& t) {
+  if (!one_island()) return;
+  const auto part = [&](const char* name, const Eigen::VectorXd& x, const Column& truth, double bound) {
+    const double d = distance(span(x), truth, 0, truth.size());
+    if (d > bound * largest(x))
+      find(Fault::kBound, text("%s off by %.2e of %.2e, bound %.2e, condition %.1e", name, d / largest(x), largest(x),
+                               bound, t.condition));
+  };
+  part("a", data.a, t.a, data.report.error_acceleration);
+  part("f", data.f, t.f, data.report.error_forces);
+}
+
+// A direction of one kind of coordinate, or of all three: +-1 by a seed, or a single coordinate.
+struct Probe {
+  int kind;  // 0 q, 1 v, 2 u
+  Eigen::VectorXd x;
+};
+std::vector<Probe> probes(int nv, int nu) {
+  std::vector<Probe> list;
+  for (int kind = 0; kind < 3; ++kind) {
+    const int n = kind == 2 ? nu : nv;
+    std::mt19937 rng(7 + kind);
+    for (int k = 0; k < std::min(n, 3); ++k) {
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+      if (n <= 3)
+        x[k] = 1;
+      else
+        for (double& e : x) e = rng() % 2 ? 1 : -1;
+      list.push_back({kind, x});
+    }
+  }
+  return list;
+}
+
+Direction direction_of(const Case& c, const Probe& p) {
+  const std::vector<double> none(c.nv(), 0.0);
+  Direction d{none, none, none};
+  if (p.kind < 2) {
+    (p.kind == 0 ? d.q : d.v).assign(p.x.begin(), p.x.end());
+    return d;
+  }
+  int first = 0, u = 0;
+  for (const Tree& t : c.trees) {
+    for (int k = t.free(); k < t.nv; ++k) d.tau[first + k] = p.x[u++];
+    first += t.nv;
+  }
+  return d;
+}
+
+void Trying::judge_derivatives(const Answer& t) {
+  const Scene& scene = file.scene;
+  differentiate(scene, data);
+  const SceneDerivatives d = dense_derivatives(scene, data);
+  const Blocks blocks{{&d.da_dq, &d.da_dv, &d.da_du}, {&d.dforces_dq, &d.dforces_dv, &d.dforces_du}};
+  for (int k = 0; k < 3; ++k)
+    if (!blocks.a[k]->allFinite() || !blocks.f[k]->allFinite()) {
+      if (t.condition < 1e10) find(Fault::kNotFinite, text("derivatives, condition %.1e", t.condition));
+      return;
+    }
+  // What vanishes is judged beside what it is a difference of.
+  const double motion = std::max({size_of(t.a, 0, t.a.size()), trial.truth.free_size(), t.terms});
+  double speed = 1, free = 0;
+  const double J = trial.truth.largest_J();
+  for (const Tree& tree : trial.c.trees)
+    for (double v : tree.v) speed = std::max(speed, std::abs(v));
+  for (int k = 0; k < trial.truth.nv(); ++k) free = std::max(free, 1 / static_cast<double>(trial.truth.M()(k, k)));
+  const double force = std::max(size_of(t.f, 0, t.f.size()), 1e-6 * trial.truth.load() / J);
+  const double floor_a[3] = {motion, motion / speed, 1e-4 * free}, floor_f[3] = {force, force / speed, 1e-4 / J};
+  const char* names[2][3] = {{"da_dq", "da_dv", "da_du"}, {"dforces_dq", "dforces_dv", "dforces_du"}};
+  bool good = true;
+  for (const Probe& p : probes(scene.nv, scene.nu)) {
+    const Direction along = direction_of(trial.c, p);
+    const Slopes truth = trial.truth.along(t.rank, along);
+    const auto part = [&](int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
+      const Eigen::VectorXd x = block * p.x;
+      const double off = distance(span(x), right, 0, right.size()), size = std::max(floor, largest(block));
+      if (off <= 10 * allowed(t) * size) return;
+      if (trial.blurs.empty()) trial.blur();
+      double noise = kEps * (which == 0 && p.kind == 2 ? std::max(size, free) : size);
+      for (auto& b : trial.blurs) {
+        if (!b->at(t.rank).regular) return;
+        const Slopes other = b->along(t.rank, along);
+        const Column& moved = which == 0 ? other.a : other.f;
+        for (std::size_t k = 0; k < right.size(); ++k)
+          noise = most(static_cast<double>(fabsq(moved[k] - right[k])), noise);
+      }
+      if (off <= 10 * kNoise * noise) return;
+      good = false;
+      find(Fault::kDerivative, text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e",
+                                    names[which][p.kind], off, size, 10 * allowed(t), noise,
+                                    to_string(data.report.status).c_str(), t.condition));
+    };
+    part(0, *blocks.a[p.kind], truth.a, floor_a[p.kind]);
+    part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
+    if (!good) return;
+  }
+  judge_products(t, blocks, floor_a, floor_f);
+}
+
+void Trying::judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f) {
+  const Scene& scene = file.scene;
+  std::mt19937 rng(3);
+  const auto signs = [&](Eigen::Index n) {
+    Eigen::VectorXd x(n);
+    for (double& e : x) e = rng() % 2 ? 1 : -1;
+    return x;
+  };
+  const Eigen::VectorXd x[3] = {signs(scene.nv), signs(scene.nv), signs(scene.nu)};
+  Eigen::VectorXd da(scene.nv), df(data.f.size());
+  jvp(scene, data, x[0], x[1], x[2], da, df);
+  Eigen::VectorXd right_a = Eigen::VectorXd::Zero(da.size()), right_f = Eigen::VectorXd::Zero(df.size());
+  double size_a = 0, size_f = 0;
+  for (int k = 0; k < 3; ++k) {
+    right_a += *blocks.a[k] * x[k], right_f += *blocks.f[k] * x[k];
+    size_a = std::max({size_a, floor_a[k], largest(*blocks.a[k])});
+    size_f = std::max({size_f, floor_f[k], largest(*blocks.f[k])});
+  }
+  const double tolerance = 20 * allowed(t);
+  const auto near = [&](const char* name, const Eigen::VectorXd& got, const Eigen::VectorXd& right, double size) {
+    if (right.size() > 0 && !(largest(got - right) <= tolerance * size))
+      find(Fault::kProduct, text("%s off by %.1e of %.1e, allowed %.1e, condition %.1e", name, largest(got - right), size,
+                                 tolerance, t.condition));
+  };
+  near("jvp a", da, right_a, size_a), near("jvp f", df, right_f, size_f);
+  const Eigen::VectorXd wa = signs(scene.nv) / size_a, wf = size_f > 0 ? signs(df.size()) / size_f : signs(df.size());
+  Eigen::VectorXd w[3] = {Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nu)};
+  vjp(scene, data, wa, wf, w[0], w[1], w[2]);
+  for (int k = 0; k < 3; ++k)
+    near("vjp", w[k], blocks.a[k]->transpose() * wa + blocks.f[k]->transpose() * wf, scene.nv + df.size());
+}
+
+bool Trying::values() {
+  const Scene& scene = file.scene;
+  const Report& r = solve(scene, file.q, file.v, file.u, data);
+  if (r.status == Status::kRegularised) return false;
+  const std::vector<int>& ranks = trial.truth.ranks();
+  if (r.status == Status::kFailed) {
+    const Answer& t = trial.truth.at(ranks.back());
+    if (method != Method::kDenseSchur && t.regular && t.condition < 1e10)
+      find(Fault::kNoAnswer, text("%s, condition %.1e, rank %d of %d", to_string(r.islands.front().reason).c_str(),
+                                  t.condition, t.rank, trial.truth.rows()));
+    return false;
+  }
+  const Answer* best = nullptr;
+  double least = 0;
+  bool any_regular = false;
+  for (int rank : ranks) {
+    const Answer& t = trial.truth.at(rank);
+    if (!t.regular) continue;
+    any_regular = true;
+    const double e = excess(t);
+    if (rank == r.rank && (!best || best->rank != r.rank || e < least)) best = &t, least = e;
+    if (!best) best = &t, least = e;
+  }
+  if (!any_regular) {
+    find(Fault::kSingular, text("%s, largest a %.1e", to_string(r.status).c_str(), largest(data.a)));
+    return false;
+  }
+  if (best->rank != r.rank) {
+    find(Fault::kRank, text("rank %d, right is %d of %d", r.rank, best->rank, trial.truth.rows()));
+    return false;
+  }
+  estimate_condition(scene, data);
+  estimate_errors(scene, data);
+  const std::size_t before = out.findings.size();
+  judge_values(*best);
+  judge_status(*best);
+  judge_condition(*best);
+  judge_bounds(*best);
+  const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;
+  if (exact && out.findings.size() == before) judge_derivatives(*best);
+  return true;
+}
+
+void judge_quasi_static(Trial& trial, const SceneFile& file, Judgement& out) {
+  double spread = 1;
+  const auto right = trial.truth.quasi_static(spread);
+  if (!right) return;
+  const Eigen::VectorXd u = quasi_static(file.scene, file.q);
+  double off = 0, size = 0, weight = 0;
+  for (std::size_t k = 0; k < right->size(); ++k) {
+    off = most(std::abs(u[k] - (*right)[k]), off);
+    size = most(std::abs((*right)[k]), size);
+  }
+  for (const Tree& t : trial.c.trees)
+    for (const Link& l : t.links)
+      for (double g : trial.c.gravity) weight = std::max(weight, l.mass * std::abs(g));
+  const double tolerance = std::max(1e-12, 1000 * kEps * spread * spread);
+  if (tolerance < 1 && !(off <= tolerance * std::max(size, 1e-3 * weight)))
+    out.findings.push_back({Fault::kQuasiStatic, "", text("off by %.1e of %.1e, allowed %.1e", off, size, tolerance)});
+}
+
+bool load(const Case& c, const std::string& folder, SceneFile& file, Judgement& out) {
+  try {
+    file = read_scene(write_case(c, folder));
+    return true;
+  } catch (const std::exception& e) {
+    out.findings.push_back({Fault::kLoad, "", e.what()});
+    return false;
+  }
+}
+
+}  // namespace
+
+std::string to_string(Fault fault) {
+  constexpr const char* kNames[] = {"load",      "exception", "no answer", "singular",   "value",
+                                    "rank",      "status",    "condition", "bound",      "silent",
+                                    "derivative", "product",  "not finite", "quasi-static", "impact"};
+  return kNames[static_cast<int>(fault)];
+}
+
+Judgement judge(const Case& c, const std::string& folder, const std::vector<Method>& methods) {
+  return judge_as(c, c, folder, methods);
+}
+
+Judgement judge_as(const Case& c, const Case& given, const std::string& folder, const std::vector<Method>& methods) {
+  Judgement out;
+  SceneFile file;
+  if (!load(given, folder, file, out)) return out;
+  Trial trial(c);
+  for (Method method : methods) {
+    try {
+      Trying trying(trial, file, method, out);
+      out.judged = trying.values() || out.judged;
+    } catch (const std::exception& e) {
+      out.findings.push_back({Fault::kException, to_string(method), e.what()});
+    }
+  }
+  judge_quasi_static(trial, file, out);
+  return out;
+}
+
+Judgement judge_impact(const Case& c, const std::string& folder, const std::vector<Method>& methods) {
+  Judgement out;
+  SceneFile file;
+  if (!load(c, folder, file, out)) return out;
+  Trial trial(c);
+  const std::vector<char> open(file.scene.contacts.size(), 0), closed(file.scene.contacts.size(), 1);
+  for (Method method : methods) {
+    const auto find = [&](std::string words) {
+      out.findings.push_back({Fault::kImpact, to_string(method), std::move(words)});
+    };
+    SimulationData data(file.scene, file.q, file.v, Integrator::kSemiImplicitEuler, 1e-3, {method, {}});
+    data.dynamics.active = open;
+    const VelocityJump jump = switch_contacts(file.scene, closed, data);
+    if (jump.status == Status::kFailed || jump.status == Status::kRegularised) continue;
+    if (jump.status == Status::kInconsistent) find("inconsistent: contacts at rest cannot contradict each other");
+    const int rank = data.dynamics.report.rank;
+    const auto& ranks = trial.truth.ranks();
+    if (std::find(ranks.begin(), ranks.end(), rank) == ranks.end()) {
+      find(text("rank %d, right is %d of %d", rank, ranks.front(), trial.truth.rows()));
+      continue;
+    }
+    Column v, impulse;
+    if (!trial.truth.impact(rank, v, impulse)) continue;
+    out.judged = true;
+    const double tolerance = allowed(trial.truth.at(rank)) * (ranks.size() > 1 ? 100 : 1);
+    const auto part = [&](const char* name, const Eigen::VectorXd& x, const Column& right, double size) {
+      const double off = distance(span(x), right, 0, right.size());
+      if (!(off <= tolerance * size)) find(text("%s off by %.1e of %.1e, allowed %.1e", name, off, size, tolerance));
+    };
+    part("v", data.v, v, std::max(largest(file.v), size_of(v, 0, v.size())));
+    part("impulse", jump.impulse, impulse, size_of(impulse, 0, impulse.size()));
+  }
+  return out;
+}
+
+}  // namespace manycontact::attack

@@ -1,0 +1,181 @@
+// The kinds of fault that an attack found once, each by inputs of its own, and the inputs themselves where they are.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "support/methods.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+std::vector<Method> methods_for_dependent_rows() {
+  std::vector<Method> list;
+  for (Method m : methods())
+    if (m != Method::kDenseSchur) list.push_back(m);
+  return list;
+}
+
+struct Solved {
+  SceneFile file;
+  SceneData data;
+  Solved(SceneFile f, Method method) : file(std::move(f)), data(file.scene, {method, {}}) {
+    solve(file.scene, file.q, file.v, file.u, data);
+  }
+  const Report& report() const { return data.report; }
+};
+
+// Of ../shared/attack/faults, where that is.
+class Reported : public testing::Test {
+ protected:
+  SceneFile load(const std::string& name) const {
+    return load_scene(std::string(MANYCONTACT_SHARED_DIR) + "/attack/faults/" + name + "/scene.xml");
+  }
+  void SetUp() override {
+    if (!std::filesystem::exists(std::string(MANYCONTACT_SHARED_DIR) + "/attack/faults")) GTEST_SKIP();
+  }
+  void expect_forces(const std::string& name, int rank, const std::vector<double>& f) const {
+    for (Method method : methods_for_dependent_rows()) {
+      SCOPED_TRACE(to_string(method));
+      const Solved s(load(name), method);
+      EXPECT_EQ(s.report().status, Status::kRedundant);
+      EXPECT_EQ(s.report().rank, rank);
+      for (std::size_t k = 0; k < f.size(); ++k) EXPECT_NEAR(s.data.f[k], f[k], 1e-10 * std::abs(f[k]));
+    }
+  }
+};
+
+TEST_F(Reported, TwoJointsHoldTwoRows) {
+  expect_forces("01-spurious-rank-arm-2-joints", 2, {8.875890210111, 1.621498668751, 1.867407129701});
+}
+TEST_F(Reported, TwoPointsHoldFiveRows) {
+  expect_forces("02-spurious-rank-box-2-points", 5,
+                {1.332198509811, -4.866052204993, 1.132697617452, -3.761427739041, -6.342942324290, -16.684128741732});
+}
+TEST_F(Reported, FourFeetHoldNoMoreThanThereIs) {
+  for (Method method : methods_for_dependent_rows()) {
+    SCOPED_TRACE(to_string(method));
+    const Solved s(load("03b-spurious-rank-anymal-four-feet"), method);
+    EXPECT_EQ(s.report().rank, 18);
+    EXPECT_NEAR(contact_force(s.file.scene, s.data, "lh_foot")[1], 115.67, 0.005);
+  }
+}
+TEST_F(Reported, SingularInertiaFails) {
+  for (Method method : methods()) {
+    SCOPED_TRACE(to_string(method));
+    EXPECT_EQ(Solved(load("04-singular-inertia-ok"), method).report().status, Status::kFailed);
+  }
+}
+TEST_F(Reported, ALightLinksForcesChangeRightly) {
+  for (Method method : methods_for_dependent_rows()) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("05-dforces-dq-light-link"), method);
+    differentiate(s.file.scene, s.data);
+    EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).dforces_dq(2, 2), -5.8100865282252, 1e-10);
+  }
+}
+TEST_F(Reported, ASmallContradictionCounts) {
+  for (Method method : methods_for_dependent_rows()) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("07-contradiction-dropped-spinning"), method);
+    differentiate(s.file.scene, s.data);
+    EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).da_dq(1, 2), 0.002571686386, 1e-9);
+  }
+}
+TEST_F(Reported, PanelsOfSecondOpinionsAreRefined) {
+  for (Method method : {Method::kSparseCholmod, Method::kSuiteSparseLdl}) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("12-da-du-second-opinion"), method);
+    differentiate(s.file.scene, s.data);
+    EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).da_du(6, 0), 0, 1e-7);
+  }
+}
+TEST_F(Reported, DampedDerivativesAreNumbers) {
+  for (Method method : methods()) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("13-nan-derivatives-supernodal"), method);
+    differentiate(s.file.scene, s.data);
+    EXPECT_TRUE(dense_derivatives(s.file.scene, s.data).da_dq.allFinite());
+  }
+}
+TEST_F(Reported, TheConditionOfASmallKIsExact) {
+  for (Method method : methods()) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("14-condition-38-times-too-low"), method);
+    estimate_condition(s.file.scene, s.data);
+    EXPECT_NEAR(s.report().condition, 10300022, 1e-3 * 10300022);
+  }
+}
+
+// ---- kinds ----------------------------------------------------------------------------------------------------
+
+SceneFile box(const std::string& contacts, const std::string& attributes = "") {
+  return load_text("<scene name=\"s\" " + attributes + "><robot name=\"r\" urdf=\"box.urdf\" base=\"floating\"/>" +
+                   contacts + "</scene>");
+}
+
+// Six rows at the end of a lever hold a body whatever the lever's length: radians are not metres.
+TEST(Rank, DoesNotDependOnLevers) {
+  for (const char* lever : {"1e3", "1e5", "1e6", "1e7", "1e8"})
+    for (Method method : methods()) {
+      const Solved s(box("<contact name=\"c\" type=\"6d\" frame=\"r/crate\" offset=\"" + std::string(lever) + " 0 0\"/>"),
+                     method);
+      if (method == Method::kDenseSchur && s.report().status == Status::kFailed) continue;  // the baseline may give up
+      EXPECT_EQ(s.report().rank, 6) << lever << " " << to_string(method);
+      EXPECT_LE(s.data.a.cwiseAbs().maxCoeff(), 1e-6 * 9.81) << lever << " " << to_string(method);
+    }
+}
+
+// Points that nearly coincide leave small pivots, and nothing that they are wrong by is a row of its own.
+TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
+  for (double apart : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
+    const auto point = [&](const char* name, double at) {
+      return "<contact name=\"" + std::string(name) + "\" type=\"3d\" frame=\"r/crate\" offset=\"0.3 " +
+             std::to_string(at) + " 0.1\"/>";
+    };
+    const SceneFile file = box(point("a", 0) + point("b", apart) + point("c", 2 * apart));  // on a line: rank 5
+    for (Method method : methods_for_dependent_rows()) {
+      const Solved s(file, method);
+      EXPECT_EQ(s.report().rank, 5) << apart << " " << to_string(method);
+      EXPECT_EQ(s.report().status, Status::kRedundant) << apart << " " << to_string(method);
+    }
+  }
+}
+
+// Millimetres beside metres: what a short lever leaves of a row is as good as a long one's.
+TEST(Rank, DoesNotDependOnUnits) {
+  for (const char* y : {"1", "1e-3", "1e-5"}) {
+    const SceneFile file = box("<contact name=\"far\" type=\"3d\" frame=\"r/crate\" offset=\"1e4 0 0\"/>"
+                               "<contact name=\"near\" type=\"2d\" frame=\"r/crate\" offset=\"0 " +
+                               std::string(y) + " 0\"/>");
+    for (Method method : methods_for_dependent_rows())
+      EXPECT_EQ(Solved(file, method).report().rank, 5) << y << " " << to_string(method);
+  }
+}
+
+// Hundreds of points on one body: six rows hold it, at a cost linear in the points.
+TEST(ManyContacts, OnOneBodyAreLeftToTheDenseMethod) {
+  std::string contacts;
+  for (int k = 0; k < 120; ++k) {
+    const std::string x = std::to_string(0.01 * (k % 12)), y = std::to_string(0.013 * (k / 12));
+    contacts += "<contact name=\"c" + std::to_string(k) + "\" type=\"3d\" frame=\"r/crate\" offset=\"" + x + " " + y +
+                " 0\"/>";
+  }
+  const SceneFile file = box(contacts);
+  Solved s(file, Method::kAuto);
+  EXPECT_EQ(s.report().islands[0].method, Method::kDense);
+  EXPECT_EQ(s.report().rank, 6);
+  EXPECT_EQ(s.report().status, Status::kRedundant);
+  const Solved sparse(file, Method::kSparseLdl);
+  EXPECT_LE((s.data.f - sparse.data.f).cwiseAbs().maxCoeff(), 1e-9 * s.data.f.cwiseAbs().maxCoeff());
+  differentiate(s.file.scene, s.data);
+  EXPECT_TRUE(dense_derivatives(s.file.scene, s.data).dforces_dq.allFinite());
+}
+
+}  // namespace
+}  // namespace manycontact::test

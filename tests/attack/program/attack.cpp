@@ -1,0 +1,75 @@
+// usage: attack SECONDS FIRST_SEED FOLDER [DIMENSION...]   random cases for that long from that seed on; what is found
+// is shrunk and kept in FOLDER, one folder a fault. Exit 1 where anything was found.
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "attack/judge.hpp"
+#include "support/folder.hpp"
+#include "support/methods.hpp"
+
+namespace manycontact::attack {
+namespace {
+
+struct Tally {
+  int cases = 0, judged = 0, faulty = 0;
+  std::map<std::string, int> faults;
+};
+
+// The smallest case found of a fault, with what was found and how to see it again.
+void keep(const Case& c, const Finding& finding, const std::string& folder) {
+  test::TemporaryFolder scratch;
+  const std::vector<Method> methods =
+      finding.method.empty() ? std::vector<Method>{} : std::vector<Method>{*method_from_string(finding.method)};
+  const auto same = [&](const Case& smaller) {
+    for (const Finding& f : judge(smaller, scratch.path().string(), methods).findings)
+      if (f.fault == finding.fault) return true;
+    return false;
+  };
+  const Case small = shrunk(c, same);
+  const std::string scene = write_case(small, folder);
+  std::ofstream(folder + "/finding.txt") << c.name << "\n"
+                                         << to_string(finding.fault) << ": " << finding.text << "\n"
+                                         << "manycontact solve " << scene << " --derivatives"
+                                         << (finding.method.empty() ? "" : " --method " + finding.method) << "\n";
+}
+
+int attack(double seconds, std::uint64_t first, const std::string& folder, const std::vector<std::string>& dimensions) {
+  test::TemporaryFolder scratch;
+  Tally tally;
+  std::map<std::string, int> kept;
+  const auto start = std::chrono::steady_clock::now();
+  const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  for (std::uint64_t seed = first; spent() < seconds; ++seed) {
+    const Case c = random_case(seed, dimensions.empty() ? draw_dimensions(seed, kDimensions) : dimensions);
+    const Judgement j = judge(c, scratch.path().string(), test::methods());
+    ++tally.cases, tally.judged += j.judged, tally.faulty += !j.findings.empty();
+    for (const Finding& f : j.findings) {
+      ++tally.faults[to_string(f.fault)];
+      std::printf("%s: %s %s: %s\n", c.name.c_str(), f.method.c_str(), to_string(f.fault).c_str(), f.text.c_str());
+    }
+    constexpr int kKept = 5;  // of a kind: more teach nothing new
+    if (!j.findings.empty() && kept[to_string(j.findings.front().fault)]++ < kKept)
+      keep(c, j.findings.front(), folder + "/" + to_string(j.findings.front().fault) + "-" + std::to_string(seed));
+  }
+  std::printf("%d cases, %d of them judged, %d with a fault", tally.cases, tally.judged, tally.faulty);
+  for (const auto& [name, count] : tally.faults) std::printf("; %s %d", name.c_str(), count);
+  std::printf("\n");
+  return tally.faulty > 0;
+}
+
+}  // namespace
+}  // namespace manycontact::attack
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    std::fprintf(stderr, "usage: attack SECONDS FIRST_SEED FOLDER [DIMENSION...]\n");
+    return 2;
+  }
+  return manycontact::attack::attack(std::atof(argv[1]), std::strtoull(argv[2], nullptr, 10), argv[3],
+                                     {argv + 4, argv + argc});
+}
