@@ -88,6 +88,21 @@ std::vector<std::string> files_of(const SceneElements& elements, const std::vect
   return files;
 }
 
+SceneFile scene_of(const std::string& bytes, const std::string& path) {
+  SceneElements elements;
+  const Element root = IncludeReader(elements).read(path, bytes);
+
+  SceneFile out;
+  out.path = path;
+  out.scene.name = root.optional("name", std::filesystem::path(path).stem().string());
+  out.scene.gravity = gravity_of(root);
+  out.scene.damping = root.number("damping", 0);
+  add_robots(elements.robots, out);
+  out.files = files_of(elements, out.robot_groups);
+  add_contacts(elements.contacts, out);
+  return out;
+}
+
 }  // namespace
 }  // namespace io
 
@@ -95,22 +110,12 @@ SceneFile read_scene(const std::string& path) {
   std::string problem;
   const std::string text = io::read_file(path, problem);
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a scene file");
-  return read_scene_text(text, path);
+  return io::scene_of(text, path);
 }
 
 SceneFile read_scene_text(const std::string& text, const std::string& path) {
-  io::SceneElements elements;
-  const io::Element root = io::IncludeReader(elements).read(path, text);
-
-  SceneFile out;
-  out.path = path;
-  out.scene.name = root.optional("name", std::filesystem::path(path).stem().string());
-  out.scene.gravity = io::gravity_of(root);
-  out.scene.damping = root.number("damping", 0);
-  io::add_robots(elements.robots, out);
-  out.files = io::files_of(elements, out.robot_groups);
-  io::add_contacts(elements.contacts, out);
-  return out;
+  constexpr const char* kUtf8Mark = "\xEF\xBB\xBF";  // goes before a declaration of another encoding
+  return io::scene_of(text.starts_with(kUtf8Mark) ? text : kUtf8Mark + text, path);
 }
 
 }  // namespace manycontact

@@ -97,6 +97,9 @@ TEST_F(Encoding, OfScenes) {
   };
   EXPECT_EQ(scene(declared("ISO-8859-1"), "\xE9"), "\xC3\xA9");
   EXPECT_EQ(scene("\xEF\xBB\xBF", "x"), "x");
+  // text that is decoded already, as Python's, is UTF-8 whatever it declares
+  const std::string text = declared("ISO-8859-1") + "<scene><robot name=\"\xC3\xA9\" urdf=\"robot.urdf\"/></scene>";
+  EXPECT_EQ(read_scene_text(text, (folder_ / "scene.xml").string()).scene.robots.at(0).name, "\xC3\xA9");
   EXPECT_EQ(scene("", "&#xD800;").find("2: refers to"), 0u);
   EXPECT_EQ(scene("", "&#0;x").find("2: refers to"), 0u);
 }

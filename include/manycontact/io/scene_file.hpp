@@ -43,7 +43,7 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
 /// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN: they take a
 /// solver, and load_scene (analysis/load_scene.hpp) fills them.
 SceneFile read_scene(const std::string& path);
-/// The same of XML text, as if it stood in the file `path`, which need not exist.
+/// The same of XML text, UTF-8 whatever it declares, as if it stood in the file `path`, which need not exist.
 SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

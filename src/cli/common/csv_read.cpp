@@ -76,7 +76,9 @@ std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
         cell += line[i];
         if (line[i] == '"') ++i;
       }
-      if (i >= line.size()) fail("cell " + std::to_string(cells.size() + 1) + " has a quote that is not closed");
+      if (i >= line.size())
+        fail("cell " + std::to_string(cells.size() + 1) +
+             " has a quote that is not closed, expected its end on the same line");
       at = i + 1;
       if (at < line.size() && line[at] != ',')
         fail("cell " + std::to_string(cells.size() + 1) + " goes on behind its closing quote, expected a comma");
