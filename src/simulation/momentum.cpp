@@ -57,7 +57,7 @@ void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups&
   for (const FreeGroups::FreeJoint& j : groups.joints) {
     const Model& model = *scene.robots[j.robot].model;
     const Joint& joint = model.joints[j.joint];
-    if (has_own_forces(model, joint) || (j.parent != 0 && joint.actuated)) sets.join(j.node, j.parent);
+    if (has_own_forces(model, joint) || (joint.parent >= 0 && joint.actuated)) sets.join(j.node, j.parent);
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (!active[c]) continue;
@@ -235,8 +235,9 @@ void begin_free_motion(const Scene& scene, const std::vector<char>& active, cons
   }
   for (const FreeGroups::FreeJoint& j : groups.joints) {
     FreeGroup& group = group_at(groups, j.node);
-    groups.nested = groups.nested || j.parent != 0;
-    if (!group.tied && j.parent == 0) add_torques_of(scene, j, u, h, kin, group);
+    const bool at_world = scene.robots[j.robot].model->joints[j.joint].parent < 0;
+    groups.nested = groups.nested || !at_world;
+    if (!group.tied && at_world) add_torques_of(scene, j, u, h, kin, group);
   }
   for (FreeGroup& group : groups.groups)
     if (!group.tied) group.C_next += h / group.Y.m * group.P_next;

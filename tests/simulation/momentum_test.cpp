@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "manycontact/algorithm/energy.hpp"
 #include "simulation/scenes.hpp"
 
@@ -91,7 +93,7 @@ TEST(Momentum, OfAPlanarJoint) {
       const SimulationData sim = simulated(s, kEuler, 10, 10000);
       EXPECT_LE(linear_error(s, sim), 1e-12);
       const Vec3<double> n = base.R.col(2);
-      EXPECT_NEAR(n.dot(end_of(s, sim).momentum.tail<3>()), n.dot(start_of(s).momentum.tail<3>()), 1e-10);
+      EXPECT_NEAR(n.dot(end_of(s, sim).momentum.tail<3>()), n.dot(start_of(s).momentum.tail<3>()), 1e-9);  // of 71
     }
 }
 
@@ -159,6 +161,7 @@ TEST(Momentum, OfAFloatingJointInsideATree) {
       tree.joints = {turning, inner};
       tree.floating_base = false;
     }
+    tree.armature.resize(0);
     finalize(tree);
     std::mt19937 rng(4);
     RandomScene s = alone(tree, 3 * random_vector(tree.nv, rng));

@@ -156,7 +156,7 @@ TEST(Order, EnergyAndMomentumOfATumblingBody) {
         const double order = i == 0 ? m.energy_order : m.momentum_order;
         if (order == 0) EXPECT_LE(error[i], 1e-12) << m.name;
         if (order > 0 && steps == 2000 && error[i] > 1e-11)
-          EXPECT_NEAR(std::log2(last[i] / error[i]), order, 0.3) << m.name << " " << i;
+          EXPECT_GE(std::log2(last[i] / error[i]), order - 0.2) << m.name << " " << i;
         last[i] = error[i];
       }
     }

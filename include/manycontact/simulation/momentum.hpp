@@ -49,7 +49,8 @@ struct FreeGroups {
   explicit FreeGroups(const Scene& scene);
 
   struct FreeJoint {                 // a joint below which a group may begin: floating, or planar at the world
-    int robot, joint, node, parent;  // node: of the bodies below it; parent: of those above; 0: the world
+    int robot, joint, node, parent;  // node: of the bodies below it; parent: of those above. 0: what stands in the
+                                     // world, or hangs on it by ordinary joints
   };
   std::vector<FreeJoint> joints;  // in the scene's order
   std::vector<int> first_body;    // per robot
