@@ -58,8 +58,7 @@ void add_contact_models(py::module_& m) {
            py::arg("id"), py::arg("pref"), py::arg("type"), with_gains)
       .def_property(
           "reference", [](const ContactModel6D& c) -> SE3<double> { return c.get_reference(); },
-          &ContactModel6D::set_reference,
-          "SE3 in the world.");
+          &ContactModel6D::set_reference, "SE3 in the world.");
   contact<ContactModelBetweenBodies>(m, "ContactModelBetweenBodies", "A frame held to a frame of another body.")
       .def(py::init<State, ContactType, std::size_t, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t,
                     const Gains2&, const Eigen::Vector3d&>(),

@@ -3,7 +3,8 @@
 // a ValueError that says why: other shapes, and numbers that are not finite. What is no array of numbers at all is
 // pybind11's TypeError.
 //
-//   Eigen matrices, vectors    copied, both ways; what a property gives, which assigning to an element would not change,
+//   Eigen matrices, vectors    copied, both ways; what a property gives, which assigning to an element would not
+//   change,
 //                              cannot be written into
 //   Ref<const VectorXd>        not copied in where the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers, any numbers

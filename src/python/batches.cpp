@@ -43,7 +43,7 @@ struct NewRows {
   py::array_t<double> array;
 };
 
-py::array status_array(const std::vector<Status>& status) {
+py::array_t<std::int8_t> status_array(const std::vector<Status>& status) {
   py::array_t<std::int8_t> out(static_cast<py::ssize_t>(status.size()));
   for (std::size_t i = 0; i < status.size(); ++i) out.mutable_data()[i] = static_cast<std::int8_t>(status[i]);
   return out;
@@ -73,13 +73,20 @@ void run_batch(Eigen::Index states, Work&& work) {
   } while (first < states);
 }
 
-py::tuple batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py::handle u, BatchData& batch,
+using Numbers = py::array_t<double>;
+using Worth = py::array_t<std::int8_t>;
+struct Solutions {
+  Numbers a, f, derivatives;
+  Worth status;
+};
+
+Solutions batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py::handle u, BatchData& batch,
                              bool derivatives) {
   const char* name = derivatives ? "differentiate_batch" : "solve_batch";
   const Rows Q = rows_of(name, "Q", q);
-  const Eigen::Index n = Q.array.shape(0), nf = force_rows(scene, batch);
+  const Eigen::Index n = Q.array.shape(0), nf = force_rows(scene, batch), rows = scene.nv + nf;
   const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
-  NewRows A(n, scene.nv), F(n, nf), D(n, derivatives ? (scene.nv + nf) * (2 * scene.nv + scene.nu) : 0);
+  NewRows A(n, scene.nv), F(n, nf), D(n, derivatives ? rows * (2 * scene.nv + scene.nu) : 0);
   std::vector<Status> status(static_cast<std::size_t>(n));
   run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
     const BatchStates states{Q.part(k, count), V.part(k, count), U.part(k, count)};
@@ -89,13 +96,13 @@ py::tuple batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py:
     else
       solve_batch(scene, states, batch, A.part(k, count), F.part(k, count), worth);
   });
-  if (!derivatives) return py::make_tuple(A.array, F.array, status_array(status));
-  const py::object blocks = D.array.attr("reshape")(n, scene.nv + nf, 2 * scene.nv + scene.nu);
-  return py::make_tuple(A.array, F.array, blocks, status_array(status));
+  if (derivatives) D.array = D.array.reshape({n, rows, Eigen::Index(2 * scene.nv + scene.nu)});
+  return {A.array, F.array, D.array, status_array(status)};
 }
 
-py::tuple batch_of_products(const Scene& scene, py::handle q, py::handle v, py::handle u, py::handle wa, py::handle wf,
-                            BatchData& batch) {
+std::tuple<Numbers, Numbers, Numbers, Worth> batch_of_products(const Scene& scene, py::handle q, py::handle v,
+                                                               py::handle u, py::handle wa, py::handle wf,
+                                                               BatchData& batch) {
   const char* name = "vjp_batch";
   const Rows Q = rows_of(name, "Q", q);
   const Eigen::Index n = Q.array.shape(0);
@@ -108,7 +115,7 @@ py::tuple batch_of_products(const Scene& scene, py::handle q, py::handle v, py::
               batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count),
               std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count)));
   });
-  return py::make_tuple(WQ.array, WV.array, WU.array, status_array(status));
+  return {WQ.array, WV.array, WU.array, status_array(status)};
 }
 
 void add_batch_data(py::module_& m) {
@@ -141,14 +148,16 @@ void add_batch_functions(py::module_& m) {
   m.def(
       "solve_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
-        return batch_of_solutions(scene, Q, V, U, batch, false);
+        const Solutions s = batch_of_solutions(scene, Q, V, U, batch, false);
+        return std::make_tuple(s.a, s.f, s.status);
       },
       py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
       (std::string("(A, F, status): accelerations (n, nv) and forces (n, rows) of many states.") + states).c_str());
   m.def(
       "differentiate_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
-        return batch_of_solutions(scene, Q, V, U, batch, true);
+        const Solutions s = batch_of_solutions(scene, Q, V, U, batch, true);
+        return std::make_tuple(s.a, s.f, s.derivatives, s.status);
       },
       py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
       (std::string("(A, F, D, status): with derivatives D (n, nv + rows, 2 nv + nu) of [a; f] by [q v u].") + states)

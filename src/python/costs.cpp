@@ -32,9 +32,12 @@ template <class Cone, class Class>
 Class& add_friction(Class& c) {
   return c.def_property_readonly("nf", &Cone::get_nf, "Facets.")
       .def_property("mu", &Cone::get_mu, [](Cone& x, double mu) { x.set_mu(mu), x.update(); })
-      .def_property("inner_appr", &Cone::get_inner_appr, [](Cone& x, bool inner) { x.set_inner_appr(inner), x.update(); })
-      .def_property("min_nforce", &Cone::get_min_nforce, [](Cone& x, double f) { x.set_min_nforce(f), x.update(); }, "[N]")
-      .def_property("max_nforce", &Cone::get_max_nforce, [](Cone& x, double f) { x.set_max_nforce(f), x.update(); }, "[N]");
+      .def_property("inner_appr", &Cone::get_inner_appr,
+                    [](Cone& x, bool inner) { x.set_inner_appr(inner), x.update(); })
+      .def_property(
+          "min_nforce", &Cone::get_min_nforce, [](Cone& x, double f) { x.set_min_nforce(f), x.update(); }, "[N]")
+      .def_property(
+          "max_nforce", &Cone::get_max_nforce, [](Cone& x, double f) { x.set_max_nforce(f), x.update(); }, "[N]");
 }
 
 template <class Cone, class Class>
@@ -53,28 +56,30 @@ py::tuple by_constructor(Arguments&&... arguments) {
 void add_cones(py::module_& m) {
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
   const auto infinite = py::arg_v("max_nforce", std::numeric_limits<double>::infinity(), "float('inf')");
-  py::class_<FrictionCone> friction(m, "FrictionCone", "lb <= A f <= ub on a force (3): nf facets and the normal force.");
-  friction
-      .def(py::init<const Eigen::Matrix3d&, double, std::size_t, bool, double, double>(),
-           py::arg_v("R", I, "numpy.eye(3)"), py::arg("mu") = 0.7, py::arg("nf") = 4, py::arg("inner_appr") = true,
-           py::arg("min_nforce") = 0.0, infinite, "R: the cone's axes in the axes of f, z the normal. Forces in N.");
+  py::class_<FrictionCone> friction(m, "FrictionCone",
+                                    "lb <= A f <= ub on a force (3): nf facets and the normal force.");
+  friction.def(py::init<const Eigen::Matrix3d&, double, std::size_t, bool, double, double>(),
+               py::arg_v("R", I, "numpy.eye(3)"), py::arg("mu") = 0.7, py::arg("nf") = 4, py::arg("inner_appr") = true,
+               py::arg("min_nforce") = 0.0, infinite,
+               "R: the cone's axes in the axes of f, z the normal. Forces in N.");
   add_friction<FrictionCone>(add_cone<FrictionCone>(friction)).def("__reduce__", [](const FrictionCone& x) {
-    return by_constructor<FrictionCone>(copy(x.get_R()), x.get_mu(), x.get_nf(), x.get_inner_appr(),
-                                        x.get_min_nforce(), x.get_max_nforce());
+    return by_constructor<FrictionCone>(copy(x.get_R()), x.get_mu(), x.get_nf(), x.get_inner_appr(), x.get_min_nforce(),
+                                        x.get_max_nforce());
   });
 
-  py::class_<WrenchCone> wrench(m, "WrenchCone", "lb <= A w <= ub on a wrench (6) of a rectangular foot: nf + 13 rows.");
-  wrench
-      .def(py::init<const Eigen::Matrix3d&, double, const Eigen::Vector2d&, std::size_t, bool, double, double>(),
-           py::arg("R"), py::arg("mu"), py::arg("box"), py::arg("nf") = 4, py::arg("inner_appr") = true,
-           py::arg("min_nforce") = 0.0, infinite, "box: length and width [m].");
+  py::class_<WrenchCone> wrench(m, "WrenchCone",
+                                "lb <= A w <= ub on a wrench (6) of a rectangular foot: nf + 13 rows.");
+  wrench.def(py::init<const Eigen::Matrix3d&, double, const Eigen::Vector2d&, std::size_t, bool, double, double>(),
+             py::arg("R"), py::arg("mu"), py::arg("box"), py::arg("nf") = 4, py::arg("inner_appr") = true,
+             py::arg("min_nforce") = 0.0, infinite, "box: length and width [m].");
   add_box<WrenchCone>(add_friction<WrenchCone>(add_cone<WrenchCone>(wrench)));
   wrench.def("__reduce__", [](const WrenchCone& x) {
     return by_constructor<WrenchCone>(copy(x.get_R()), x.get_mu(), copy(x.get_box()), x.get_nf(), x.get_inner_appr(),
                                       x.get_min_nforce(), x.get_max_nforce());
   });
 
-  py::class_<CoPSupport> support(m, "CoPSupport", "lb <= A w <= ub on a wrench (6): centre of pressure inside the box.");
+  py::class_<CoPSupport> support(m, "CoPSupport",
+                                 "lb <= A w <= ub on a wrench (6): centre of pressure inside the box.");
   support.def(py::init<const Eigen::Matrix3d&, const Eigen::Vector2d&>(), py::arg("R"), py::arg("box"));
   add_box<CoPSupport>(add_cone<CoPSupport>(support)).def("__reduce__", [](const CoPSupport& x) {
     return by_constructor<CoPSupport>(copy(x.get_R()), copy(x.get_box()));

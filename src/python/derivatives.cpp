@@ -101,7 +101,8 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 }
 
 void add_derivative_classes(py::module_& m) {
-  py::class_<DerivativeRequest> request(m, "DerivativeRequest", "What to compute; what is not asked for costs nothing.");
+  py::class_<DerivativeRequest> request(m, "DerivativeRequest",
+                                        "What to compute; what is not asked for costs nothing.");
   add_value(request)
       .def(py::init([](bool q, bool v, bool u, bool forces, bool tau) {
              return DerivativeRequest{q, v, u, forces, tau};
@@ -154,15 +155,6 @@ void add_derivative_classes(py::module_& m) {
   member_view(dense, "dforces_dq", &SceneDerivatives::dforces_dq, "(rows of f, nv)");
   member_view(dense, "dforces_dv", &SceneDerivatives::dforces_dv, "(rows of f, nv)");
   member_view(dense, "dforces_du", &SceneDerivatives::dforces_du, "(rows of f, nu)");
-
-  py::class_<Island> island(m, "Island", "Robots joined by active contacts between bodies that move.");
-  add_value(island)
-      .def_readonly("robots", &Island::robots, "Numbers in the scene, ascending.")
-      .def_readonly("contacts", &Island::contacts, "Numbers of the active ones, ascending.")
-      .def_readonly("dof_offset", &Island::dof_offset, "Per robot its first velocity coordinate in the island.")
-      .def_readonly("row_offset", &Island::row_offset, "Per contact its first row in the island.")
-      .def_readonly("nv", &Island::nv)
-      .def_readonly("nc", &Island::nc);
 }
 
 void add_differentiate(py::module_& m) {

@@ -12,9 +12,9 @@ namespace manycontact::python {
 
 using Vector = Eigen::VectorXd;
 
-py::array flags_view(std::vector<char>& flags, py::handle owner) {
+py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner) {
   static_assert(sizeof(bool) == sizeof(char));
-  return py::array(py::dtype::of<bool>(), {flags.size()}, {1}, flags.data(), owner);
+  return py::array_t<bool>({flags.size()}, {1}, reinterpret_cast<const bool*>(flags.data()), owner);
 }
 
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags) {
@@ -68,8 +68,7 @@ void add_data(py::module_& m) {
       .def_property("options", &options_in,
                     [](const Data& d, const Options& options) { d.at_rest().options = options; })
       .def_property(
-          "active",
-          [](const std::shared_ptr<Data>& d) { return flags_view(d->at_rest().active, py::cast(d)); },
+          "active", [](const std::shared_ptr<Data>& d) { return flags_view(d->at_rest().active, py::cast(d)); },
           [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
           "One bool per contact of the scene: write data.active[i] = False to switch a contact.")
       .def_property_readonly(
@@ -89,7 +88,6 @@ void add_data(py::module_& m) {
           "Per contact its first row in f, -1 when not active.")
       .def_property_readonly(
           "report", [](const Data& d) { return d.at_rest().report; }, "Report; a copy.");
-
 }
 
 void add_solutions(py::module_& m) {
@@ -183,6 +181,14 @@ int robot_number(const Scene& scene, const std::string& name) {
 }
 
 void add_views(py::module_& m) {
+  py::class_<Island> island(m, "Island", "Robots joined by active contacts between bodies that move.");
+  add_value(island)
+      .def_readonly("robots", &Island::robots, "Numbers in the scene, ascending.")
+      .def_readonly("contacts", &Island::contacts, "Numbers of the active ones, ascending.")
+      .def_readonly("dof_offset", &Island::dof_offset, "Per robot its first velocity coordinate in the island.")
+      .def_readonly("row_offset", &Island::row_offset, "Per contact its first row in the island.")
+      .def_readonly("nv", &Island::nv)
+      .def_readonly("nc", &Island::nc);
   m.def(
       "island_count", [](const Data& data) { return island_count(data.at_rest()); }, py::arg("data"));
   m.def(

@@ -108,10 +108,10 @@ struct EnumCaster : py::detail::type_caster_base<E> {
 
 }  // namespace manycontact::python
 
-#define MANYCONTACT_ENUMERATION(E)                                      \
-  namespace pybind11::detail {                                          \
-  template <>                                                           \
-  struct type_caster<E> : manycontact::python::EnumCaster<E> {};        \
+#define MANYCONTACT_ENUMERATION(E)                               \
+  namespace pybind11::detail {                                   \
+  template <>                                                    \
+  struct type_caster<E> : manycontact::python::EnumCaster<E> {}; \
   }
 MANYCONTACT_ENUMERATION(manycontact::Status)
 MANYCONTACT_ENUMERATION(manycontact::Method)

@@ -75,7 +75,7 @@ template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  std::function<int(const std::string&)> number = {};   // of the item called so, -1 where there is none
+  std::function<int(const std::string&)> number = {};        // of the item called so, -1 where there is none
   std::function<std::string(const std::string&)> none = {};  // says so
 };
 
@@ -123,10 +123,10 @@ void add_items(py::module_& m, const char* name, const char* doc, bool named) {
 
 }  // namespace manycontact::python
 
-#define MANYCONTACT_HANDLE(T)                                          \
-  namespace pybind11::detail {                                         \
-  template <>                                                          \
-  struct type_caster<T> : manycontact::python::HandleCaster<T> {};     \
+#define MANYCONTACT_HANDLE(T)                                      \
+  namespace pybind11::detail {                                     \
+  template <>                                                      \
+  struct type_caster<T> : manycontact::python::HandleCaster<T> {}; \
   }
 MANYCONTACT_HANDLE(manycontact::Contact)
 MANYCONTACT_HANDLE(manycontact::Attachment)

@@ -6,6 +6,7 @@
 
 namespace manycontact::python {
 
+// clang-format off
 // B3: {}, {}, {}    N3: m1, m2, m3
 #define B1 {}
 #define B2 B1, {}
@@ -62,16 +63,18 @@ namespace manycontact::python {
 #define N25 N24, m25
 #define N26 N25, m26
 #define N27 N26, m27
+// clang-format on
 
 /// Empty braces count the members: an aggregate takes as many of them as it has members, and no more.
 template <class T>
 auto members(T& x) {
   using A = std::remove_const_t<T>;
-  static_assert(!requires { A{B28}; }, "it has more members than members.hpp knows");
-#define TAKE(n)                        \
+  static_assert(
+      !requires { A{B28}; }, "it has more members than members.hpp knows");
+#define TAKE(n)                          \
   if constexpr (requires { A{B##n}; }) { \
-    auto& [N##n] = x;                  \
-    return std::tie(N##n);             \
+    auto& [N##n] = x;                    \
+    return std::tie(N##n);               \
   } else
   // clang-format off
   TAKE(27) TAKE(26) TAKE(25) TAKE(24) TAKE(23) TAKE(22) TAKE(21) TAKE(20) TAKE(19) TAKE(18) TAKE(17) TAKE(16) TAKE(15)

@@ -26,11 +26,14 @@ Placement placement_of_quaternion(const Eigen::Vector4d& q, const Eigen::Vector3
 }
 
 void add_placements(py::module_& m) {
-  py::class_<Placement> c(m, "SE3",
-                          "A placement aMb: x_a = R x_b + p maps coordinates in frame b to frame a. A value, which does\n"
-                          "not change: SE3(M.R, p) is a new one.");
-  add_value(c).def(py::init(&placement), py::arg_v("R", Eigen::Matrix3d(Eigen::Matrix3d::Identity()), "numpy.eye(3)"),
-        py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()), "R: rotation matrix (3, 3); p: translation (3) [m].")
+  py::class_<Placement> c(
+      m, "SE3",
+      "A placement aMb: x_a = R x_b + p maps coordinates in frame b to frame a. A value, which does\n"
+      "not change: SE3(M.R, p) is a new one.");
+  add_value(c)
+      .def(py::init(&placement), py::arg_v("R", Eigen::Matrix3d(Eigen::Matrix3d::Identity()), "numpy.eye(3)"),
+           py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()),
+           "R: rotation matrix (3, 3); p: translation (3) [m].")
       .def_static("from_quaternion", &placement_of_quaternion, py::arg("xyzw"),
                   py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()),
                   "Of a unit quaternion (x, y, z, w) and a translation (3) [m].")

@@ -49,9 +49,7 @@ void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;
     if (auto* type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(member.ptr())))
-      type->operator_new = [](std::size_t) -> void* {
-        throw py::type_error(kHoldsNothing);
-      };
+      type->operator_new = [](std::size_t) -> void* { throw py::type_error(kHoldsNothing); };
   }
 }
 

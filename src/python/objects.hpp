@@ -43,7 +43,7 @@ void member_view(Class& c, const char* name, M member, const char* doc) {
 }
 
 /// An array of bools on flags that hold 0 or 1; it keeps their owner.
-py::array flags_view(std::vector<char>& flags, py::handle owner);
+py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
 /// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
 

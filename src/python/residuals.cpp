@@ -180,8 +180,8 @@ void with_reference(Class& c, const char* doc = "") {
   using X = std::decay_t<decltype(std::declval<T&>().get_reference())>;
   using Given = std::conditional_t<is_matrix<X> || std::is_same_v<X, SE3<double>>, X, const X&>;
   c.def_property(
-      "reference", [](const T& r) -> Given { return r.get_reference(); },
-      [](T& r, const X& x) { r.set_reference(x); }, doc);
+      "reference", [](const T& r) -> Given { return r.get_reference(); }, [](T& r, const X& x) { r.set_reference(x); },
+      doc);
 }
 
 void add_residual_base(py::module_& m) {

@@ -87,9 +87,8 @@ Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, lo
 }
 
 void add_steps(py::module_& m) {
-  add_enumeration<Integrator>(
-      m, "Integrator", "integrator", "Both on the manifold of configurations.",
-      {{"SEMI_IMPLICIT_EULER", Integrator::kSemiImplicitEuler}, {"RK4", Integrator::kRk4}});
+  add_enumeration<Integrator>(m, "Integrator", "integrator", "Both on the manifold of configurations.",
+                              {{"SEMI_IMPLICIT_EULER", Integrator::kSemiImplicitEuler}, {"RK4", Integrator::kRk4}});
   add_enumeration<StepStatus>(m, "StepStatus", "status of a step", "What became of a step.",
                               {{"OK", StepStatus::kOk},
                                {"SOLVER_FAILED", StepStatus::kSolverFailed},
@@ -97,9 +96,8 @@ void add_steps(py::module_& m) {
                                {"TOO_FAST", StepStatus::kTooFast}});
 
   py::class_<Simulation>(m, "SimulationData", "A scene on its way through time, contacts held as the scene says.")
-      .def(py::init(
-               [](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
-                  const Options& options) { return Simulation(scene, q, v, integrator, h, options); }),
+      .def(py::init([](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
+                       const Options& options) { return Simulation(scene, q, v, integrator, h, options); }),
            py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("integrator"), py::arg("h"),
            py::arg_v("options", Options(), "Options()"),
            "Starts at q (nq), v (nv). integrator: 'semi-implicit-euler' or 'rk4'; h: step [s].")
@@ -111,8 +109,7 @@ void add_steps(py::module_& m) {
           "v", [](const Simulation& s) { return s.at_rest().v; },
           [](const Simulation& s, const Vector& v) { put("v", v, s.changeable().v); },
           "Velocity (nv); assign a whole one to go on from there.")
-      .def_property_readonly(
-          "integrator", [](const Simulation& s) { return s.at_rest().integrator; })
+      .def_property_readonly("integrator", [](const Simulation& s) { return s.at_rest().integrator; })
       .def_property_readonly("steps", [](const Simulation& s) { return s.at_rest().steps; })
       .def_property_readonly(
           "time", [](const Simulation& s) { return s.at_rest().time(); }, "[s]")
@@ -204,8 +201,8 @@ void add_invariants(py::module_& m) {
                ")";
       });
   m.def(
-      "recommended_gains", [](Integrator i, double h) { return recommended_gains(i, h); },
-      py::arg("integrator"), py::arg("h"), "Gains for steps of h [s].");
+      "recommended_gains", [](Integrator i, double h) { return recommended_gains(i, h); }, py::arg("integrator"),
+      py::arg("h"), "Gains for steps of h [s].");
   m.def(
       "error_growth", [](Integrator i, const Gains& g, double h) { return error_growth(i, g, h); },
       py::arg("integrator"), py::arg("gains"), py::arg("h"), "What a contact's error is multiplied by per step.");

@@ -129,7 +129,8 @@ void add_activation_base(py::module_& m) {
       .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("r"))
       .def("__str__", &text_of<Abstract>);
 
-  py::class_<ActivationBounds> bounds(m, "ActivationBounds", "lb <= r <= ub, drawn in to the middle by beta in [0, 1].");
+  py::class_<ActivationBounds> bounds(m, "ActivationBounds",
+                                      "lb <= r <= ub, drawn in to the middle by beta in [0, 1].");
   add_copy(bounds)
       .def(py::pickle([](const ActivationBounds& b) { return py::make_tuple(copy(b.lb), copy(b.ub), b.beta); },
                       [](const py::tuple& state) {
@@ -142,7 +143,6 @@ void add_activation_base(py::module_& m) {
       .def_readonly("lb", &ActivationBounds::lb)
       .def_readonly("ub", &ActivationBounds::ub)
       .def_readonly("beta", &ActivationBounds::beta);
-
 }
 
 void add_activations(py::module_& m) {

@@ -33,6 +33,7 @@ class _Attribute(Generic[_Got, _Given]):
 '''
 
 ARRAY = "NDArray[numpy.float64]"
+NUMBERS = {"bool": "numpy.bool_", "numpy.int8": "numpy.int8"}
 
 
 def parts_at(text, separator):
@@ -56,7 +57,9 @@ def parts_at(text, separator):
 def type_of(text, use="returned"):
     """pybind11's type as Python's. use: "given" to a function, "returned" by one, or that of a "property"."""
     text = re.sub(r"\bmanycontact(?:::|\.)(?:_manycontact\.)?", "", text.strip())
-    text = re.sub(r"\bnumpy\.ndarray\[[^\]]*\]|\bnumpy\.ndarray\b", "ArrayLike" if use == "given" else ARRAY, text)
+    array = "ArrayLike" if use == "given" else ARRAY
+    text = re.sub(r"\bnumpy\.ndarray\[(bool|numpy\.int8)\]", lambda m: f"NDArray[{NUMBERS[m[1]]}]", text)
+    text = re.sub(r"\bnumpy\.ndarray\[[^\]]*\]|\bnumpy\.ndarray\b", array, text)
     text = re.sub(r"\barray\b|\bnumpy\.array\b", "NDArray[Any]", text)
     text = re.sub(r"\b(handle|object|iterator)\b", "Any", text)
     text = re.sub(r"\bfunction\b", "Callable[..., Any]", text)
@@ -85,6 +88,8 @@ def parameters_of(text, method):
             out.append("self")
         elif annotation:
             given = type_of(annotation[0], "given")
+            if default == ["None"] and not given.startswith(("Optional[", "Any")):
+                given = f"Optional[{given}]"
             out.append(f"{name}: {given}" + (" = ..." if default else ""))
         else:
             out.append(name)
@@ -132,7 +137,7 @@ def property_lines(name, member):
     text = (member.__doc__ or text).strip()
     taken = re.match(r"\w*\((?:.*), \w+: (.*)\) -> None", (member.fset.__doc__ or "").strip()) if member.fset else None
     given = type_of(taken[1], "given") if taken else "Any"
-    if given == "Any" and result.startswith("NDArray"):
+    if given in ("Any", ARRAY) and result.startswith("NDArray"):
         given = "ArrayLike"
     if member.fset and given != result:
         yield f"    {name}: _Attribute[{result}, {given}]"
@@ -179,7 +184,8 @@ def class_lines(cls):
         elif name == "__eq__":
             yield "    def __eq__(self, other: object) -> bool: ..."
         elif name == "__iter__":
-            item = next(r for p, r, _ in signatures_of(cls.__getitem__) if not r.startswith("List"))
+            results = [r for _, r, _ in signatures_of(getattr(cls, "__getitem__", None))]
+            item = next((r for r in results if not r.startswith("List")), "float")
             yield f"    def __iter__(self) -> Iterator[{type_of(item)}]: ..."
         elif callable(member) and member.__doc__:
             yield from function_lines(name, member, "    ", method=True)

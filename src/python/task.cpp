@@ -143,12 +143,11 @@ void add_task(py::module_& m) {
       "The task's ShootingProblem and its initial guess. solver: None, the task's own; 'sparse' and 'auto' take parts\n"
       "where robots never meet, 'fddp' nodes of the whole scene (herds: hundreds of times the memory).\n"
       "Raises InputError where the nodes would not fit into memory.");
-  m.def(
-      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
-      py::arg("threads") = 0, py::arg("each") = py::none(),
-      "Finds the motion and torques of least cost; returns a TaskSolution. solver: None, the task's own. problem:\n"
-      "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
-      "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
+  m.def("optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
+        py::arg("threads") = 0, py::arg("each") = py::none(),
+        "Finds the motion and torques of least cost; returns a TaskSolution. solver: None, the task's own. problem:\n"
+        "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
+        "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
   add_simulated_motion(m);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Plain structures as Python's values: copied, compared, pickled, member by member. What has a member that is no data (a
-// function) raises where it is pickled.
+// Plain structures as Python's values: copied, compared, pickled, member by member. What has a member that is no data
+// (a function) raises where it is pickled.
 
 #include <optional>
 #include <string>
@@ -46,9 +46,8 @@ bool equal(const T& a, const T& b) {
     return a.has_value() == b.has_value() && (!a || equal(*a, *b));
   } else if constexpr (std::is_aggregate_v<T>) {
     const auto x = members(a), y = members(b);
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return (equal(std::get<I>(x), std::get<I>(y)) && ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
+    return [&]<std::size_t... I>(std::index_sequence<I...>) { return (equal(std::get<I>(x), std::get<I>(y)) && ...); }
+    (std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
   } else if constexpr (std::equality_comparable<T>) {
     return a == b;
   } else {
@@ -96,9 +95,10 @@ void unpack(py::handle from, T& x) {
     x = from.cast<std::string>();
   } else if constexpr (is_matrix<T>) {
     const auto a = py::array_t<double, py::array::f_style>::ensure(from);
-    if (!a || a.ndim() != (T::IsVectorAtCompileTime ? 1 : 2)) throw py::value_error("pickle: another array is expected");
+    if (!a || a.ndim() != (T::IsVectorAtCompileTime ? 1 : 2))
+      throw py::value_error("pickle: another array is expected");
     x = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>>(a.data(), a.shape(0),
-                                                                               a.ndim() == 2 ? a.shape(1) : 1);
+                                                                                a.ndim() == 2 ? a.shape(1) : 1);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     x = from.cast<std::shared_ptr<Model>>();
   } else if constexpr (is_vector<T>) {
@@ -122,9 +122,8 @@ void unpack(py::handle from, T& x) {
     constexpr std::size_t n = std::tuple_size_v<decltype(to)>;
     const auto state = from.cast<py::tuple>();
     if (state.size() != n) throw py::value_error("pickle: written by another version of manycontact");
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (unpack(state[I], std::get<I>(to)), ...);
-    }(std::make_index_sequence<n>());
+    [&]<std::size_t... I>(std::index_sequence<I...>) { (unpack(state[I], std::get<I>(to)), ...); }
+    (std::make_index_sequence<n>());
   } else {
     throw py::type_error("it has a member that cannot be pickled");
   }

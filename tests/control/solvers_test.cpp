@@ -341,7 +341,8 @@ TEST(Solvers, CallbacksThatSetCallbacks) {
     int calls = 0;
   };
   const auto node = std::make_shared<ActionModelUnicycle>();
-  const auto problem = std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
+  const auto problem =
+      std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
   SolverDDP ddp(problem);
   SolverFDDP fddp(problem);
   SolverBoxFDDP box(problem);

@@ -166,7 +166,8 @@ TEST(Threads, LessThanNoneAndTooManyAreRefused) {
   EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
 }
 
-// A forked child has none of its parent's threads. Batches, threads inside a call, after each other, and a child's child.
+// A forked child has none of its parent's threads. Batches, threads inside a call, after each other, and a child's
+// child.
 #if defined(__unix__) && !defined(__SANITIZE_THREAD__)
 TEST(Threads, ChildrenComputeAfterAFork) {
   const SceneFile file = load_small(MANYCONTACT_SOURCE_DIR "/models/two_humanoids_carry_beam.xml");

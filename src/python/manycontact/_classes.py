@@ -1,5 +1,5 @@
-"""What all classes of the package have in common: lists that are copies cannot be changed, every object says what it is,
-and what a class derived in Python defines is called or refused.
+"""What all classes of the package have in common: lists that are copies cannot be changed, every object says what
+it is, and what a class derived in Python defines is called or refused.
 """
 
 import functools
@@ -7,7 +7,7 @@ import re
 
 
 def _refuse(self, *_, **__):
-    raise TypeError("a copy, which does not change what it was taken from: assign the attribute, or change list(...) of it")
+    raise TypeError("a copy, which does not change its origin: assign the attribute, or change a list or dict of it")
 
 
 class ReadOnlyList(list):
@@ -76,7 +76,7 @@ def _describe(self):
         return f"<{name}: {self}>"
     told = []
     for key, member in dict(_properties(type(self))).items():
-        result = _result(member.fget).rpartition(".")[2] if "manycontact" in _result(member.fget) else _result(member.fget)
+        result = _result(member.fget).replace("manycontact.", "")
         if result not in _TOLD and result not in _enumerations:
             continue
         try:
@@ -92,7 +92,8 @@ def _describe(self):
 
 
 def _describe_list(self):
-    return f"<{type(self).__name__} of {len(self)}: [{', '.join(map(repr, self[:4]))}{', ...' if len(self) > 4 else ''}]>"
+    first = ", ".join(map(repr, self[:4])) + (", ..." if len(self) > 4 else "")
+    return f"<{type(self).__name__} of {len(self)}: [{first}]>"
 
 
 _enumerations = {}
@@ -112,8 +113,8 @@ def _refuse_methods_of(abstract):
         own = sorted(n for b in cls.__mro__ if b.__module__ != abstract.__module__ for n in _CALLED & set(vars(b)))
         if concrete and own:
             raise TypeError(
-                f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {concrete[0]} is a class of C++'s, "
-                f"derive from {abstract.__name__}"
+                f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {concrete[0]} is a class of "
+                f"C++'s, derive from {abstract.__name__}"
             )
 
     abstract.__init_subclass__ = classmethod(check)

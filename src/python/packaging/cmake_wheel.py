@@ -1,0 +1,112 @@
+"""A build backend (PEP 517, PEP 660) of the standard library alone: CMake builds the package, zipfile writes the wheel.
+
+    pip wheel ./src/python --config-settings build-dir=build/release      # build-dir: else build/wheel
+"""
+
+import base64
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import zipfile
+
+PYTHON = pathlib.Path(__file__).resolve().parents[1]
+TOP = PYTHON.parents[1]
+LICENCES = """manycontact: BSD-3-Clause, see LICENSE.
+
+The compiled module is linked with shared libraries of the system that built it, which this wheel does not hold; among
+them SuiteSparse's LDL and CHOLMOD. LDL and CHOLMOD's simplicial part are LGPL-2.1-or-later; CHOLMOD's supernodal part,
+which the method sparse-supernodal calls, is GPL-2.0-or-later. A build with MANYCONTACT_GPL=OFF does not call it.
+"""
+
+
+def _version():
+    return re.search(r"project\(manycontact\s+VERSION\s+([\d.]+)", (TOP / "CMakeLists.txt").read_text())[1]
+
+
+def _built(settings):
+    """The package's folder, built."""
+    folder = pathlib.Path((settings or {}).get("build-dir") or "build/wheel")
+    folder = folder if folder.is_absolute() else TOP / folder
+    # pip hides the interpreter's own packages from what it runs; the stubs are written with numpy at hand.
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONNOUSERSITE")}
+    python = getattr(sys, "_base_executable", sys.executable)
+    options = [f"-DMANYCONTACT_{name}=OFF" for name in ("TESTS", "CHART", "BENCH")]
+    if not (folder / "CMakeCache.txt").exists():
+        options += ["-DCMAKE_BUILD_TYPE=Release", "-DMANYCONTACT_PYTHON=ON", f"-DPython3_EXECUTABLE={python}"]
+        subprocess.run(["cmake", "-S", TOP, "-B", folder, *options], check=True, env=environment)
+    build = ["cmake", "--build", folder, "-j", str(os.cpu_count()), "--target", "manycontact_python"]
+    subprocess.run(build, check=True, env=environment)
+    return folder / "python"
+
+
+def _metadata():
+    return "\n".join([
+        "Metadata-Version: 2.1",
+        "Name: manycontact",
+        f"Version: {_version()}",
+        "Summary: Forward dynamics of many robots in contact, its derivatives, and optimal control",
+        "License: BSD-3-Clause",
+        "License-File: LICENSE",
+        "License-File: LICENCES.txt",
+        f"Requires-Python: =={sys.version_info.major}.{sys.version_info.minor}.*",
+        "Requires-Dist: numpy",
+        'Requires-Dist: scipy; extra == "sparse"',
+        "Provides-Extra: sparse",
+        "Description-Content-Type: text/markdown",
+        "",
+        (TOP / "README.md").read_text(),
+    ])  # fmt: skip
+
+
+def _write(folder, files):
+    """The wheel of {name: contents}; returns its name."""
+    cpython = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    tag = f"{cpython}-{cpython}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
+    info = f"manycontact-{_version()}.dist-info/"
+    wheel = f"Wheel-Version: 1.0\nGenerator: cmake_wheel\nRoot-Is-Purelib: false\nTag: {tag}\n"
+    files = {
+        **files,
+        info + "METADATA": _metadata().encode(),
+        info + "WHEEL": wheel.encode(),
+        info + "LICENSE": (TOP / "LICENSE").read_bytes(),
+        info + "LICENCES.txt": LICENCES.encode(),
+    }
+    record = [
+        f"{name},sha256={base64.urlsafe_b64encode(hashlib.sha256(x).digest()).rstrip(b'=').decode()},{len(x)}"
+        for name, x in files.items()
+    ]
+    files[info + "RECORD"] = "\n".join([*record, info + "RECORD,,", ""]).encode()
+    name = f"manycontact-{_version()}-{tag}.whl"
+    with zipfile.ZipFile(pathlib.Path(folder) / name, "w", zipfile.ZIP_DEFLATED) as out:
+        for path, contents in files.items():
+            entry = zipfile.ZipInfo(path)  # of 1980, so that the same files make the same wheel
+            entry.external_attr, entry.compress_type = 0o644 << 16, zipfile.ZIP_DEFLATED
+            out.writestr(entry, contents)
+    return name
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    package = _built(config_settings) / "manycontact"
+    files = sorted(p for p in package.iterdir() if p.suffix in (".py", ".pyi", ".so", ".typed"))
+    return _write(wheel_directory, {f"manycontact/{p.name}": p.read_bytes() for p in files})
+
+
+def build_editable(wheel_directory, config_settings=None, metadata_directory=None):
+    """The build folder on the interpreter's path: what is built there next is what is imported."""
+    return _write(wheel_directory, {"manycontact.pth": f"{_built(config_settings)}\n".encode()})
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """The source tree, as git has it."""
+    name = f"manycontact-{_version()}"
+    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-z"], check=True, capture_output=True).stdout
+    with tarfile.open(pathlib.Path(sdist_directory) / f"{name}.tar.gz", "w:gz") as out:
+        for path in filter(None, listed.decode().split("\0")):
+            if (TOP / path).exists():
+                out.add(TOP / path, f"{name}/{path}", recursive=False)
+    return f"{name}.tar.gz"
