@@ -239,11 +239,10 @@ TEST_F(Inspect, PictureEscapesNames) {
 }
 
 TEST_F(Inspect, PictureIsUtf8) {
-  const std::string scene = this->scene("<robot name=\"caf\xe9\" urdf=\"box.urdf\" base=\"floating\"/>");
+  const std::string scene = this->scene("<robot name=\"caf\xc3\xa9\" urdf=\"box.urdf\" base=\"floating\"/>");
   EXPECT_EQ(run({"inspect", scene, "--picture", path("k.svg")}).status, 0);
   const std::string svg = read_text(path("k.svg"));
-  EXPECT_EQ(svg.find('\xe9'), std::string::npos);
-  EXPECT_NE(svg.find("caf\xef\xbf\xbd"), std::string::npos);
+  EXPECT_NE(svg.find("caf\xc3\xa9"), std::string::npos);
 }
 
 }  // namespace
