@@ -147,13 +147,12 @@ void add_task(py::module_& m) {
       py::arg("task"), py::arg("solver") = py::none(),
       "The task's ShootingProblem and its initial guess, for this solver, by default the task's; 'sparse' and 'auto'\n"
       "take parts where robots never meet. Raises InputError where the nodes would not fit into memory.");
-  m.def(
-      "optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
-      py::arg("threads") = 0, py::arg("each") = py::none(),
-      "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name, by\n"
-      "default the task's. problem:\n"
-      "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
-      "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
+  m.def("optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
+        py::arg("threads") = 0, py::arg("each") = py::none(),
+        "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name, by\n"
+        "default the task's. problem:\n"
+        "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
+        "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
   add_simulated_motion(m);
 }
 
