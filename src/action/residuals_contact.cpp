@@ -12,7 +12,7 @@ namespace {
 struct ContactResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   FrameIndex id = 0;
-  std::string name;  // of the contact asked for
+  std::string name;                                     // of the contact asked for
   const ContactDataAbstract* contact = nullptr;         // by lay_out
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // by lay_out: unit wrenches of the contact's rows
   Eigen::MatrixXd B;                                    // by calc

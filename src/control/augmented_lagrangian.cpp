@@ -235,7 +235,8 @@ void SolverAugmentedLagrangian::assess() {
       for (Index i = 0; i < y.size(); ++i) {
         measure_ = sparse::larger_or_nan(std::abs(next[i] - y[i]) / rho_, measure_);
         const double c = rows.value(*own.data->inner, i);
-        kkt_ = sparse::larger_or_nan(std::abs(c - std::min(std::max(c + next[i] / scale_, rows.lower(i)), rows.upper(i))), kkt_);
+        kkt_ = sparse::larger_or_nan(
+            std::abs(c - std::min(std::max(c + next[i] / scale_, rows.lower(i)), rows.upper(i))), kkt_);
       }
     }
   }

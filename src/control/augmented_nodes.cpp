@@ -73,7 +73,8 @@ bool is_of_parts(const ActionModelAbstract& model) {
 
 }  // namespace
 
-// What has no rows stays what it is, unless all are asked for: but for what has no matrices. rows: of the problem's node, those of this node or part.
+// What has no rows stays what it is, unless all are asked for: but for what has no matrices. rows: of the problem's
+// node, those of this node or part.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   if (rows.empty() && (!augments_all_ || (of.data->Fx.size() == 0 && !is_of_parts(*of.model)))) return of;

@@ -78,6 +78,7 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   resizeData();
   setCandidate(init_xs, init_us, is_feasible);
   limitGuess();
+  us_guess_ = us_;
   rolled_out_ = false;
   preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ * scale_ : init_reg;
   was_feasible_ = false;
@@ -163,11 +164,12 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Directions from a candidate with gaps are those without limits, of which no step may be worth anything. What the
-// controls lead to has no gaps, and from there on the limits are in the direction.
+// Directions from a candidate with gaps are those without limits, of which no step may be worth anything, and which
+// leave controls at one limit or the other. What the guess's controls lead to has no gaps, and from there on the limits
+// are in the direction.
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
-  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];
   problem_->rollout(us_try_, xs_try_);
   cost_try_ = problem_->total_cost();
   for (const Eigen::VectorXd& x : xs_try_)

@@ -66,8 +66,10 @@ inline void check_convex(const char* who, const Eigen::MatrixXd& Q, const Eigen:
                          const Eigen::MatrixXd& N) {
   Eigen::MatrixXd L(Q.rows() + R.rows(), Q.cols() + R.cols());
   L << Q, N, N.transpose(), R;
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues();
-  require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), who, "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues();
+  require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), who,
+          "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
 }
 
 inline std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }

@@ -11,9 +11,9 @@ using AL = SolverAugmentedLagrangian;
 
 namespace {
 
-constexpr double kWorthless = 1e-6;    // of the squared violation, what a step may take off at a least one
-constexpr double kCrawling = 1e-9;     // at which iterations end
-constexpr double kBeside = 1e-2;       // of the largest control, or of 1: where it is tried again
+constexpr double kWorthless = 1e-6;  // of the squared violation, what a step may take off at a least one
+constexpr double kCrawling = 1e-9;   // at which iterations end
+constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
 constexpr double kRegularised = 1e-12;
 constexpr std::size_t kMost = 500;  // iterations
 constexpr std::size_t kRestorations = 5;
@@ -55,8 +55,8 @@ std::shared_ptr<ShootingProblem> AL::violationAlone(std::vector<Augmented>& augm
   for (std::size_t t = 0; t < nodes_.size(); ++t) {
     std::vector<int> rows(static_cast<std::size_t>(nodes_[t].rows));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
-    const Copy copy = augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows),
-                              augmented);
+    const Copy copy =
+        augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows), augmented);
     models.push_back(copy.model);
     datas.push_back(copy.data);
   }

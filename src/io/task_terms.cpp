@@ -104,7 +104,8 @@ void TermReader::read_contact(const Element& e, const std::vector<bool>& active,
   const std::string name = e.required("contact");
   const Where here = e.where("contact");
   term.contacts = contacts(here, e.label("contact"), name);
-  for (const ContactGroup& group : scene_.contact_groups) term.copied = term.copied || (group.copied && group.name == name);
+  for (const ContactGroup& group : scene_.contact_groups)
+    term.copied = term.copied || (group.copied && group.name == name);
   for (const int c : term.contacts)
     if (!active[static_cast<std::size_t>(c)])
       here.fail(e.label("contact") + ": " + quote(name) + " is not active in this phase, expected one of its contacts");

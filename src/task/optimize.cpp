@@ -6,12 +6,13 @@
 #include <map>
 #include <sstream>
 
+#include "beside.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/timer.hpp"
-#include "beside.hpp"
 #include "memory.hpp"
+#include "torque_bounds.hpp"
 
 namespace manycontact {
 
@@ -191,7 +192,8 @@ void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
     out.blocks = sparse->blocks();
     out.direction = sparse->direction();
   }
-  if (inner.has_rolled_out()) out.remarks.push_back("no step closed the gaps: from the motion of the limited torques");
+  if (inner.has_rolled_out())
+    out.remarks.push_back("no step closed the gaps: from the motion of the guess's torques within the limits");
 }
 
 void Run::with_constraints() {
@@ -265,6 +267,37 @@ void leave_stationary_guess(Run& run) {
   go_on(run);
 }
 
+// Constraints that only bound torques are limits, which box solvers keep at every step.
+void take_limits(Run& run) {
+  std::vector<task::TorqueBounds> bounds;
+  if (!task::bounds_torques_alone(run.task, bounds)) return;
+  const TaskFile free = task::without_constraints(run.task);
+  TaskProblem limited = make_problem(free, TaskSolver::kBoxFddp);
+  limited.us = run.problem.us;
+  task::limit_torques(free, bounds, limited);
+  limited.problem->set_nthreads(run.options.threads);
+  limited.xs = limited.problem->rollout_us(limited.us);
+  Run box{free, limited, run.options, TaskSolver::kBoxFddp, {}, {}};
+  box.out.solver = to_string(box.type);
+  box.out.direction = "Riccati";
+  box.out.blocks = run.out.blocks;
+  box.out.iterations = run.out.iterations;
+  box.out.remarks = run.out.remarks;
+  box.out.remarks.push_back("the constraints only bound torques: as limits, by box-fddp");
+  box();
+  run.problem.problem->calc(box.out.xs, box.out.us);
+  box.out.violations = violations(run.problem);
+  for (const TaskViolation& v : box.out.violations)
+    box.out.constraint_violation = std::max(box.out.constraint_violation, v.by);
+  if (!box.out.converged || box.out.constraint_violation > kMostViolation) {
+    run.problem.problem->calc(run.out.xs, run.out.us);
+    return;
+  }
+  box.out.outer_iterations = run.out.outer_iterations;
+  box.out.times.total += run.out.times.total;
+  run.out = std::move(box.out);
+}
+
 void take_dense_recursion(Run& run) {
   TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // of which parts are not taken apart
   dense.xs = run.problem.xs;
@@ -287,6 +320,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   const bool by_blocks = problem.blocks.size() > problem.parts.size();
   if (!run.out.converged && by_blocks && !run.out.interrupted && !run.out.infeasible() && task::dense_parts_fit(task))
     take_dense_recursion(run);
+  if (!run.out.converged && has_constraints(task) && !run.out.interrupted) take_limits(run);
   if (!has_constraints(task) && stayed_at_guess(run.out)) leave_stationary_guess(run);
   for (const std::string& remark : run.out.remarks) run.out.reason += "; " + remark;
   return std::move(run.out);

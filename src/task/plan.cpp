@@ -130,8 +130,8 @@ struct Adder {
       if (!item->active) continue;
       const CostDataAbstract& cost = *costs.costs.at(name);
       const TaskTerm& term = *terms.at(name);
-      PlanCost& sum = out.try_emplace(term.name, PlanCost{term.name, term.residual, 0, is_goal(term.residual), 0, t})
-                          .first->second;
+      PlanCost& sum =
+          out.try_emplace(term.name, PlanCost{term.name, term.residual, 0, is_goal(term.residual), 0, t}).first->second;
       sum.cost += weight * item->weight * cost.cost;
       if (!looks) continue;
       if (sum.node != t) sum.node = t, sum.missed = 0;
@@ -203,20 +203,22 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const Vectors& xs, 
   const Scene& scene = task.scene.scene;
   std::vector<PlanFinding> out;
   for (const PlanClosing& c : closings(task, xs))
-    if (std::abs(c.above) >= kOutOfPlace || (!c.holds_there && c.aside >= kOutOfPlace)) out.push_back(in_words(task, c));
+    if (std::abs(c.above) >= kOutOfPlace || (!c.holds_there && c.aside >= kOutOfPlace))
+      out.push_back(in_words(task, c));
   const std::vector<TaskNode> nodes = timeline(task);
   for (const PlanLimit& own : limits_passed(task, xs, us)) {
     const LimitPassed& l = own.limit;
     const Robot& robot = scene.robots[static_cast<std::size_t>(l.robot)];
     out.push_back({to_string(l.quantity), robot.name + "/" + dof_name(*robot.model, l.dof),
-                   to_string(l.quantity) + " " + show(l.value, 4) + ", limit " + show(l.limit, 4) +
-                       ", at " + show(nodes[own.node].time) + " s",
+                   to_string(l.quantity) + " " + show(l.value, 4) + ", limit " + show(l.limit, 4) + ", at " +
+                       show(nodes[own.node].time) + " s",
                    own.node});
   }
   for (const PlanCost& cost : costs)
     if (cost.is_goal && cost.missed >= kOutOfPlace)
       out.push_back({"goal", cost.name,
-                     "missed by " + show(cost.missed) + (cost.residual == TaskResidual::kFrameRotation ? " rad" : " m") +
+                     "missed by " + show(cost.missed) +
+                         (cost.residual == TaskResidual::kFrameRotation ? " rad" : " m") +
                          (cost.residual == TaskResidual::kFramePlacement ? " and rad" : "") + " at " +
                          show(nodes[cost.node].time) + " s",
                      cost.node});

@@ -38,7 +38,8 @@ void check_fits(const TaskFile& task, const TaskSolution& solution, const StateM
 bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, SimulatedMotion& out) {
   const std::vector<char> active(phase.active.begin(), phase.active.end());
   for (std::size_t c = 0; c < active.size(); ++c)
-    if (active[c] && !world.dynamics.active[c] && !phase.at_scene) resolve_reference(scene, world.q, true, true, scene.contacts[c]);
+    if (active[c] && !world.dynamics.active[c] && !phase.at_scene)
+      resolve_reference(scene, world.q, true, true, scene.contacts[c]);
   const VelocityJump jump = switch_contacts(scene, active, world);
   out.energy_lost += jump.energy_lost;
   return jump.status != Status::kFailed;

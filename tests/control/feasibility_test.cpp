@@ -7,7 +7,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// x' = x, cost x^2 / 2, no controls: evaluated by x alone, with the terminal node's g = [x; 2 x], h = 3 x.
+// x' = x, cost x^2 / 2, no controls. g = [x; 2 x], h = 3 x, of a running node g = x alone.
 class Still : public ActionModelAbstract {
  public:
   explicit Still(double factor = 1) : ActionModelAbstract(std::make_shared<StateVector>(1), 0, 0, 1, 0, 2, 1) {
@@ -17,7 +17,11 @@ class Still : public ActionModelAbstract {
   }
   const Eigen::VectorXd& get_g_lb_T() const override { return lower_; }
   const Eigen::VectorXd& get_g_ub_T() const override { return upper_; }
-  void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef&) override { calc(data, x); }
+  void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef&) override {
+    calc(data, x);
+    data->g.conservativeResize(1);
+    data->h.conservativeResize(0);
+  }
   void calc(const NodeDataPtr& data, const ConstVectorRef& x) override {
     data->xnext = x;
     data->cost = 0.5 * x.squaredNorm();
@@ -36,16 +40,16 @@ class Still : public ActionModelAbstract {
   Eigen::VectorXd lower_ = Eigen::Vector2d(-1, 0), upper_ = Eigen::Vector2d(0.5, 1);
 };
 
-TEST(Feasibility, OfNodesWithoutControlsIsThatOfTheirTerminalRows) {
+TEST(Feasibility, OfNodesWithoutControlsIsThatOfTheirOwnRows) {
   const auto node = std::make_shared<Still>();
   const auto problem = std::make_shared<ShootingProblem>(Eigen::VectorXd::Ones(1), std::vector<NodePtr>(2, node), node);
   SolverFDDP solver(problem);
   problem->calc(Vectors(3, Eigen::VectorXd::Ones(1)), Vectors(2, Eigen::VectorXd(0)));
-  EXPECT_EQ(solver.computeInequalityFeasibility(), 1);  // g = [1; 2], bounds 0.5 and 1
+  EXPECT_EQ(solver.computeInequalityFeasibility(), 1);  // of the last node: g = [1; 2], bounds 0.5 and 1
   EXPECT_EQ(solver.computeEqualityFeasibility(), 3);
   solver.set_feasnorm(L1);
-  EXPECT_EQ(solver.computeInequalityFeasibility(), 3 * 1.5);
-  EXPECT_EQ(solver.computeEqualityFeasibility(), 9);
+  EXPECT_EQ(solver.computeInequalityFeasibility(), 1.5);  // g = 1 of the others is within -5 and 5
+  EXPECT_EQ(solver.computeEqualityFeasibility(), 3);
 }
 
 TEST(Feasibility, IsNotANumberWhereAConstraintIsNot) {

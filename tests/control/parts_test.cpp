@@ -243,14 +243,30 @@ TEST(SolverSparse, RefusesWhatItCannotTakeApart) {
   EXPECT_THROW(SolverSparse{some}, std::invalid_argument);
   some->updateModel(3, std::make_shared<ActionModelLQR>(9, 6));
   EXPECT_THROW(SolverSparse{some}, std::invalid_argument);
-  // alone, a part without controls would stand still
+}
+
+// A part without controls moves by its own dynamics, alone as well as in the whole.
+TEST(SolverSparse, MovesPartsWithoutControls) {
   std::vector<ActionPart> parts = three_unicycles();
-  parts[2].model = std::make_shared<ActionModelLQR>(3, 0);
+  const Eigen::MatrixXd A = Eigen::Vector3d(1.1, 0.9, 1).asDiagonal(), Q = Eigen::MatrixXd::Identity(3, 3), B(3, 0),
+                        R(0, 0), N(3, 0);
+  parts[2].model = std::make_shared<ActionModelLQR>(A, B, Q, R, N);
   parts[2].u.clear();
-  const auto passive = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(9), 4, parts);
-  EXPECT_THROW(SolverSparse(std::make_shared<ShootingProblem>(Eigen::VectorXd::Zero(9),
-                                                              std::vector<NodePtr>(3, passive), passive)),
-               std::invalid_argument);
+  Eigen::VectorXd x0(9);
+  x0 << 1, -1, 0.5, 1, 2, 0.3, 0.4, -0.7, 2;
+  const auto of = [&](MatrixStorage storage) {
+    const auto model = std::make_shared<ActionModelParts>(std::make_shared<StateVector>(9), 4, parts);
+    model->set_storage(storage);
+    return std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(10, model), model);
+  };
+  SolverFDDP dense(of(MatrixStorage::kDense));
+  SolverSparse sparse(of(MatrixStorage::kSparse));
+  dense.solve(Vectors(11, x0), Vectors(10, Eigen::VectorXd::Zero(4)), 100);
+  sparse.solve(Vectors(11, x0), Vectors(10, Eigen::VectorXd::Zero(4)), 100);
+  const Eigen::VectorXd& last = sparse.get_xs().back();
+  EXPECT_NEAR(last[8], 2 * std::pow(1.1, 10), 1e-12);  // the part's coordinates are 8, 6, 7
+  EXPECT_NEAR(last[6], 0.4 * std::pow(0.9, 10), 1e-12);
+  for (std::size_t t = 0; t <= 10; ++t) EXPECT_LT(error_of(sparse.get_xs()[t], dense.get_xs()[t]), 1e-9) << t;
 }
 
 }  // namespace

@@ -44,8 +44,8 @@ struct DataCollector {  // what residuals see
   const Kinematics<double>& kinematics(int robot) const {
     return impact ? impact->motion[static_cast<std::size_t>(robot)] : kinematics_of(solution, robot);
   }
-  /// The contact model's data on this frame; of several the one of this name. Throws std::invalid_argument when there is
-  /// none, or more than one and no name.
+  /// The contact model's data on this frame; of several the one of this name. Throws std::invalid_argument when there
+  /// is none, or more than one and no name.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who, const std::string& name = "") const;
   /// Prepares the solution for the contacts that are active. Never by sparse-bodies, which leaves neither inertias nor
   /// contact rows in joint space for residuals to look at: deep trees are solved by sparse-ldl here.

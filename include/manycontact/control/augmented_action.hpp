@@ -40,7 +40,8 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // a node w
   double get_penalty() const { return rho_; }  // at first 10
   void set_multipliers(const Eigen::VectorXd& y) { y_ = y; }
   void set_penalty(double rho);  // > 0, or std::invalid_argument
-  /// Whether the node's own cost counts, as at first. Without, y = 0 and rho = 1 the cost is half the squared violation.
+  /// Whether the node's own cost counts, as at first. Without, y = 0 and rho = 1 the cost is half the squared
+  /// violation.
   bool get_with_cost() const { return with_cost_; }
   void set_with_cost(bool with_cost) { with_cost_ = with_cost; }
 

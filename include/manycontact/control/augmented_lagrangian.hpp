@@ -18,10 +18,10 @@
 //
 // Where the violation comes no closer although the constraints outweigh the cost, they may be impossible, or the
 // penalty too small yet, or the minimisation stuck. So the least violation is asked for, by a problem of its own
-// (restoration.cpp): the same nodes at the cost 1/2 sum |c - P(c)|^2. Where it finds a point that meets the constraints,
-// the method goes on from there. Where it ends at one at which a step of the linearised problem takes less than a
-// millionth of the squared violation off, and from beside it as well, the solve ends there as kInfeasible: that is
-// the least violation found. (Near that candidate; a nonconvex problem may have others.)
+// (restoration.cpp): the same nodes at the cost 1/2 sum |c - P(c)|^2. Where it finds a point that meets the
+// constraints, the method goes on from there. Where it ends at one at which a step of the linearised problem takes less
+// than a millionth of the squared violation off, and from beside it as well, the solve ends there as kInfeasible: that
+// is the least violation found. (Near that candidate; a nonconvex problem may have others.)
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.

@@ -75,8 +75,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   /// Whether the last iteration took a step.
   bool has_stepped() const { return stepped_; }
   /// Whether the last solve, of a solver that keeps limits, found no step from a candidate with gaps and went on from
-  /// the motion of its controls: Crocoddyl's rule plans as if there were no limits until the gaps are closed, which
-  /// tight limits never let happen.
+  /// the motion of the guess's controls: Crocoddyl's rule plans as if there were no limits until the gaps are closed,
+  /// which tight limits never let happen.
   bool has_rolled_out() const { return rolled_out_; }
   /// What a full step is expected to reduce the cost by, at the direction of a candidate without gaps.
   virtual double expectedReduction() const;
@@ -162,14 +162,14 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   virtual void limitControl(std::size_t) {}
   /// The guess us onto the limits that are kept; without gaps it is one no longer where that changes it.
   void limitGuess();
-  /// Whether the search ended with gaps left and the controls' own motion became the candidate.
+  /// Whether the search ended with gaps left and the motion of the guess's controls became the candidate.
   bool rollOutCandidate();
 
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
   double scale_ = 1;
   bool measures_scale_ = false;
   double cost_try_ = 0;
-  std::vector<Eigen::VectorXd> xs_try_, us_try_;
+  std::vector<Eigen::VectorXd> xs_try_, us_try_, us_guess_;
   std::vector<Eigen::VectorXd> dx_;            // T
   std::vector<Eigen::MatrixXd> Vxx_;           // T + 1
   std::array<Eigen::MatrixXd, 2> two_values_;  // in their place: the two last ones of the backward pass, see value()

@@ -12,7 +12,7 @@ class ActionModelLQR : public ActionModelAbstract {  // linear dynamics, quadrat
   using MatrixXs = Eigen::MatrixXd;
   using VectorXs = Eigen::VectorXd;
 
-  /// Throw std::invalid_argument when sizes do not fit or [Q N; N^T R] has an eigenvalue below -1e-12.
+  /// Throw std::invalid_argument when sizes do not fit or [Q N; N^T R] has an eigenvalue below -1e-12 of the largest.
   ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N);
   ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N,
                  const VectorXs& f, const VectorXs& q, const VectorXs& r);

@@ -34,7 +34,7 @@ class IntegratedActionModelRK : public IntegratedActionModelAbstract {  // of 2,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  std::size_t get_ni() const { return c_.size(); }                // stages
+  std::size_t get_ni() const { return c_.size(); }               // stages
   const std::vector<double>& get_weights() const { return b_; }  // of the stages, in the step and in the cost
 
  private:

@@ -50,15 +50,15 @@ struct TaskSolution {  // What optimize found, and how.
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
   std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; for TaskProblem's, to go on
-  std::size_t outer_iterations = 0;  // of the augmented Lagrangian, each a minimisation; 0 without constraints
+  std::size_t outer_iterations = 0;          // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
 
   bool infeasible() const { return reason.rfind("infeasible", 0) == 0; }
 };
 
-struct TaskOptions {  // How to solve, where the file does not say it.
+struct TaskOptions {                      // How to solve, where the file does not say it.
   std::optional<TaskSolver> solver = {};  // none: the task's
-  int threads = 0;  // 0: OpenMP's
+  int threads = 0;                        // 0: OpenMP's
   /// After each iteration; false ends the solve there.
   std::function<bool(const TaskIteration&)> each = {};
 };

@@ -19,9 +19,9 @@ struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<ActuationModelAbstract> actuation;
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node
   std::shared_ptr<ShootingProblem> problem;
-  std::vector<Eigen::VectorXd> xs, us;   // initial guess
-  std::vector<std::vector<int>> parts;   // robots that meet, of each part of the nodes
-  std::vector<std::vector<int>> blocks;  // parts, taken apart at their bonds; one: nodes of the whole scene
+  std::vector<Eigen::VectorXd> xs, us;            // initial guess
+  std::vector<std::vector<int>> parts;            // robots that meet, of each part of the nodes
+  std::vector<std::vector<int>> blocks;           // parts, taken apart at their bonds; one: nodes of the whole scene
   std::vector<Eigen::VectorXd> multipliers = {};  // guess of the constraints', as TaskSolution has them; none: zeros
 };
 
