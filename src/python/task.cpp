@@ -139,7 +139,6 @@ void add_task(py::module_& m) {
       [](const TaskFile& task, std::optional<TaskSolver> solver) {
         return std::make_shared<TaskProblem>(make_problem(task, solver.value_or(task.solver)));
       },
-<<<<<<< HEAD
       py::arg("task"), py::arg("solver") = py::none(), Unlocked(),
       "The task's ShootingProblem and its initial guess. solver: None, the task's own; 'sparse' and 'auto' take parts\n"
       "where robots never meet, 'fddp' nodes of the whole scene (herds: hundreds of times the memory).\n"
@@ -147,15 +146,6 @@ void add_task(py::module_& m) {
   m.def("optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
         py::arg("threads") = 0, py::arg("each") = py::none(),
         "Finds the motion and torques of least cost; returns a TaskSolution. solver: None, the task's own. problem:\n"
-=======
-      py::arg("task"), py::arg("solver") = py::none(),
-      "The task's ShootingProblem and its initial guess, for this solver, by default the task's; 'sparse' and 'auto'\n"
-      "take parts where robots never meet. Raises InputError where the nodes would not fit into memory.");
-  m.def("optimize", &optimize_task, py::arg("task"), py::arg("problem") = py::none(), py::arg("solver") = py::none(),
-        py::arg("threads") = 0, py::arg("each") = py::none(),
-        "Finds the motion and torques of least cost; returns a TaskSolution. solver: a TaskSolver or its name, by\n"
-        "default the task's. problem:\n"
->>>>>>> B
         "of make_problem with the same solver, for a guess of one's own. each(TaskIteration) is called after each\n"
         "iteration; False ends the solve. Ctrl-C raises KeyboardInterrupt.");
   add_simulated_motion(m);
