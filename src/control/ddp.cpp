@@ -115,7 +115,34 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
     }
   }
   if (reason_ == StopReason::kConverged && std::isfinite(th_kkt_)) reason_ = polish(maxiter);
+  if (reason_ == StopReason::kNoStep && keeps_limits() && is_feasible_) reason_ = descendWithinLimits(maxiter);
   return reason_ == StopReason::kConverged;
+}
+
+// Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
+// function, so that directions may be no descent. The gradient of `descend` is exact.
+StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
+  struct Restore {
+    double &number, value;
+    ~Restore() { number = value; }
+  } restore{th_stop_, th_stop_};
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
+  for (const double share : {1.0, 1e-3, 1e-6}) {
+    th_stop_ = std::max(share * restore.value, rounding);
+    preg_ = dreg_ = reg_min_ * scale_;
+    const StopReason reason = descend(maxiter);
+    if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
+    problem_->calc(xs_, us_);
+    calcDiff();
+    const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, true);
+    Eigen::VectorXd work;
+    kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, true, {}, work);
+    if (kkt_ <= th_kkt_ * scale_ && (reason == StopReason::kConverged || std::isfinite(th_kkt_)))
+      return StopReason::kConverged;
+    if (reason != StopReason::kConverged) return reason;
+  }
+  return StopReason::kNoStep;
 }
 
 // From a candidate that meets the stopping rule. Steps are accepted unseen where what they are to gain is less than the

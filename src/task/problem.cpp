@@ -155,14 +155,14 @@ std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver)
 void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::VectorXd>& us, TaskProblem& out) {
   ShootingProblem::Models running;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
-    if (task.phases[k].impact) {
-      running.push_back(nodes.impacts[k]);
-      out.us.emplace_back(0);
-    }
+    if (task.phases[k].impact) running.push_back(nodes.impacts[k]);
     running.insert(running.end(), static_cast<std::size_t>(task.phases[k].nodes), nodes.phases[k]);
-    out.us.insert(out.us.end(), static_cast<std::size_t>(task.phases[k].nodes), us[k]);
   }
   task::require_memory(task, running);
+  for (std::size_t k = 0; k < task.phases.size(); ++k) {
+    if (task.phases[k].impact) out.us.emplace_back(0);
+    out.us.insert(out.us.end(), static_cast<std::size_t>(task.phases[k].nodes), us[k]);
+  }
   const Eigen::VectorXd x0 = task::x0_of(task.scene);
   out.problem = std::make_shared<ShootingProblem>(x0, running, nodes.terminal);
   out.xs.assign(running.size() + 1, x0);

@@ -1,5 +1,6 @@
 #include "torque_bounds.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 

@@ -72,6 +72,7 @@ TEST(TightLimits, GuessesBeyondThemAreClampedAndTheOptimumIsFound) {
     for (const double guess : {0.0, 50.0}) {
       SolverBoxFDDP solver(problem);
       solver.set_th_stop(1e-12);
+      solver.set_th_kkt(1e-9);
       EXPECT_TRUE(solver.solve(Vectors(T + 1, x0), Vectors(T, Eigen::VectorXd::Constant(1, guess)), 300))
           << limit << " " << guess << " " << to_string(solver.reason());
       for (int t = 0; t < T; ++t) {
@@ -94,47 +95,42 @@ TEST(TightLimits, OfNoControlAtAllLeaveTheMotionThatIsLeft) {
 }
 
 // The cart with constraints at its end, p = goal and v = 0; limits as constraints on u.
-class Bounded : public ActionModelLQR {
+class Bounded : public ActionModelAbstract {
  public:
-  Bounded(const ActionModelLQR& of, double goal, double limit) : ActionModelLQR(of) {
-    ng_ = std::isfinite(limit) ? 1 : 0;
-    nh_ = 0;
-    nh_T_ = 2;
-    goal_ = goal;
+  Bounded(NodePtr cart, double goal, double limit)
+      : ActionModelAbstract(cart->get_state(), 1, 0, std::isfinite(limit) ? 1 : 0, 0, 0, 2), cart_(cart), goal_(goal) {
     g_lb_ = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(ng_), -limit);
-    g_ub_ = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(ng_), limit);
+    g_ub_ = -g_lb_;
   }
-  const Eigen::VectorXd& get_g_lb() const override { return g_lb_; }
-  const Eigen::VectorXd& get_g_ub() const override { return g_ub_; }
-  std::size_t get_ng() const override { return ng_; }
-  std::size_t get_nh() const override { return 0; }
-  std::size_t get_ng_T() const override { return 0; }
-  std::size_t get_nh_T() const override { return 2; }
+  const Eigen::VectorXd& get_g_lb_T() const override { return none_; }
+  const Eigen::VectorXd& get_g_ub_T() const override { return none_; }
   void calc(const NodeDataPtr& d, const ConstVectorRef& x, const ConstVectorRef& u) override {
-    ActionModelLQR::calc(d, x, u);
+    cart_->calc(d, x, u);
     d->g = u.head(static_cast<Eigen::Index>(ng_));
     d->h.resize(0);
   }
   void calc(const NodeDataPtr& d, const ConstVectorRef& x) override {
-    ActionModelLQR::calc(d, x);
+    cart_->calc(d, x);
     d->g.resize(0);
     d->h = x - Eigen::Vector2d(goal_, 0);
   }
   void calcDiff(const NodeDataPtr& d, const ConstVectorRef& x, const ConstVectorRef& u) override {
-    ActionModelLQR::calcDiff(d, x, u);
+    cart_->calcDiff(d, x, u);
     d->Gx.setZero(static_cast<Eigen::Index>(ng_), 2);
     d->Gu.setIdentity(static_cast<Eigen::Index>(ng_), 1);
     d->Hx.resize(0, 2);
     d->Hu.resize(0, 1);
   }
   void calcDiff(const NodeDataPtr& d, const ConstVectorRef& x) override {
-    ActionModelLQR::calcDiff(d, x);
+    cart_->calcDiff(d, x);
     d->Gx.resize(0, 2);
     d->Hx.setIdentity(2, 2);
   }
 
  private:
-  double goal_ = 0;
+  NodePtr cart_;
+  double goal_;
+  Eigen::VectorXd none_;
 };
 
 struct Reached {
@@ -143,8 +139,7 @@ struct Reached {
   double cost = 0, violation = 0;
 };
 Reached reach(int T, double h, double weight, double limit, double goal = 0.5) {
-  const auto lqr = std::dynamic_pointer_cast<ActionModelLQR>(cart(INFINITY, h * weight, 0, h));
-  const NodePtr node = std::make_shared<Bounded>(*lqr, goal, limit);
+  const NodePtr node = std::make_shared<Bounded>(cart(INFINITY, h * weight, 0, h), goal, limit);
   const Eigen::Vector2d x0 = Eigen::Vector2d::Zero();
   const auto problem =
       std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(static_cast<std::size_t>(T), node), node);

@@ -299,13 +299,12 @@ TEST(Plans, CostsByTermAddUp) {
 
 TEST(Problems, OfMoreNodesThanThereIsMemoryForAreRefusedBefore) {
   TaskFile task = read_task(MANYCONTACT_SOURCE_DIR "/models/tasks/humanoid_reaches.xml");
-  for (TaskPhase& phase : task.phases) phase.nodes = 100000000;
+  task.phases[0].nodes = 1000000;
   try {
     (void)make_problem(task);
     ADD_FAILURE() << "it was made";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("of memory"), std::string::npos) << error.what();
-  } catch (const std::bad_alloc&) {  // of the list of nodes itself
   }
 }
 

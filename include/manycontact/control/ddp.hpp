@@ -142,6 +142,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool searchLine();
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
+  StopReason descendWithinLimits(std::size_t maxiter);
   /// What depends on scale_ besides the thresholds.
   virtual void adoptScale() {}
   /// us_try[t] at xs_try[t].
