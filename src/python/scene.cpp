@@ -120,11 +120,13 @@ void add_contacts(py::module_& m) {
         py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"), py::arg("A"),
         py::arg_v("B", Attachment(), "Attachment()"), py::arg("axis") = Eigen::Vector3d(Eigen::Vector3d::UnitZ()),
         py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("active") = true, py::arg("mu") = py::none(),
-        py::arg("box") = Eigen::Vector2d(Eigen::Vector2d::Zero()),
+        py::arg("normal") = py::none(), py::arg("box") = Eigen::Vector2d(Eigen::Vector2d::Zero()),
         "reference_frame: of the force, of 1D's and 2D's components, and of their derivatives.\n"
         "axis: of 1D contacts, the component held (3), in the reference frame; of 5D contacts, the hinge's.\n"
         "alpha [1/s^2], beta [1/s]: stabilisation gains.\n"
-        "mu: friction coefficient of a contact that only pushes. box: length and width of a 6D one's support (2) [m].");
+        "mu: friction coefficient of a contact that only pushes. normal: out of the surface (3), in the world, or in "
+        "the\n"
+        "axes of B' on a body. box: length and width of a 6D one's support (2) [m].");
   handle_field(c, "name", &Contact::name);
   handle_field(c, "type", &Contact::type, "ContactType; of a scene with data: make new data.");
   handle_field(c, "reference_frame", &Contact::reference_frame, "ReferenceFrame");
@@ -134,9 +136,10 @@ void add_contacts(py::module_& m) {
   handle_field(c, "alpha", &Contact::alpha, "[1/s^2]");
   handle_field(c, "beta", &Contact::beta, "[1/s]");
   handle_field(c, "mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.");
-  handle_field(c, "normal", &Contact::normal,
-               "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
-               "A's own z for 6D.");
+  handle_field(
+      c, "normal", &Contact::normal,
+      "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
+      "A's own z for 6D.");
   handle_field(c, "box", &Contact::box, "Length and width of a 6D contact's support (2) [m]; zero: none.");
   handle_field(c, "active", &Contact::active, "At the start, of new data; SceneData.active switches it later.");
   c.def_property_readonly("rows", [](const Handle<Contact>& h) { return h.get().rows(); });

@@ -113,6 +113,7 @@ ASSIGNED = [  # these have to change it
     attribute("scene.contacts.0.alpha", 9.0),
     attribute("scene.contacts.1.beta", 9.0),
     attribute("scene.contacts.0.mu", 0.1),
+    attribute("scene.contacts.0.normal", [0, 1, 1]),
     attribute("scene.contacts.0.active", False),
     attribute("scene.contacts.0.type", "3d"),
     attribute("scene.contacts.0.reference_frame", "world"),
@@ -248,6 +249,7 @@ def test_contacts_are_judged(file):
         ("alpha", np.nan, "gains"),
         ("mu", -1.0, "mu"),
         ("axis", [0, 0, 0], "zero axis"),
+        ("normal", [0, 0, 0], "zero normal"),
         ("A", mc.Attachment(), "in the world"),
         ("A", mc.Attachment(robot=7, joint=0), "names robot"),
         ("type", "7d", "unknown type of contact '7d'"),
@@ -288,14 +290,14 @@ def test_lists_of_a_scene(file):
 def test_contact_has_all_its_fields():
     A, B = mc.Attachment(robot=0, joint=2, frame="f"), mc.Attachment(placement=mc.SE3(p=[1, 2, 3]))
     values = dict(name="c", type="6d", reference_frame="world", A=A, B=B, axis=[0, 1, 0], alpha=1.0, beta=2.0)
-    values.update(active=False, mu=0.5, box=[0.1, 0.2])
+    values.update(active=False, mu=0.5, normal=[1, 0, 0], box=[0.1, 0.2])
     contact = mc.Contact(**values)
     names = [n for n, x in vars(mc.Contact).items() if isinstance(x, property) and x.fset]
     assert set(names) == set(values)
     assert contact.type == mc.ContactType.CONTACT_6D and contact.reference_frame == mc.ReferenceFrame.WORLD
     assert contact.A == A and contact.B.placement == B.placement and not contact.active
     assert (contact.alpha, contact.beta, contact.mu) == (1, 2, 0.5)
-    assert list(contact.axis) == [0, 1, 0] and list(contact.box) == [0.1, 0.2]
+    assert list(contact.axis) == [0, 1, 0] and list(contact.normal) == [1, 0, 0] and list(contact.box) == [0.1, 0.2]
 
 
 def test_simulation_goes_on_from_what_was_assigned(file):
