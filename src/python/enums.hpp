@@ -53,16 +53,6 @@ E value_called(const std::string& name) {
   throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
 }
 
-/// "SPARSE_LDL" as C++ has it, "kSparseLdl": older programs use it in Python too.
-inline std::string in_cpp(const std::string& python) {
-  std::string name = "k";
-  for (std::size_t i = 0; i < python.size(); ++i) {
-    const auto c = static_cast<unsigned char>(python[i]);
-    if (c != '_') name += static_cast<char>(i == 0 || python[i - 1] == '_' ? c : std::tolower(c));
-  }
-  return name;
-}
-
 /// what: "method", for errors. Members that have no word of C++'s (to_string) are called by their Python names.
 template <class E>
 void add_enumeration(py::module_& m, const char* name, const char* what, const std::string& doc,
@@ -81,8 +71,6 @@ void add_enumeration(py::module_& m, const char* name, const char* what, const s
   const std::string text = doc + " Taken by name too: '" + Names<E>::members.front().word + "'.";
   py::enum_<E> e(m, name, text.c_str());
   for (const auto& [python, value] : members) e.value(python, value);
-  for (const auto& [python, value] : members)
-    if (!py::hasattr(e, in_cpp(python).c_str())) e.attr(in_cpp(python).c_str()) = e.attr(python);
   const auto text_of_member = [](E x) -> std::string {
     if constexpr (has_words) return to_string(x);
     for (const auto& member : Names<E>::members)

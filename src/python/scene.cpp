@@ -102,9 +102,6 @@ void add_contacts(py::module_& m) {
                                 {"CONTACT_3D", ContactType::k3D},
                                 {"CONTACT_5D", ContactType::k5D},
                                 {"CONTACT_6D", ContactType::k6D}});
-  for (const char* rows : {"1D", "2D", "3D", "5D", "6D"})  // as in C++
-    m.attr("ContactType").attr((std::string("k") + rows).c_str()) =
-        m.attr("ContactType").attr((std::string("CONTACT_") + rows).c_str());
   add_enumeration<ReferenceFrame>(m, "ReferenceFrame", "reference frame", "Axes, by Pinocchio's names.",
                                   {{"LOCAL", ReferenceFrame::kLocal},
                                    {"WORLD", ReferenceFrame::kWorld},
