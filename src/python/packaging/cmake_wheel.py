@@ -1,6 +1,6 @@
 """A build backend (PEP 517, PEP 660) of the standard library alone: CMake builds the package, zipfile writes the wheel.
 
-    pip wheel ./src/python --config-settings build-dir=build/release      # build-dir: else build/wheel
+    pip wheel --no-deps ./src/python --config-settings build-dir=build/release      # build-dir: else build/wheel
 """
 
 import base64
