@@ -256,8 +256,8 @@ TEST_F(ChartOf, WithoutGnuplotThereIsTheCsv) {
 // A gnuplot that cannot be started is not one that is not installed.
 TEST_F(ChartOf, OutOfDescriptorsIsSaid) {
   if (!has_gnuplot()) GTEST_SKIP() << "there is no gnuplot here";
-  const auto outcome = run({"-c", "exec 3>&- 4>&- 5>&-; ulimit -n 6; exec '" MANYCONTACT_BINARY "' chart '" + model("arm_pushes_box.xml") +
-                                      "' --seconds 0 --out '" + path("out") + "'"},
+  const auto outcome = run({"-c", "exec 3>&- 4>&- 5>&-; ulimit -n 6; exec '" MANYCONTACT_BINARY "' chart '" +
+                                      model("arm_pushes_box.xml") + "' --seconds 0 --out '" + path("out") + "'"},
                            "/bin/sh");
   EXPECT_EQ(outcome.status, 1);
   expect_contains(outcome.err, "gnuplot cannot be started: Too many open files");

@@ -76,8 +76,7 @@ TEST_P(Stability, NoWrongAnswers) {
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
     for (const Row& row : rows)
-      EXPECT_EQ(classes(row.letters()), committed[row.which->name])
-          << row.which->name << ": not as on the page";
+      EXPECT_EQ(classes(row.letters()), committed[row.which->name]) << row.which->name << ": not as on the page";
     EXPECT_EQ(committed.size(), rows.size());
   }
 #endif

@@ -49,7 +49,8 @@ struct ChartRow {
 };
 
 struct Chart {
-  std::string scene, title;  // name, with the path where several scenes have it, and what it is: "82 velocities, 48 contact rows, 1 island"
+  std::string scene, title;  // name, with the path where several scenes have it, and what it is: "82 velocities, 48
+                             // contact rows, 1 island"
   std::vector<ChartRow> rows;
   double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
   double condition = 0;

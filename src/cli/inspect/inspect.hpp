@@ -24,7 +24,8 @@ Inspection inspect_scene(const SceneFile& file);
 
 /// Limits and efforts as the robots' files have them, robots of one model once.
 void print_joints(std::ostream& out, const SceneFile& file);
-/// What each contact holds and where, its gains and mu, and how far its frames are from where it holds them; copies once.
+/// What each contact holds and where, its gains and mu, and how far its frames are from where it holds them; copies
+/// once.
 void print_contacts(std::ostream& out, const SceneFile& file);
 void print_islands(std::ostream& out, const Inspection& inspection);
 void print_contact_groups(std::ostream& out, const Inspection& inspection);

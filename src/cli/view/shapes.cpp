@@ -79,8 +79,8 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Where a body that carries no others ends: at its farthest frame, unless its centre of mass is farther out; then as far
-// beyond that.
+// Where a body that carries no others ends: at its farthest frame, unless its centre of mass is farther out; then as
+// far beyond that.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
