@@ -48,6 +48,7 @@ Eigen::VectorXd best_controls(int T, double limit, double of_u, double of_x, dou
   for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
   const Eigen::MatrixXd H = of_u * Eigen::MatrixXd::Identity(T, T) + of_x * S.transpose() * S;
   const Eigen::VectorXd g = of_x * S.transpose() * Eigen::Vector2d(1, 0);
+  if (!std::isfinite(limit)) return H.ldlt().solve(g);
   const double step = 1 / H.norm();
   Eigen::VectorXd u = Eigen::VectorXd::Zero(T), y = u;
   double momentum = 1;
