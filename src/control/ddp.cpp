@@ -128,19 +128,22 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   } restore{th_stop_, th_stop_};
   if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  for (const double share : {1.0, 1e-3, 1e-6}) {
-    th_stop_ = std::max(share * restore.value, rounding);
+  constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
+    if (std::isfinite(th_kkt_)) th_stop_ = std::max(1e-6 * restore.value, rounding);
     preg_ = dreg_ = reg_min_ * scale_;
     const StopReason reason = descend(maxiter);
     if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
+    if (!std::isfinite(th_kkt_)) return reason;
     problem_->calc(xs_, us_);
     calcDiff();
     const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, true);
     Eigen::VectorXd work;
     kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, true, {}, work);
-    if (kkt_ <= th_kkt_ * scale_ && (reason == StopReason::kConverged || std::isfinite(th_kkt_)))
-      return StopReason::kConverged;
-    if (reason != StopReason::kConverged) return reason;
+    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+    idle = kkt_ < 0.5 * least ? 0 : idle + 1;
+    least = std::min(least, kkt_);
   }
   return StopReason::kNoStep;
 }

@@ -289,7 +289,9 @@ void take_limits(Run& run) {
   box.out.violations = violations(run.problem);
   for (const TaskViolation& v : box.out.violations)
     box.out.constraint_violation = std::max(box.out.constraint_violation, v.by);
-  if (!box.out.converged || box.out.constraint_violation > kMostViolation) {
+  const bool worse =
+      !box.out.converged && run.out.constraint_violation <= kMostViolation && box.out.cost >= run.out.cost;
+  if (worse || box.out.constraint_violation > kMostViolation) {
     run.problem.problem->calc(run.out.xs, run.out.us);
     return;
   }
