@@ -100,7 +100,7 @@ struct Builder {
     add<ResidualModelContactFrictionCone>("ContactFrictionCone_outer_" + name, id,
                                           FrictionCone(random_rotation(rng), mu, 6, false, 1, 100), nu);
     const auto in_axes = [&](ConeAxes axes) {
-      std::dynamic_pointer_cast<ContactResidual>(all.back().model)->set_axes(axes);
+      std::dynamic_pointer_cast<ContactResidual>(all.back().residual)->set_axes(axes);
     };
     for (const auto& [axes, of] : {std::pair(ConeAxes::kFoot, "foot_"), std::pair(ConeAxes::kWorld, "world_"),
                                    std::pair(ConeAxes::kOther, "other_")}) {
