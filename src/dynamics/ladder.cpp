@@ -68,7 +68,10 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
   };
   for (int c : island.contacts) {
     moving(scene.contacts[c].A), moving(scene.contacts[c].B);
-    largest = std::max(largest, row_terms(scene, w, c));
+    // A place in the world that was left out, or computed, is as good as its own digits, however far away it is.
+    const Contact& contact = scene.contacts[c];
+    const double far = contact.B.robot < 0 ? contact.B.placement.p.cwiseAbs().maxCoeff() : 0;
+    largest = std::max({largest, row_terms(scene, w, c), std::abs(contact.alpha) * far});
   }
   return largest;
 }
