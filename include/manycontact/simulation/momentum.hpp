@@ -46,6 +46,7 @@ struct FreeGroup {
 
 /// The groups of a scene, and room for them. Bodies are numbered through the scene, robot by robot.
 struct FreeGroups {
+  /// For this scene; finds its joints below which a group may begin.
   explicit FreeGroups(const Scene& scene);
 
   struct FreeJoint {                 // a joint below which a group may begin: floating, or planar at the world

@@ -18,12 +18,13 @@
 
 namespace manycontact {
 
-struct ClosestPosture {
+struct ClosestPosture {  // The posture between two states that is nearest to a singular one.
   double share = 1;  // least sigma between the last state and this one, of the largest sigma so far
   double at = 0;     // where between them: 0 the last, 1 this one
 };
 
 struct PostureData {  // What is known of the islands' smallest sigma; and the memory of its solves.
+  /// For this scene; `options`: of the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 
   SceneAtRest rest;

@@ -53,6 +53,7 @@ struct TaskSolution {  // What optimize found, and how.
   std::size_t outer_iterations = 0;          // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
 
+  /// Whether constraints were found that cannot be met.
   bool infeasible() const { return reason.rfind("infeasible", 0) == 0; }
 };
 

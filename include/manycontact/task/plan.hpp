@@ -47,6 +47,7 @@ struct PlanFinding {
   std::string kind, name, text;
   std::size_t node = 0;
 };
+/// Of the motion xs, us: a state and the torques of each node; costs: as cost_by_term gives them.
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                        const std::vector<Eigen::VectorXd>& us, const std::vector<PlanCost>& costs);
 
