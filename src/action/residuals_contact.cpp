@@ -83,7 +83,7 @@ void add_turning(const Attachment& at, double sign, const int* columns, ContactR
   frame_jacobian<double>(*robot.model, d.shared->kinematics(at.robot), robot.base, at.joint, at.placement,
                          FrameAxes::kLocalWorldAligned, d.J);
   for (int i = 0; i < robot.model->nv; ++i)
-    if (columns[i] >= 0) Rx.col(columns[i]) += sign * (d.B_turned * d.J.col(i).tail<3>());
+    if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(d.J.col(i).tail<3>());
 }
 
 // out = B df. Many of B's entries are zero.
