@@ -61,9 +61,12 @@ TEST(Feasibility, IsNotANumberWhereAConstraintIsNot) {
     for (const FeasibilityNorm norm : {LInf, L1}) {
       solver.set_feasnorm(norm);
       EXPECT_TRUE(std::isnan(solver.computeInequalityFeasibility()));
-      EXPECT_TRUE(std::isnan(solver.computeEqualityFeasibility()));
     }
   }
+  const auto problem = std::make_shared<ShootingProblem>(Eigen::VectorXd::Ones(1), std::vector<NodePtr>{node}, bad);
+  SolverFDDP solver(problem);
+  problem->calc(Vectors(2, Eigen::VectorXd::Ones(1)), Vectors(1, Eigen::VectorXd(0)));
+  EXPECT_TRUE(std::isnan(solver.computeEqualityFeasibility()));
 }
 
 // A node of one part whose matrices the part's data alone hold.
