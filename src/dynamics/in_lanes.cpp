@@ -73,8 +73,12 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
   const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
+  // Not those answered already, nor those whose rows are certain to depend on each other.
+  const auto wanted = [&scene](const IslandWork& d) {
+    return !d.was_dependent && (scene.damping > 0 || d.island.nc <= d.island.nv);
+  };
   each_in_lanes(
-      scene, w, [](const IslandWork& d) { return !d.was_dependent; },  // answered already
+      scene, w, wanted,
       [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
         kernel.solve(job, islands, {thread.answers.data(), islands.size()});
         for (std::size_t k = 0; k < islands.size(); ++k)

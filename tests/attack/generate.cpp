@@ -77,7 +77,7 @@ Tree Makes::tree(int joints) {
   if (!t.floating) t.xyz = r.vector(), t.rpy = plain ? Numbers{} : r.vector();
   std::vector<Kind> kinds = {Kind::kRevolute};
   if (has("joint"))
-    kinds = {Kind::kRevolute, Kind::kPrismatic, Kind::kPlanar, Kind::kFloating, Kind::kFixed};
+    kinds = {Kind::kRevolute, Kind::kPrismatic, Kind::kPlanar, Kind::kFixed};
   else if (r.chance(0.3))
     kinds = {Kind::kRevolute, Kind::kPrismatic};
   for (int i = 0; i <= joints; ++i) {

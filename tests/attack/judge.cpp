@@ -145,7 +145,8 @@ void Trying::judge_status(const Answer& t) {
   const Status status = data.report.status;
   const double size = t.moved + t.drift;
   // In between the two the definition's own rounding decides.
-  const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms;
+  // Where nothing acts, all of it is rounding of the reference's own.
+  const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms || t.left <= 1e-25;
   const bool contradict = t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
   if (!agree && !contradict) return;
   const Status right = contradict                         ? Status::kInconsistent

@@ -169,11 +169,13 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
     ranks_ = {rows_};
     return;
   }
+  // As it is, and each row beside its own size, unless all of it is rounding.
   Matrix as_is(nv_, rows_), scaled(nv_, rows_);
+  const Quad rounding = Quad(1e-13) * Quad(largest_J());
   for (int i = 0; i < rows_; ++i) {
     Quad size = 0;
     for (int j = 0; j < nv_; ++j) size = std::max(size, fabsq(J_(i, j)));
-    for (int j = 0; j < nv_; ++j) as_is(j, i) = J_(i, j), scaled(j, i) = size > 0 ? J_(i, j) / size : Quad(0);
+    for (int j = 0; j < nv_; ++j) as_is(j, i) = J_(i, j), scaled(j, i) = size > rounding ? J_(i, j) / size : Quad(0);
   }
   std::set<int> ranks;
   count_pivots(Qr(as_is, nv_, true), ranks);
