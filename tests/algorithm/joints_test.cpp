@@ -55,7 +55,7 @@ TEST(Joints, PrismaticWithArmature) {
   EXPECT_NEAR(joint.qdd()[0], (joint.s.tau[0] + along) / (joint.m + 0.4), kTight);
   Kinematics<double> kin(joint.s.model);
   forward_kinematics<double>(joint.s.model, joint.s.base, joint.s.q, kin);
-  EXPECT_LE(difference_of(kin.oMi[0].p, Vec3<double>(joint.s.q[0] * joint.s.model.joints[0].axis)), kEps);
+  EXPECT_LE(difference_of(kin.origin(0), Vec3<double>(joint.s.q[0] * joint.s.model.joints[0].axis)), kEps);
   EXPECT_EQ(kin.oMi[0].R, Mat3<double>::Identity());
 }
 
@@ -104,7 +104,7 @@ TEST(Joints, PlanarBody) {
 
   Kinematics<double> kin(s.model);
   forward_kinematics<double>(s.model, s.base, s.q, kin);
-  EXPECT_LE(difference_of(kin.oMi[0].p, Vec3<double>(s.q[0], s.q[1], 0)), kEps);
+  EXPECT_LE(difference_of(kin.origin(0), Vec3<double>(s.q[0], s.q[1], 0)), kEps);
   EXPECT_LE(difference_of(kin.oMi[0].R, rotation_about<double>(Vec3<double>::UnitZ(), s.q[2])), kEps);
 }
 
@@ -119,7 +119,7 @@ TEST(Joints, RevoluteTurnsAboutAnyAxis) {
     Kinematics<double> kin(model);
     forward_kinematics<double>(model, joint.s.base, joint.s.q, kin);
     const SE3<double> turned{rotation_about<double>(axis.normalized(), joint.s.q[0]), Vec3<double>::Zero()};
-    EXPECT_LE(difference_of(kin.oMi[0], model.joints[0].placement * turned), 4 * kEps);
+    EXPECT_LE(difference_of(SE3<double>{kin.oMi[0].R, kin.origin(0)}, model.joints[0].placement * turned), 4 * kEps);
   }
 }
 

@@ -179,7 +179,10 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
   EXPECT_LE(difference(far.f, near.f), allowed) << what << ", forces";
   EXPECT_LE(difference(far.da, near.da), 10 * allowed) << what << ", derivatives of accelerations";
   EXPECT_LE(difference(far.df, near.df), 10 * allowed) << what << ", derivatives of forces";
-  EXPECT_LE(far.report.error_acceleration, 2 * near.report.error_acceleration + 1e-14) << what << ", claimed bound";
+  // sparse-bodies counts what stands along a slide as a lever: its bound grows with that, the error does not
+  if (near.report.islands[0].method != Method::kSparseBodies) {
+    EXPECT_LE(far.report.error_acceleration, 2 * near.report.error_acceleration + 1e-14) << what << ", claimed bound";
+  }
 }
 
 void compare(const Case& c, const Problem& near, void (*move)(const Vec3<double>&, Problem&), const char* how) {
