@@ -309,7 +309,7 @@ for name, cls in vars(mc).items():
     x = cls.__new__(cls)
     uses = [(n, lambda n=n: getattr(x, n)) for n, m in vars(cls).items() if isinstance(m, property) and n[0] != "_"]
     uses += [("repr", lambda: repr(x)), ("str", lambda: str(x))] if hasattr(cls, "__members__") else []
-    uses += [(f.__name__, lambda f=f: f(x)) for f in (copy.copy, pickle.dumps, len, iter, int)]
+    uses += [(f.__name__, lambda f=f: f(x)) for f in (copy.copy, pickle.dumps, len, list, int)]
     for use, call in uses:
         try: call()
         except (TypeError, AttributeError): continue
