@@ -22,7 +22,7 @@ struct ContactResidualData : ResidualDataAbstract {
   Mat3<double> oRX, oRF;     // by calc: the cone's axes and those of the force
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
   Eigen::MatrixXd B_turned;                                  // nr x 3
-  Mat6X<double> J;
+  Mat6X<double> J;                                           // of one end at a time: room for both
 };
 
 ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {
@@ -79,11 +79,11 @@ void find_columns(const DataCollector& shared, int robot, const std::vector<int>
 // Rx += sign B th_i, th_i the angular motion of an end by its robot's coordinate i, in the world's axes.
 void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
   const Robot& robot = d.shared->scene.robots[at.robot];
-  d.J.resize(6, robot.model->nv);
+  auto J = d.J.leftCols(robot.model->nv);
   frame_jacobian<double>(*robot.model, d.shared->kinematics(at.robot), robot.base, at.joint, at.placement,
-                         FrameAxes::kLocalWorldAligned, d.J);
+                         FrameAxes::kLocalWorldAligned, J);
   for (int i = 0; i < robot.model->nv; ++i)
-    if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(d.J.col(i).tail<3>());
+    if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(J.col(i).tail<3>());
 }
 
 // out = B df. Many of B's entries are zero.
@@ -148,6 +148,9 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
     d.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), *d.contact->f_x_columns, *d.contact->f_u_columns);
   d.columns.clear();
   if (d.blocks.empty()) return;
+  int nv = d.shared->scene.robots[contact.A.robot].model->nv;
+  if (contact.B.robot >= 0) nv = std::max(nv, d.shared->scene.robots[contact.B.robot].model->nv);
+  d.J.resize(6, nv);
   find_columns(*d.shared, contact.A.robot, *d.contact->f_x_columns, d.columns);
   if (contact.B.robot >= 0) find_columns(*d.shared, contact.B.robot, *d.contact->f_x_columns, d.columns);
 }

@@ -382,7 +382,7 @@ TEST_F(BadInput, Urdf) {
       {6, joint(r, "", "z"), 6, "the parent of joint 'r' is an unknown link 'z'"},
       {6, joint(r, limit("effort=\"nan\" velocity=\"1\"")), 6, "'nan' is not finite"},
       {6, joint(turns, limit("effort=\"1\" velocity=\"1\" upper=\"nan\"")), 6, "'nan' is not finite"},
-      {6, joint(slides, limit("effort=\"1\"\n velocity=\"1\" upper=\"1 m\"")), 6, "is not one number"},
+      {6, joint(slides, limit("effort=\"1\"\n velocity=\"1\" upper=\"1 m\"")), 7, "is not one number"},
       {6, joint(slides, limit("effort=\"much\"")), 6, "'much' is not a number"},
       {6, joint(r, "<axis xyz=\"0 0 0\"/>"), 6, "the axis of joint 'r' is zero"},
       {6, joint(r, "<axis xyz=\"0 0 1 0\"/>"), 6, "xyz of <axis> has 4 numbers"},
