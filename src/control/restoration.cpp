@@ -11,6 +11,7 @@ using AL = SolverAugmentedLagrangian;
 
 namespace {
 
+constexpr double kAbsurd = 1e9;  // times the cost at hand: no motion that a solve may go on from
 constexpr double kWorthless = 1e-6;  // of the squared violation, what a step may take off at a least one
 constexpr double kCrawling = 1e-9;   // at which iterations end
 constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
@@ -117,8 +118,21 @@ StopReason AL::restore(std::size_t maxiter) {
   solver->set_th_grad(met);
   solver->set_th_stop(1e-3 * met);
   solver->setCallbacks({std::make_shared<Watch>(*this, met)});
+  const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
+  const double cost_before = cost_;
   leastViolation(*solver, *alone, false, kMost);
   bool stationary = isStationary(*solver);
+  if (violation_ <= th_constraint_ && !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_))) {
+    // Met by a motion that is none: torques so large that the steps no longer hold the contacts. Nothing goes on there.
+    xs_ = xs_before;
+    us_ = us_before;
+    is_feasible_ = false;
+    merit_ = alone->calc(xs_, us_);
+    collectParts();
+    cost_ = problem_->total_cost();
+    measureViolation();
+    return StopReason::kNoStep;
+  }
   if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
     const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
     const double merit = merit_;

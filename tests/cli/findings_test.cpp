@@ -126,13 +126,13 @@ TEST_F(FindingsOfTheProgram, CopiesAreOneLine) {
 
 TEST_F(FindingsOfTheProgram, LimitsAndJoints) {
   const std::string beyond = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating">
-    <joint name="LF_knee" q="3" u="1000"/></robot>)");
+    <joint name="LF_knee" q="3" u="200"/></robot>)");
   const json j = solve({beyond});
   ASSERT_EQ(j.at("limits_passed").size(), 2u);
   EXPECT_EQ(j.at("limits_passed")[0].at("joint"), "q/LF_knee");
   EXPECT_EQ(j.at("limits_passed")[0].at("quantity"), "position");
   EXPECT_EQ(j.at("limits_passed")[1].at("quantity"), "effort");
-  expect_contains(run({"solve", beyond}).out, "q/LF_knee: effort 1000, limit ");
+  expect_contains(run({"solve", beyond}).out, "q/LF_knee: effort 200, limit ");
   const std::string out = run({"inspect", beyond}).out;
   expect_contains(out, "Joints: limits of the robots' files");
   expect_contains(out, "q/LF_knee: position 3, limit ");

@@ -12,11 +12,11 @@ class OddFiles : public Program {
   // An arm of one link, on line 3, whose joint stands on line 4; both as given.
   std::string arm(const std::string& link, const std::string& joint, const std::string& attributes = "",
                   const std::string& more = "") const {
-    std::ofstream(path("arm.urdf")) << "<robot name=\"arm\">\n<link name=\"base\"/>\n<link name=\"upper\">" << link
+    std::ofstream(path("odd.urdf")) << "<robot name=\"arm\">\n<link name=\"base\"/>\n<link name=\"upper\">" << link
                                     << "</link>\n<joint name=\"j\" " << joint
                                     << "<parent link=\"base\"/><child link=\"upper\"/></joint>\n"
                                     << more << "</robot>";
-    return scene("<robot name=\"r\" urdf=\"arm.urdf\" " + attributes + "/>");
+    return scene("<robot name=\"r\" urdf=\"odd.urdf\" " + attributes + "/>");
   }
   static std::string body(double xx, double yy, double zz) {
     std::ostringstream out;
@@ -39,16 +39,16 @@ TEST_F(OddFiles, AnInertiaThatNoBodyHas) {
   EXPECT_NEAR(solved.at("acceleration")[0].get<double>(), 1.5 * 9.81 * 0.1 / (0.0085 + 1.5 * 0.01), 1e-12);
   const json f = finding(solved, "inertia");
   EXPECT_EQ(f.at("name"), "r/upper");
-  EXPECT_EQ(f.at("file"), path("arm.urdf"));
+  EXPECT_EQ(f.at("file"), path("odd.urdf"));
   EXPECT_EQ(f.at("line"), 3);
   for (const char* command : {"solve", "inspect"})
     expect_contains(
         run({command, odd}).out,
-        "To look at inertia: r/upper (arm.urdf:3): the body, with what is merged into it, has the principal "
+        "To look at inertia: r/upper (odd.urdf:3): the body, with what is merged into it, has the principal "
         "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which no body has");
   const Outcome refused = run({"solve", arm(link, joint, "inertia=\"refuse\"")});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_EQ(refused.err.find("manycontact: " + path("arm.urdf") + ":3: link 'upper' and what is merged into it have "),
+  EXPECT_EQ(refused.err.find("manycontact: " + path("odd.urdf") + ":3: link 'upper' and what is merged into it have "),
             0u)
       << refused.err;
 }
@@ -56,7 +56,7 @@ TEST_F(OddFiles, AnInertiaThatNoBodyHas) {
 TEST_F(OddFiles, LimitsThatBoundNothing) {
   const std::string odd = arm(body(1, 1, 1), "type=\"revolute\"><limit lower=\"-Inf\" upper=\"1e999\" effort=\"2\"/>");
   EXPECT_EQ(finding(solve({odd}), "limits").at("text"), "taken as no limit: velocity missing, lower -Inf, upper 1e999");
-  expect_contains(run({"inspect", odd}).out, "limits: r/j (arm.urdf:4): taken as no limit: velocity missing");
+  expect_contains(run({"inspect", odd}).out, "limits: r/j (odd.urdf:4): taken as no limit: velocity missing");
   // thirty alike are one line, thirty different ones a few
   std::string many, different;
   for (int i = 0; i < 30; ++i) {
@@ -98,7 +98,7 @@ TEST_F(OddFiles, ASingularInertiaSaysWhy) {
   EXPECT_EQ(why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
             "r/root: what it carries lacks mass or a moment of inertia, and the joints below it move the rest alone");
   expect_contains(run({"solve", path("scene.xml")}).out,
-                  "base: r/j (arm.urdf:4): a floating joint below the floating base: two bases");
+                  "base: r/j (odd.urdf:4): a floating joint below the floating base: two bases");
 }
 
 TEST_F(OddFiles, NoMotorsHoldAFloatingJoint) {
@@ -111,7 +111,7 @@ TEST_F(OddFiles, XacroAndEncodings) {
   const Outcome xacro = run({"solve", arm("", "type=\"continuous\">", "", "<xacro:leg/>")});
   EXPECT_EQ(xacro.status, 2);
   EXPECT_EQ(lines_of(xacro.err).size(), 1u);
-  expect_contains(xacro.err, path("arm.urdf") + ":5: <xacro:leg> is xacro");
+  expect_contains(xacro.err, path("odd.urdf") + ":5: <xacro:leg> is xacro");
   std::ofstream(path("u.urdf")) << "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"r\"><link name=\"a\"/>"
                                    "<link name=\"b\">" +
                                        body(1, 1, 1) +
@@ -138,11 +138,11 @@ class CsvFiles : public OddFiles {
 
  private:
   Outcome simulate(const std::string& csv) {
-    std::ofstream(path("arm.urdf")) << "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass "
+    std::ofstream(path("odd.urdf")) << "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass "
                                        "value=\"0\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link><joint "
                                        "name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>"
                                        "</robot>";
-    const std::string file = scene("<robot name=\"r\" urdf=\"arm.urdf\"><joint name=\"j\" u=\"2\"/></robot>");
+    const std::string file = scene("<robot name=\"r\" urdf=\"odd.urdf\"><joint name=\"j\" u=\"2\"/></robot>");
     std::ofstream(path("u.csv")) << csv;
     return run(
         {"simulate", file, "--time", "0.1", "--step", "0.01", "--out", path("t.csv"), "--torques", path("u.csv")});

@@ -138,14 +138,20 @@ TEST_F(Optimize, SaysThatThereIsNoGnuplot) {
 
 TEST_F(Optimize, SaysWhichConstraintsCannotHold) {
   const std::string wall = R"(<constraint name="behind" type="frame_translation" frame="humanoid/left_hand"
-                                 xyz="0 0 0" lower="9 -inf -inf" upper="inf inf inf"/></terminal>)";
+                                 xyz="0 0 0" lower="0.5 -inf -inf" upper="inf inf inf"/>
+                                <constraint name="before" type="frame_translation" frame="humanoid/left_hand"
+                                 xyz="0 0 0" lower="-inf -inf -inf" upper="0.3 inf inf"/></terminal>)";
   const Outcome outcome = run(words(edited("humanoid_reaches", "</terminal>", wall), {"--threads", "1"}));
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   expect_contains(outcome.out, "did not converge");
-  expect_contains(outcome.out, "infeasible constraints: behind, by ");
+  expect_contains(outcome.out, "infeasible constraints: ");
+  expect_contains(outcome.out, "behind, by ");
   expect_contains(outcome.out, "outer iterations");
-  EXPECT_EQ(json()["report"]["constraints"][0]["name"], "behind");
-  EXPECT_EQ(json()["report"]["constraints"][0]["violation"], json()["report"]["constraint_violation"]);
+  const auto report = json()["report"];
+  double most = 0;
+  for (const auto& c : report["constraints"]) most = std::max(most, c["violation"].get<double>());
+  EXPECT_EQ(most, report["constraint_violation"]);
+  EXPECT_NEAR(most, 0.1, 1e-3);  // half of what the two are apart
   EXPECT_GT(json()["report"]["outer_iterations"], 1);
 }
 
