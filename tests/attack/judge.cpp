@@ -164,7 +164,7 @@ void Trying::judge_status(const Answer& t) {
   // In between the two the definition's own rounding decides.
   // Where nothing acts, all of it is rounding of the reference's own.
   const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms || t.left <= 1e-25;
-  const bool contradict = t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
+  const bool contradict = !agree && t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
   if (!agree && !contradict) return;
   const Status right = contradict                         ? Status::kInconsistent
                        : t.rank == trial.truth.rows()     ? Status::kOk

@@ -108,8 +108,7 @@ TEST_F(Limits, ManyContactsOfOneBody) {
   SceneData data(file.scene);
   const Report& report = solve(file.scene, file.q, file.v, file.u, data);
   EXPECT_EQ(report.status, Status::kRedundant);
-  EXPECT_EQ(report.rank, 6);
-  EXPECT_LE(data.a.cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(report.rank, 3);  // all of them at one point
 }
 
 }  // namespace

@@ -122,7 +122,9 @@ Problem on_joints(const Problem& p) {
   return out;
 }
 
-void move_joints_away(const Vec3<double>& by, Problem& p) {
+// Along the floor, which is where wheels go.
+void move_joints_away(const Vec3<double>& to, Problem& p) {
+  const Vec3<double> by(to[0], to[1], 0);
   for (const Robot& robot : p.scene.robots) {
     if (robot.model->joints.front().type == JointType::kFloating)
       p.q.segment<3>(robot.idx_q) += by;
@@ -222,7 +224,7 @@ TEST(FarTruth, AnyPlace) {
     for (const ContactType type : {k1D, k3D, k6D})
       for (const double distance : {1e3, 1e5, 1e7}) {
         Problem p = two_robots("arm", false, "box");
-        hold(p, type, "link_4", {0, 0, 0.1}, ReferenceFrame::kLocal, "a").alpha = 25;
+        hold(p, type, "tool", {0, 0, 0.1}, ReferenceFrame::kLocal, "a").alpha = 25;
         tie(p, k3D, "a", "tool", "b", "face_back").alpha = 10;
         for (Contact& c : p.scene.contacts) c.beta = 5, c.B.placement.p[0] += 0.01;
         move(p);

@@ -36,8 +36,6 @@ class CholmodFactor final : public Factor {
     internal::put_columns(*pattern_, columns_, X, ld, first, cols);
   }
 
-  bool panel_is_like_solve() const override { return false; }  // nothing bounds its error: its own residual tells
-
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
   int nonzeros() const override { return cholmod_->factor_nonzeros(); }

@@ -60,9 +60,6 @@ class LdlFactor final : public Factor {
     return {ldl_.L, ldl_.D};
   }
 
-  // Those of SuiteSparse's LDL, the second opinion, are judged by their own residual.
-  bool panel_is_like_solve() const override { return ldl_.schedule; }
-
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc; }
   int nonzeros() const override { return ldl_.nonzeros(); }
