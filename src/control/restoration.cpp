@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 #include "manycontact/control/augmented_lagrangian.hpp"
 
@@ -11,11 +12,14 @@ using AL = SolverAugmentedLagrangian;
 
 namespace {
 
-constexpr double kAbsurd = 1e9;  // times the cost at hand: no motion that a solve may go on from
+constexpr double kAbsurd = 1e9;      // times the cost at hand: no motion that a solve may go on from
 constexpr double kWorthless = 1e-6;  // of the squared violation, what a step may take off at a least one
 constexpr double kCrawling = 1e-9;   // at which iterations end
 constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
 constexpr double kRegularised = 1e-12;
+constexpr double kCreeping = 0.99;  // of the squared violation, what kWindow iterations leave where there is no way on
+constexpr std::size_t kWindow = 8;
+constexpr double kNearer = 0.5;     // of the violation, what a search that found a way leaves
 constexpr std::size_t kMost = 500;  // iterations
 constexpr std::size_t kRestorations = 5;
 
@@ -28,13 +32,16 @@ class AL::Watch : public CallbackAbstract {
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
     slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
-    if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3) solver.interrupt();
+    last_.push_back(left);
+    const bool creeps = last_.size() > kWindow && left > kCreeping * last_[last_.size() - 1 - kWindow];
+    if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
 
  private:
   SolverAugmentedLagrangian& outer_;
   double met_;
   int slow_ = 0;
+  std::vector<double> last_;  // squared violations
 };
 
 // Whether a callback asks for an end.
@@ -119,11 +126,14 @@ StopReason AL::restore(std::size_t maxiter) {
   solver->set_th_stop(1e-3 * met);
   solver->setCallbacks({std::make_shared<Watch>(*this, met)});
   const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
-  const double cost_before = cost_;
+  const double cost_before = cost_, violation_before = violation_;
   leastViolation(*solver, *alone, false, kMost);
   bool stationary = isStationary(*solver);
-  if (violation_ <= th_constraint_ && !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_))) {
-    // Met by a motion that is none: torques so large that the steps no longer hold the contacts. Nothing goes on there.
+  const bool absurd = !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_));
+  const bool no_nearer = violation_ > th_constraint_ && !stationary && !(violation_ < kNearer * violation_before);
+  if ((absurd || no_nearer) && !interrupted_) {
+    // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or not met although
+    // nothing else was asked for: the candidate that the search began with is the answer.
     xs_ = xs_before;
     us_ = us_before;
     is_feasible_ = false;
@@ -131,7 +141,7 @@ StopReason AL::restore(std::size_t maxiter) {
     collectParts();
     cost_ = problem_->total_cost();
     measureViolation();
-    return StopReason::kNoStep;
+    return StopReason::kInfeasible;
   }
   if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
     const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
