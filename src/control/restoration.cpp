@@ -125,6 +125,16 @@ StopReason AL::restore(std::size_t maxiter) {
   solver->set_th_grad(met);
   solver->set_th_stop(1e-3 * met);
   solver->setCallbacks({std::make_shared<Watch>(*this, met)});
+  const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
+                             bool feasible) {
+    xs_ = xs;
+    us_ = us;
+    is_feasible_ = feasible;
+    merit_ = alone->calc(xs_, us_);
+    collectParts();
+    cost_ = problem_->total_cost();
+    measureViolation();
+  };
   const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
   const double cost_before = cost_, violation_before = violation_;
   leastViolation(*solver, *alone, false, kMost);
@@ -134,13 +144,7 @@ StopReason AL::restore(std::size_t maxiter) {
   if ((absurd || no_nearer) && !interrupted_) {
     // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or not met although
     // nothing else was asked for: the candidate that the search began with is the answer.
-    xs_ = xs_before;
-    us_ = us_before;
-    is_feasible_ = false;
-    merit_ = alone->calc(xs_, us_);
-    collectParts();
-    cost_ = problem_->total_cost();
-    measureViolation();
+    take_back(xs_before, us_before, false);
     return StopReason::kInfeasible;
   }
   if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
@@ -149,13 +153,8 @@ StopReason AL::restore(std::size_t maxiter) {
     leastViolation(*solver, *alone, true, kMost);
     stationary = isStationary(*solver);
     if (!(merit_ < merit * (1 - kWorthless))) {
-      xs_ = xs;
-      us_ = us;
-      is_feasible_ = stationary = true;
-      merit_ = alone->calc(xs_, us_);
-      collectParts();
-      cost_ = problem_->total_cost();
-      measureViolation();
+      take_back(xs, us, true);
+      stationary = true;
     }
   }
   if (interrupted_) return StopReason::kInterrupted;

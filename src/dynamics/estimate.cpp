@@ -219,10 +219,6 @@ std::pair<double, double> moved(const SceneData& data, const Scene& scene, const
   return {a, f};
 }
 
-}  // namespace
-
-namespace {
-
 // |K^-1|_1: of a small K itself, by all its columns, which costs no more than a factor; else an estimate.
 double inverse_norm(IslandWork& d) {
   constexpr int kSmall = 64;
