@@ -24,6 +24,7 @@
 #include "manycontact/control/num_diff.hpp"
 #include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
+#include "manycontact/control/symplectic.hpp"
 #include "manycontact/control/shooting.hpp"
 #include "manycontact/control/solver.hpp"
 #include "manycontact/control/sparse.hpp"

@@ -145,9 +145,9 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
   const double h = time_step_;
   differential_->calcDiff(d.differential, x, d.control->w);
   d.step = h;
-  d.Lx = h * a.Lx;
   differentiate_joints(*state_, x, d);
   if (!d.has_matrices()) {
+    d.Lx = h * a.Lx;
     d.Lu = h * a.Lu;
     return;
   }
@@ -165,12 +165,7 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
     state_->Jintegrate(x, d.dx, d.Fx, d.Fx, first, addto);
     state_->JintegrateTransport(x, d.dx, d.Fu, second);
   }
-  d.Lxx = h * a.Lxx;
-  control_->multiplyJacobianTransposeBy(d.control, a.Lu, d.Lu);
-  control_->multiplyByJacobian(d.control, a.Lxu, d.Lxu);
-  control_->multiplyByJacobian(d.control, a.Luu, d.Lwu);
-  control_->multiplyJacobianTransposeBy(d.control, d.Lwu, d.Luu);
-  d.Lu *= h, d.Lxu *= h, d.Luu *= h;
+  internal::integrate_cost_derivatives(h, *control_, d.control, a, d.Lwu, d);
   internal::copy_constraint_derivatives(*control_, d.control, a, d);
 }
 

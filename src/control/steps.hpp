@@ -28,6 +28,20 @@ inline void copy_constraint_derivatives(const ControlParametrizationModelAbstrac
   if (to.Hu.size()) control.multiplyByJacobian(w, from.Hu, to.Hu);
 }
 
+/// h times the cost's derivatives, by x and u. Lwu: nw x nu, workspace.
+inline void integrate_cost_derivatives(double h, const ControlParametrizationModelAbstract& control,
+                                       const std::shared_ptr<ControlParametrizationDataAbstract>& w,
+                                       const DifferentialActionDataAbstract& from, Eigen::MatrixXd& Lwu,
+                                       ActionDataAbstract& to) {
+  to.Lx = h * from.Lx;
+  to.Lxx = h * from.Lxx;
+  control.multiplyJacobianTransposeBy(w, from.Lu, to.Lu);
+  control.multiplyByJacobian(w, from.Lxu, to.Lxu);
+  control.multiplyByJacobian(w, from.Luu, Lwu);
+  control.multiplyJacobianTransposeBy(w, Lwu, to.Luu);
+  to.Lu *= h, to.Lxu *= h, to.Luu *= h;
+}
+
 /// Of a terminal node: xnext = x.
 inline void copy_terminal_derivatives(const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
   check_dense("IntegratedActionModel::calcDiff", from);

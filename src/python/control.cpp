@@ -84,6 +84,14 @@ void add_integrators(py::module_& m) {
            py::arg("control").none(false), py::arg("rktype"), py::arg("timeStep") = 1e-3,
            py::arg("withCostResidual") = true);
 
+  py::class_<IntegratedActionModelSymplectic, Integrated, std::shared_ptr<IntegratedActionModelSymplectic>>(
+      m, "IntegratedActionModelSymplectic",
+      "The step of SimulationData by 'semi-implicit-euler': contacts held in the velocity, momentum kept.")
+      .def(py::init<Model, double, bool>(), py::arg("model").none(false), py::arg("timeStep") = 1e-3,
+           py::arg("withCostResidual") = true)
+      .def(py::init<Model, Control, double, bool>(), py::arg("model").none(false), py::arg("control").none(false),
+           py::arg("timeStep") = 1e-3, py::arg("withCostResidual") = true);
+
   using Differential = std::shared_ptr<DifferentialActionDataAbstract>;
   py::class_<IntegratedActionDataEuler, NodeData, std::shared_ptr<IntegratedActionDataEuler>>(
       m, "IntegratedActionDataEuler")
@@ -92,6 +100,10 @@ void add_integrators(py::module_& m) {
   py::class_<IntegratedActionDataRK, NodeData, std::shared_ptr<IntegratedActionDataRK>>(m, "IntegratedActionDataRK")
       .def_property_readonly(
           "differential", [](const IntegratedActionDataRK& d) { return d.differential; }, "Of each stage.");
+  py::class_<IntegratedActionDataSymplectic, NodeData, std::shared_ptr<IntegratedActionDataSymplectic>>(
+      m, "IntegratedActionDataSymplectic")
+      .def_property_readonly("differential",
+                             [](const IntegratedActionDataSymplectic& d) -> Differential { return d.differential; });
 }
 
 void add_impulse(py::module_& m) {

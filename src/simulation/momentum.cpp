@@ -1,11 +1,12 @@
-#include "manycontact/simulation/momentum.hpp"
-
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "manycontact/sparse/union_find.hpp"
+#include "momentum_steps.hpp"
 
 namespace manycontact {
+
+using namespace internal;
 
 namespace {
 
@@ -29,6 +30,7 @@ int node_of(const FreeGroups& groups, const Attachment& at) {
                                       : groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)];
 }
 
+// The axes of a joint's placement in the world.
 Mat3<double> axes_of(const Robot& robot, const Joint& joint, const Kinematics<double>& kin) {
   const Mat3<double>& parent = joint.parent < 0 ? robot.base.R : kin.oMi[joint.parent].R;
   return robot.model->floating_base && joint.idx_v == 0 ? Mat3<double>(Mat3<double>::Identity())
@@ -40,10 +42,6 @@ void hold_in_plane(FreeGroup& group, const Vec3<double>& normal) {
     group.in_plane = true, group.normal = normal;
   else if (group.normal.cross(normal).norm() > kParallel)
     group.tied = true;
-}
-
-FreeGroup& group_at(FreeGroups& groups, int node) {
-  return groups.groups[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(node)])];
 }
 
 // 1D in world axes: it holds its end in a plane.
@@ -92,7 +90,48 @@ void find_groups(const Scene& scene, const std::vector<char>& active, const std:
   }
 }
 
-// Inertia and momentum of every free group, about its reference.
+void displace(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups, Eigen::VectorXd& q) {
+  for (const FreeGroups::FreeJoint& j : groups.joints) {
+    const Robot& robot = scene.robots[j.robot];
+    const Joint& joint = robot.model->joints[j.joint];
+    const Vec3<double> along = axes_of(robot, joint, kin[j.robot]).transpose() * added_displacement(groups, j);
+    const int n = joint.type == JointType::kPlanar ? 2 : 3;
+    q.segment(robot.idx_q + joint.idx_q, n) += along.head(n);
+  }
+}
+
+void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,
+                Eigen::VectorXd& v) {
+  for (const FreeGroups::FreeJoint& j : groups.joints) {
+    const Robot& robot = scene.robots[j.robot];
+    const Joint& joint = robot.model->joints[j.joint];
+    const SE3<double>& M = kin[j.robot].oMi[j.joint];
+    const Vec6<double> dv = added_velocity(groups, j, kin[j.robot].origin(j.joint) + M.p);
+    const Vec3<double> linear = M.R.transpose() * dv.head<3>(), angular = M.R.transpose() * dv.tail<3>();
+    auto of_joint = v.segment(robot.idx_v + joint.idx_v, joint.nv());
+    add_motion(joint, linear, angular, of_joint);
+  }
+}
+
+// What the torques of a free joint do to the group below it and, the other way round, to that above; C_next is C still.
+void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& tau,
+                    double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
+  const Robot& robot = scene.robots[j.robot];
+  const Joint& joint = robot.model->joints[j.joint];
+  const Vec6<double> wrench = wrench_of(joint, tau.segment(robot.idx_v + joint.idx_v, joint.nv()));
+  const SE3<double>& M = kin[j.robot].oMi[j.joint];
+  each_side(groups, j, [&](FreeGroup& group, double sign) {
+    const SE3<double> about_C{M.R, kin[j.robot].origin(j.joint) + M.p - group.reference - group.C_next};
+    const Vec6<double> impulse = sign * h * about_C.act_force(wrench);
+    group.P_next += impulse.head<3>();
+    group.L_next += impulse.tail<3>();
+  });
+}
+
+}  // namespace
+
+namespace internal {
+
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   for (FreeGroup& group : groups.groups) group.Y = {}, group.momentum.setZero();
   for (std::size_t r = 0; r < scene.robots.size(); ++r)
@@ -107,7 +146,6 @@ void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, Fre
     }
 }
 
-// Angular momentum about the centre of mass C.
 Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C) {
   return group.momentum.tail<3>() - C.cross(Vec3<double>(group.momentum.head<3>()));
 }
@@ -116,7 +154,6 @@ void in_the_plane(const FreeGroup& group, Vec3<double>& x) {
   if (group.in_plane) x -= group.normal * group.normal.dot(x);
 }
 
-// dw of I_C dw = dL; about axes without inertia 0.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL) {
   if (group.in_plane) {
     const double about = group.normal.dot(I * group.normal);
@@ -140,69 +177,23 @@ void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   }
 }
 
-// What a group adds, 0 of one that is tied.
-Vec3<double> added_displacement(const FreeGroup& group) {
-  return group.tied ? Vec3<double>(Vec3<double>::Zero()) : group.d;
-}
-Vec6<double> added_velocity(const FreeGroup& group, const Vec3<double>& at) {
-  Vec6<double> out = Vec6<double>::Zero();
-  if (group.tied) return out;
-  const Vec3<double> lever = at - group.reference - group.Y.h / group.Y.m;
-  out << group.dv + group.dw.cross(lever), group.dw;
+Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j) {
+  Vec3<double> out = Vec3<double>::Zero();
+  each_side(groups, j, [&](const FreeGroup& group, double sign) { out += sign * group.d; });
   return out;
 }
 
-void displace(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups, Eigen::VectorXd& q) {
-  for (const FreeGroups::FreeJoint& j : groups.joints) {
-    const Robot& robot = scene.robots[j.robot];
-    const Joint& joint = robot.model->joints[j.joint];
-    const Vec3<double> d =
-        added_displacement(group_at(groups, j.node)) - added_displacement(group_at(groups, j.parent));
-    const Vec3<double> along = axes_of(robot, joint, kin[j.robot]).transpose() * d;
-    const int n = joint.type == JointType::kPlanar ? 2 : 3;
-    q.segment(robot.idx_q + joint.idx_q, n) += along.head(n);
-  }
+Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at) {
+  Vec6<double> out = Vec6<double>::Zero();
+  each_side(groups, j, [&](const FreeGroup& group, double sign) {
+    const Vec3<double> lever = at - group.reference - group.Y.h / group.Y.m;
+    out.head<3>() += sign * (group.dv + group.dw.cross(lever));
+    out.tail<3>() += sign * group.dw;
+  });
+  return out;
 }
 
-void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,
-                Eigen::VectorXd& v) {
-  for (const FreeGroups::FreeJoint& j : groups.joints) {
-    const Robot& robot = scene.robots[j.robot];
-    const Joint& joint = robot.model->joints[j.joint];
-    const SE3<double>& M = kin[j.robot].oMi[j.joint];
-    const Vec3<double> at = kin[j.robot].origin(j.joint) + M.p;
-    const Vec6<double> dv =
-        added_velocity(group_at(groups, j.node), at) - added_velocity(group_at(groups, j.parent), at);
-    const Vec3<double> linear = M.R.transpose() * dv.head<3>(), angular = M.R.transpose() * dv.tail<3>();
-    const int iv = robot.idx_v + joint.idx_v;
-    if (joint.type == JointType::kPlanar)
-      v.segment<3>(iv) += Vec3<double>(linear[0], linear[1], angular[2]);
-    else
-      v.segment<3>(iv) += linear, v.segment<3>(iv + 3) += angular;
-  }
-}
-
-// What the torques of a joint at the world do to the group below it; C_next is C still.
-void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& u,
-                    double h, const std::vector<Kinematics<double>>& kin, FreeGroup& group) {
-  const Robot& robot = scene.robots[j.robot];
-  const Joint& joint = robot.model->joints[j.joint];
-  const int k = robot.model->torque_of(joint);
-  if (k < 0) return;
-  const auto torques = u.segment(robot.idx_u + k, joint.nv());
-  Vec6<double> wrench = Vec6<double>::Zero();  // at the joint's origin, in the child's axes
-  if (joint.type == JointType::kPlanar)
-    wrench[0] = torques[0], wrench[1] = torques[1], wrench[5] = torques[2];
-  else
-    wrench = torques;
-  const SE3<double>& M = kin[j.robot].oMi[j.joint];
-  const SE3<double> about_C{M.R, kin[j.robot].origin(j.joint) + M.p - group.reference - group.C_next};
-  wrench = h * about_C.act_force(wrench);
-  group.P_next += wrench.head<3>();
-  group.L_next += wrench.tail<3>();
-}
-
-}  // namespace
+}  // namespace internal
 
 FreeGroups::FreeGroups(const Scene& scene) {
   int nodes = 1;  // 0: the world
@@ -220,8 +211,9 @@ FreeGroups::FreeGroups(const Scene& scene) {
   groups.resize(static_cast<std::size_t>(nodes));
 }
 
-void begin_free_motion(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& u,
-                       double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
+void begin_free_motion(const Scene& scene, const std::vector<char>& active,
+                       const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
+                       const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   find_groups(scene, active, kin, groups);
   measure(scene, kin, groups);
   groups.any = groups.nested = false;
@@ -234,10 +226,8 @@ void begin_free_motion(const Scene& scene, const std::vector<char>& active, cons
     group.L_next = spin(group, group.C_next);
   }
   for (const FreeGroups::FreeJoint& j : groups.joints) {
-    FreeGroup& group = group_at(groups, j.node);
-    const bool at_world = scene.robots[j.robot].model->joints[j.joint].parent < 0;
-    groups.nested = groups.nested || !at_world;
-    if (!group.tied && at_world) add_torques_of(scene, j, u, h, kin, group);
+    groups.nested = groups.nested || scene.robots[j.robot].model->joints[j.joint].parent >= 0;
+    add_torques_of(scene, j, tau, h, kin, groups);
   }
   for (FreeGroup& group : groups.groups)
     if (!group.tied) group.C_next += h / group.Y.m * group.P_next;

@@ -29,12 +29,14 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.at_rest.follow(scene, h);
   d.stage_v = d.v / -h;
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
-  begin_free_motion(scene, d.dynamics.active, u, h, d.at_rest.kin, d.free_groups);
+  d.w.setZero();  // what the motors give
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k) d.w[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
+  begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
   d.tau *= -h;  // M v - h h(q, v)
-  for (const Robot& robot : scene.robots) {
+  for (const Robot& robot : scene.robots)
     add_friction(*robot.model, d.v.data() + robot.idx_v, d.tau.data() + robot.idx_v, h);
-    for (int k = 0; k < robot.model->nu(); ++k) d.tau[robot.idx_v + robot.model->actuated[k]] += h * u[robot.idx_u + k];
-  }
+  d.tau += h * d.w;
   want_contact_velocities(scene, d);
   const Status status = solve_tau(d.at_rest.scene, d.q, d.at_rest.zero, d.tau, d.wanted, d.dynamics).status;
   watch_condition(d.at_rest.scene, d);

@@ -6,6 +6,7 @@
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/joined.hpp"
 #include "manycontact/control/rk.hpp"
+#include "manycontact/control/symplectic.hpp"
 
 namespace manycontact {
 
@@ -16,6 +17,8 @@ using Forces = std::map<std::string, Eigen::VectorXd>;
 const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbstract& data) {
   if (const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data))
     return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*euler->differential);
+  if (const auto* symplectic = dynamic_cast<const IntegratedActionDataSymplectic*>(&data))
+    return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*symplectic->differential);
   const auto& rk = dynamic_cast<const IntegratedActionDataRK&>(data);
   return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*rk.differential[0]);
 }

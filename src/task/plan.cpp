@@ -10,6 +10,7 @@
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/control/joined.hpp"
 #include "manycontact/control/rk.hpp"
+#include "manycontact/control/symplectic.hpp"
 
 namespace manycontact {
 
@@ -150,6 +151,9 @@ struct Adder {
       const auto& stages = static_cast<const IntegratedActionDataRK&>(data).differential;
       for (std::size_t i = 0; i < stages.size(); ++i)
         dynamics(*rk->get_differential(), *stages[i], rk->get_dt() * rk->get_weights()[i], i == 0);
+    } else if (const auto* symplectic = dynamic_cast<const IntegratedActionModelSymplectic*>(&model)) {
+      dynamics(*symplectic->get_differential(), *static_cast<const IntegratedActionDataSymplectic&>(data).differential,
+               symplectic->get_dt(), true);
     } else if (const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(&model)) {
       dynamics(*euler->get_differential(), *static_cast<const IntegratedActionDataEuler&>(data).differential,
                terminal ? 1 : euler->get_dt(), true);

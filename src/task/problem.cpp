@@ -4,6 +4,7 @@
 
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/rk.hpp"
+#include "manycontact/control/symplectic.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/task/joined.hpp"
 #include "manycontact/task/parts.hpp"
@@ -85,6 +86,8 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
       return std::make_shared<IntegratedActionModelRK>(model, RKType::three, task.step);
     case TaskIntegrator::kRk4:
       return std::make_shared<IntegratedActionModelRK>(model, RKType::four, task.step);
+    case TaskIntegrator::kSymplectic:
+      return std::make_shared<IntegratedActionModelSymplectic>(model, task.step);
   }
   return nullptr;
 }

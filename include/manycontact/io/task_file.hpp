@@ -73,7 +73,7 @@ struct TaskPhase {
   std::vector<TaskTerm> costs, constraints;
 };
 
-enum class TaskIntegrator { kEuler, kRk2, kRk3, kRk4 };
+enum class TaskIntegrator { kEuler, kRk2, kRk3, kRk4, kSymplectic };
 enum class TaskSolver { kFddp, kBoxFddp, kSparse, kAuto };
 /// "box-fddp", as in task files and on the command line.
 const char* to_string(TaskSolver solver);

@@ -62,10 +62,12 @@ struct FreeGroups {
   bool nested = false;            // a free joint hangs on a body that moves
 };
 
-/// Before a step from q, v with torques u (nu): finds the groups with the contacts flagged `active`, and what their
-/// momentum will be after a step of h. kin: per robot, at q and v. Allocates nothing.
-void begin_free_motion(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& u,
-                       double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
+/// Before a step from q, v with the torques tau (nv: on every velocity coordinate) of motors: finds the groups with the
+/// contacts flagged `active`, and what their momentum will be after a step of h. kin: per robot, at q and v. Allocates
+/// nothing.
+void begin_free_motion(const Scene& scene, const std::vector<char>& active,
+                       const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
+                       const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
 
 /// After it: moves the groups of q, v (nq, nv), the state that the step came to, to that momentum. kin: per robot,
 /// scratch. Allocates nothing.

@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4"};
+constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4", "symplectic"};
 
 void print_constraints(std::ostream& out, const TaskSolution& s) {
   if (s.violations.empty()) return;

@@ -1,0 +1,153 @@
+#include "held_velocities.hpp"
+
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/algorithm/rnea_derivatives.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+constexpr double kSlow = 0x1p-30;  // s
+
+void copy_what_may_change(const Scene& from, Scene& to) {
+  to.damping = from.damping;
+  for (std::size_t r = 0; r < from.robots.size(); ++r) to.robots[r].base = from.robots[r].base;
+  for (std::size_t c = 0; c < from.contacts.size(); ++c) {
+    const Contact& contact = from.contacts[c];
+    to.contacts[c].B.placement = contact.B.placement;
+    to.contacts[c].reference_frame = contact.reference_frame;
+    to.contacts[c].alpha = contact.alpha;
+    to.contacts[c].beta = contact.beta / kSlow;
+  }
+}
+
+Scene without_gravity(const Scene& from) {
+  Scene out = from;
+  out.gravity.setZero();
+  copy_what_may_change(from, out);
+  return out;
+}
+
+}  // namespace
+
+HeldVelocities::RobotWork::RobotWork(const Model& model)
+    : f(model.njoints(), Vec6<double>(Vec6<double>::Zero())),
+      Yc(model.njoints()),
+      M(packed_size(model)),
+      rnea(model),
+      by_q(model.nv, model.nv),
+      by_v(model.nv, model.nv) {}
+
+HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw)
+    : scene(without_gravity(of.scene)),
+      solution(scene, of.solution.options),
+      q(scene.nq),
+      v(scene.nv),
+      slow(scene.nv),
+      tau(scene.nv),
+      groups(scene),
+      of_groups(scene, groups, 2 * scene.nv + static_cast<Eigen::Index>(nw)),
+      q_next(scene.nq),
+      v_next(scene.nv),
+      dtau_(scene.nv, 2 * scene.nv + static_cast<Eigen::Index>(nw)) {
+  for (const Robot& robot : scene.robots) {
+    kin.emplace_back(*robot.model);
+    robots_.emplace_back(*robot.model);
+  }
+}
+
+void HeldVelocities::kinematics_at_start(const DataCollector& of) {
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), kin[r]);
+    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, of.scene.gravity, kin[r]);
+  }
+}
+
+void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataCollector& of) {
+  q = x.head(scene.nq);
+  v = x.tail(scene.nv);
+  slow = kSlow * v;
+  copy_what_may_change(of.scene, scene);
+  solution.active = of.solution.active;
+  kinematics_at_start(of);
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    inverse_dynamics<double>(model, kin[r], nullptr, {}, robots_[r].f, tau.segment(robot.idx_v, model.nv));
+  }
+  tau = of.actuation->tau - tau;
+  for (const Robot& robot : scene.robots) {  // solve adds that at s v
+    add_friction(*robot.model, v.data() + robot.idx_v, tau.data() + robot.idx_v);
+    add_friction(*robot.model, slow.data() + robot.idx_v, tau.data() + robot.idx_v, -1);
+  }
+  begin_free_motion(of.scene, solution.active, of.actuation->tau, h, kin, groups);
+  (void)solve_tau(scene, q, slow, tau, solution);
+}
+
+void HeldVelocities::finish_step(const DataCollector& of, Eigen::VectorXd& xnext) {
+  q_next = xnext.head(scene.nq);
+  v_next = xnext.tail(scene.nv);
+  end_free_motion(of.scene, q_next, v_next, kin, groups);
+  xnext << q_next, v_next;
+}
+
+// With G = [dtau/dx dtau/dw] - [bias_q bias_v 0] and friction:    F = [a_q, s a_v, 0] + a_tau G
+void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
+  const int nv = scene.nv;
+  dtau_.setZero();
+  const auto add = [&](const Eigen::SparseMatrix<double>& B, Eigen::Index first) {
+    for (Eigen::Index c = 0; c < B.outerSize(); ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(B, c); it; ++it) dtau_(it.row(), first + c) += it.value();
+  };
+  add(of.actuation->dtau_dx, 0);
+  add(of.actuation->dtau_du, 2 * nv);
+  kinematics_at_start(of);
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    RobotWork& w = robots_[r];
+    crba<double>(model, kin[r], w.Yc, w.M.data());
+    rnea_derivatives<double>(model, kin[r], w.Yc, {}, w.rnea);
+    unpack_tree(model, w.rnea.dq_lower, w.rnea.dq_upper, w.by_q);
+    unpack_tree(model, w.rnea.dv_lower, w.rnea.dv_upper, w.by_v);
+    const int o = robot.idx_v;
+    dtau_.block(o, o, model.nv, model.nv) -= w.by_q;
+    dtau_.block(o, nv + o, model.nv, model.nv) -= w.by_v;
+    for (int i = 0; has_friction(model) && i < model.nv; ++i)
+      dtau_(o + i, nv + o + i) += kSlow * friction_slope(model, i, slow[o + i]) - friction_slope(model, i, v[o + i]);
+  }
+  const DerivativeData& all = differentiate(scene, solution, {true, true, true, false, true});
+  for (std::size_t i = 0; i < all.islands.size(); ++i) {
+    const IslandDerivatives& d = all.islands[i];
+    const auto each = [&](auto&& use) {  // use(row of the island, of the scene, how many), robot by robot
+      int row = 0;
+      for (int r : island_of(solution, i).robots) {
+        const Robot& robot = scene.robots[r];
+        use(row, robot.idx_v, robot.model->nv);
+        row += robot.model->nv;
+      }
+    };
+    rows_.resize(d.nv, dtau_.cols());
+    done_.resize(d.nv, dtau_.cols());
+    each([&](int row, int at, int n) { rows_.middleRows(row, n) = dtau_.middleRows(at, n); });
+    done_.noalias() = d.da_du() * rows_;
+    each([&](int row, int at, int n) {
+      done_.middleCols(at, n) += d.da_dq().middleCols(row, n);
+      done_.middleCols(nv + at, n) += kSlow * d.da_dv().middleCols(row, n);
+    });
+    each([&](int row, int at, int n) { F.middleRows(at, n) = done_.middleRows(row, n); });
+  }
+}
+
+void HeldVelocities::differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F) {
+  kinematics_at_start(of);
+  differentiate_begin(of.scene, of.actuation->dtau_dx, of.actuation->dtau_du, of.actuation->tau, h, kin, groups,
+                      of_groups);
+  differentiate_end(of.scene, q_next, v_next, kin, groups, of_groups, F);
+}
+
+}  // namespace manycontact::internal

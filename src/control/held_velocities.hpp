@@ -1,0 +1,50 @@
+#pragma once
+// Accelerations of a scene whose contacts hold velocities (control/symplectic.hpp), by the dynamics floor's solve and
+// differentiate: at the state (q, s v) with gains (alpha, beta / s). There J a + s^2 J' v = -beta J v - alpha e, and
+// with s = 2^-30 the term in s^2 is below rounding, while beta J v is what it was. The bias at v goes into the torques.
+
+#include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/simulation/momentum_derivatives.hpp"
+
+namespace manycontact::internal {
+
+struct HeldVelocities {
+  /// Of these dynamics; nw controls.
+  HeldVelocities(const DataCollector& of, std::size_t nw);
+  HeldVelocities(const HeldVelocities&) = delete;
+
+  /// a, and the step's end: from dx = [h v + h^2 a; h a] of the caller to xnext. After the differential model's calc at
+  /// x, which left its torques in `of`.
+  void solve_at(const ConstVectorRef& x, double h, const DataCollector& of);
+  void finish_step(const DataCollector& of, Eigen::VectorXd& xnext);
+
+  /// a_x, a_w (nv x ndx, nv x nw) into F; after the differential model's calcDiff.
+  void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
+  /// F: ndx x (ndx + nw) of the state before finish_step, made of that after it.
+  void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
+
+  Scene scene;  // of `of`, without gravity, contacts with beta / s
+  SceneData solution;
+  Eigen::VectorXd q, v, slow;  // x = (q, v); s v
+  Eigen::VectorXd tau;         // on all coordinates, less the bias at v
+  std::vector<Kinematics<double>> kin;
+  FreeGroups groups;
+  FreeMotionDerivatives of_groups;
+  Eigen::VectorXd q_next, v_next;
+
+ private:
+  struct RobotWork {
+    explicit RobotWork(const Model& model);
+    std::vector<Vec6<double>> f;
+    std::vector<Inertia<double>> Yc;
+    std::vector<double> M;
+    RneaDerivatives rnea;
+    Eigen::MatrixXd by_q, by_v;  // nv x nv: of the bias
+  };
+  void kinematics_at_start(const DataCollector& of);
+  std::vector<RobotWork> robots_;
+  Eigen::MatrixXd dtau_;         // nv x (ndx + nw)
+  Eigen::MatrixXd rows_, done_;  // of one island
+};
+
+}  // namespace manycontact::internal

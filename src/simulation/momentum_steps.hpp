@@ -1,0 +1,61 @@
+#pragma once
+// What a step's end (simulation/momentum.hpp) and its derivatives have in common.
+
+#include "manycontact/simulation/momentum.hpp"
+
+namespace manycontact::internal {
+
+inline FreeGroup& group_at(FreeGroups& groups, int node) {
+  return groups.groups[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(node)])];
+}
+inline const FreeGroup& group_at(const FreeGroups& groups, int node) {
+  return groups.groups[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(node)])];
+}
+
+/// use(group, sign) of what moves with a free joint: the group below it, and with sign -1 that above. Only groups that
+/// are free, and neither where both are one.
+template <class Groups, class Use>
+void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
+  if (groups.group[static_cast<std::size_t>(j.node)] == groups.group[static_cast<std::size_t>(j.parent)]) return;
+  if (auto& group = group_at(groups, j.node); !group.tied) use(group, 1.0);
+  if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
+}
+
+/// What end_free_motion adds to a free joint: a displacement, and a velocity at the point `at`, in the world.
+Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
+Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
+
+/// Places and velocities of all robots; accelerations are not used.
+void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                   std::vector<Kinematics<double>>& kin);
+/// Inertia and momentum of every free group, about its reference.
+void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
+/// Angular momentum about the centre of mass C, seen from the reference.
+Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C);
+/// Takes away what is across the plane of a group that has one.
+void in_the_plane(const FreeGroup& group, Vec3<double>& x);
+/// dw of I_C dw = dL; about axes without inertia 0.
+Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
+
+/// The torques of a free joint's coordinates as a wrench at its origin, in the child's axes.
+template <class V>
+Vec6<double> wrench_of(const Joint& joint, const V& torques) {
+  Vec6<double> out = Vec6<double>::Zero();
+  if (joint.type == JointType::kPlanar)
+    out[0] = torques[0], out[1] = torques[1], out[5] = torques[2];
+  else
+    out = torques;
+  return out;
+}
+
+/// Adds a motion in the child's axes to a free joint's coordinates; of a planar joint what is in its plane.
+template <class V>
+void add_motion(const Joint& joint, const Vec3<double>& linear, const Vec3<double>& angular, V& to) {
+  if (joint.type == JointType::kPlanar) {
+    to[0] += linear[0], to[1] += linear[1], to[2] += angular[2];
+  } else {
+    to.template segment<3>(0) += linear, to.template segment<3>(3) += angular;
+  }
+}
+
+}  // namespace manycontact::internal
