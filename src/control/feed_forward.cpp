@@ -76,20 +76,39 @@ bool SolverDDP::searchFeedForward() {
   return false;
 }
 
-// nu_ = -H g_, and what Gauss-Newton alone would gain.
+// nu_ = -H g_, and what Gauss-Newton alone would gain. Controls that nu_ takes beyond a limit go as far as that: a step
+// is judged by the slope of what it does, not of what the limits take from it.
 void SolverDDP::computeFeedForwardDirection() {
   nu_ = g_;
   preconditionFeedForward(nu_);
   stop_ = 0.5 * dot(g_, nu_);
+  const auto finish = [this] {
+    for (Eigen::VectorXd& nu : nu_) nu = -nu;
+    holdFeedForward(nu_);
+    for (std::size_t t = 0; keeps_limits() && t < nu_.size(); ++t) {
+      const ActionModelAbstract& model = *problem_->model(t);
+      if (!model.get_has_control_limits()) continue;
+      nu_[t] += us_[t];
+      nu_[t] = nu_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+      nu_[t] -= us_[t];
+    }
+    slope_ = dot(g_, nu_);
+  };
   if (bfgs_.pairs() > 0) {
     nu_ = g_;
     bfgs_.begin(nu_);
     preconditionFeedForward(nu_);
     bfgs_.finish(nu_);
+    finish();
+    if (slope_ >= 0) {  // what the limits left of it is no descent
+      bfgs_.forget();
+      nu_ = g_;
+      preconditionFeedForward(nu_);
+      finish();
+    }
+  } else {
+    finish();
   }
-  for (Eigen::VectorXd& nu : nu_) nu = -nu;
-  holdFeedForward(nu_);
-  slope_ = dot(g_, nu_);
   d_ << -slope_, slope_;
 }
 

@@ -17,18 +17,22 @@ constexpr double kWorthless = 1e-6;  // of the squared violation, what a step ma
 constexpr double kCrawling = 1e-9;   // at which iterations end
 constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
 constexpr double kRegularised = 1e-12;
-constexpr double kCreeping = 0.99;  // of the squared violation, what kWindow iterations leave where there is no way on
+constexpr double kCreeping = 0.99;  // of the squared violation, what kWindow iterations of a slow search leave
 constexpr std::size_t kWindow = 8;
-constexpr double kNearer = 0.5;     // of the violation, what a search that found a way leaves
+constexpr double kNearer = 0.5;     // of the violation: worth going on from
 constexpr std::size_t kMost = 500;  // iterations
 constexpr std::size_t kRestorations = 5;
 
 }  // namespace
 
-// Ends the iterations where they gain nothing, and where the constraints are met.
+// Ends the iterations where they gain next to nothing, and where the constraints are met.
 class AL::Watch : public CallbackAbstract {
  public:
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
+  void begin() {
+    slow_ = 0;
+    last_.clear();
+  }
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
     slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
@@ -36,6 +40,7 @@ class AL::Watch : public CallbackAbstract {
     const bool creeps = last_.size() > kWindow && left > kCreeping * last_[last_.size() - 1 - kWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
+  bool met(const SolverAbstract& solver) const { return solver.get_cost() <= met_; }
 
  private:
   SolverAugmentedLagrangian& outer_;
@@ -81,7 +86,7 @@ std::shared_ptr<ShootingProblem> AL::violationAlone(std::vector<Augmented>& augm
 }
 
 // From the candidate, or from beside it; what it ends at is the candidate.
-void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most) {
+void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, Watch& watch, bool beside) {
   if (beside) {
     double largest = 1;
     for (const Eigen::VectorXd& u : us_)
@@ -92,7 +97,13 @@ void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, 
       for (double& number : u) number += noise(random);
     is_feasible_ = false;
   }
-  (void)solver.solve(xs_, us_, most, is_feasible_);
+  // Far from zero the violation's curvature is not Gauss-Newton's, whose steps then creep: quasi-Newton's learn it.
+  watch.begin();
+  (void)solver.solve(xs_, us_, kMost, is_feasible_);
+  if (solver.reason() != StopReason::kConverged && solver.get_is_feasible() && !interrupted_ && !watch.met(solver)) {
+    watch.begin();
+    (void)solver.descend(kMost);
+  }
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = solver.get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = solver.get_us()[t];
   is_feasible_ = solver.get_is_feasible();
@@ -111,8 +122,9 @@ bool AL::isStationary(SolverDDP& solver) {
   return is_feasible_ && solver.direction_is_sound() && solver.expectedReduction() <= kWorthless * merit_;
 }
 
-// kInfeasible where the least violation is not zero, kNone where a solve may go on from a candidate that meets the
-// constraints.
+// kInfeasible where the least violation is not zero and shown to be one: C^T r is zero there, and beside it the search
+// comes back. kNone where a solve may go on from a candidate that meets the constraints, kNoStep where nothing is
+// shown.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   augments_all_ = true;
@@ -121,44 +133,44 @@ StopReason AL::restore(std::size_t maxiter) {
   augments_all_ = false;
   const std::shared_ptr<SolverDDP> solver = make_(alone);
   const double met = 0.5 * th_constraint_ * th_constraint_;
+  const auto watch = std::make_shared<Watch>(*this, met);
   solver->set_reg_min(kRegularised);
   solver->set_th_grad(met);
   solver->set_th_stop(1e-3 * met);
-  solver->setCallbacks({std::make_shared<Watch>(*this, met)});
-  const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
-                             bool feasible) {
-    xs_ = xs;
-    us_ = us;
+  solver->setCallbacks({watch});
+  struct Candidate {
+    std::vector<Eigen::VectorXd> xs, us;
+    double cost, violation, merit;
+  };
+  const auto candidate = [this] { return Candidate{xs_, us_, cost_, violation_, merit_}; };
+  const auto take_back = [&](const Candidate& from, bool feasible) {
+    xs_ = from.xs;
+    us_ = from.us;
     is_feasible_ = feasible;
     merit_ = alone->calc(xs_, us_);
     collectParts();
     cost_ = problem_->total_cost();
     measureViolation();
   };
-  const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
-  const double cost_before = cost_, violation_before = violation_;
-  leastViolation(*solver, *alone, false, kMost);
+  const Candidate before = candidate();
+  leastViolation(*solver, *alone, *watch, false);
   bool stationary = isStationary(*solver);
-  const bool absurd = !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_));
-  const bool no_nearer = violation_ > th_constraint_ && !stationary && !(violation_ < kNearer * violation_before);
-  if ((absurd || no_nearer) && !interrupted_) {
-    // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or not met although
-    // nothing else was asked for: the candidate that the search began with is the answer.
-    take_back(xs_before, us_before, false);
-    return StopReason::kInfeasible;
-  }
-  if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
-    const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
-    const double merit = merit_;
-    leastViolation(*solver, *alone, true, kMost);
+  if (stationary && violation_ > th_constraint_ && !interrupted_) {  // a maximum or a saddle is stationary too
+    const Candidate first = candidate();
+    leastViolation(*solver, *alone, *watch, true);
     stationary = isStationary(*solver);
-    if (!(merit_ < merit * (1 - kWorthless))) {
-      take_back(xs, us, true);
+    if (!(merit_ < first.merit * (1 - kWorthless))) {
+      take_back(first, true);
       stationary = true;
     }
   }
   if (interrupted_) return StopReason::kInterrupted;
   if (violation_ > th_constraint_ && stationary) return StopReason::kInfeasible;
+  // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer.
+  const bool absurd = !(cost_ <= kAbsurd * (std::abs(before.cost) + scale_));
+  const bool nearer = violation_ <= std::max(th_constraint_, kNearer * before.violation);
+  if (absurd || violation_ > before.violation) take_back(before, false);
+  if (absurd || !nearer) return StopReason::kNoStep;
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 

@@ -228,6 +228,11 @@ void frame_and_reference(py::module_& m, const char* name, const char* reference
         py::arg(reference), py::arg("nu"))
       .def(py::init<State, std::size_t, const Reference&>(), py::arg("state"), py::arg("id"), py::arg(reference))
       .def_property("id", &T::get_id, &T::set_id, "Number of the frame: state.pinocchio.getFrameId(name).");
+  if constexpr (std::is_base_of_v<ContactResidual, T>)
+    c.def_property("axes", &T::get_axes, &T::set_axes,
+                   "In whose axes the cone is given, 'contact' at first: 'foot', 'world' or 'other' (those of B').")
+        .def_property("contact", &T::get_contact, &T::set_contact,
+                      "Which of several contacts on that frame, by its name; '' for the only one.");
   with_reference<T>(c);
 }
 
@@ -303,6 +308,12 @@ void add_residuals_of_frames(py::module_& m) {
 }
 
 void add_residuals_of_contacts(py::module_& m) {
+  add_enumeration<ConeAxes>(m, "ConeAxes", "axes",
+                            "In whose axes a cone is given: its contact's, A's, the world's, B's.",
+                            {{"CONTACT", ConeAxes::kContact},
+                             {"FOOT", ConeAxes::kFoot},
+                             {"WORLD", ConeAxes::kWorld},
+                             {"OTHER", ConeAxes::kOther}});
   {
     auto c = residual<ResidualModelContactForce>(m, "ResidualModelContactForce", "f - fref (nc) [N, N m].");
     c.def(py::init<State, std::size_t, const Vec6<double>&, std::size_t, std::size_t>(), py::arg("state"),

@@ -30,6 +30,47 @@ class Optimize : public Program {
   }
 };
 
+// What --torques writes is what `simulate --torques` takes: a plan of simulate's own steps comes out again, in flight
+// to rounding; one of a humanoid on its soles is followed for a while, without its feedback.
+TEST_F(Optimize, TorquesOfAPlanSimulateToThePlan) {
+  const auto last_row = [this](const std::string& name) {
+    std::istringstream row(lines_of(read_text(path(name))).back());
+    std::vector<double> out;
+    for (std::string number; std::getline(row, number, ',');) out.push_back(std::stod(number));
+    return out;
+  };
+  std::ofstream(path("diver.urdf"))
+      << "<robot name='diver'><link name='body'><inertial><origin xyz='0 0.05 0.1'/><mass value='2'/>"
+         "<inertia ixx='0.05' iyy='0.08' izz='0.02' ixy='0' ixz='0.01' iyz='0'/></inertial></link>"
+         "<link name='arm'><inertial><origin xyz='0.3 0 0'/><mass value='0.7'/>"
+         "<inertia ixx='0.01' iyy='0.03' izz='0.03' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+         "<joint name='shoulder' type='revolute'><parent link='body'/><child link='arm'/><origin xyz='0 0.1 0.2'/>"
+         "<axis xyz='0 1 0'/><limit effort='9' velocity='100' lower='-9' upper='9'/></joint></robot>";
+  std::ofstream(path("scene.xml")) << "<scene><robot name='d' urdf='diver.urdf' base='floating' xyz='0 0 2'>"
+                                      "<v>0.3 0 1 0.5 6 -2 1</v></robot></scene>";
+  std::ofstream(path("task.xml")) << "<task scene='scene.xml' step='0.01' integrator='symplectic'><phase nodes='30'>"
+                                     "<cost name='u' type='control' weight='1e-2'/></phase><terminal>"
+                                     "<cost name='x' type='state' weight='1'/></terminal></task>";
+  ASSERT_EQ(run(words(path("task.xml"), {"--torques", path("u.csv")})).status, 0);
+  const auto simulated = [&](const std::string& scene, const std::string& time, const std::string& step) {
+    const Outcome outcome =
+        run({"simulate", scene, "--time", time, "--step", step, "--torques", path("u.csv"), "--out", path("s.csv")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return last_row("s.csv");
+  };
+  std::vector<double> plan = last_row("m.csv"), end = simulated(path("scene.xml"), "0.3", "0.01");
+  ASSERT_EQ(plan.size(), end.size());
+  for (std::size_t k = 0; k < 1 + 8 + 7; ++k) EXPECT_NEAR(end[k], plan[k], 1e-9 * (1 + std::abs(plan[k]))) << k;
+
+  ASSERT_EQ(run(words(task("humanoid_reaches"), {"--torques", path("u.csv")})).status, 0);
+  end = simulated(model("tasks/humanoid_scene.xml"), "0.1", "0.001");
+  std::istringstream row(lines_of(read_text(path("m.csv")))[6]);  // at 0.1 s
+  plan.clear();
+  for (std::string number; std::getline(row, number, ',');) plan.push_back(std::stod(number));
+  EXPECT_NEAR(plan[0], end[0], 1e-9);
+  for (std::size_t k = 1; k < 40; ++k) EXPECT_NEAR(end[k], plan[k], 0.05) << k;
+}
+
 TEST_F(Optimize, WritesMotionReportAndSummary) {
   const Outcome outcome = run(words(task("humanoid_reaches")));
   EXPECT_EQ(outcome.status, 0) << outcome.err;

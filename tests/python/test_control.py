@@ -199,3 +199,52 @@ def test_parts_of_a_task(tmp_path):
     assert solution.converged and solution.blocks == [12, 12] and len(solution.gains) == 2
     assert solution.gains[1].u == list(range(12, 24)) and solution.gains[1].dx[0] == 18
     assert mc.simulate(task, solution).stopped == mc.StepStatus.OK
+
+
+def test_the_symplectic_node_is_the_step_and_has_its_derivatives(one_joint):  # noqa: F811
+    file = mc.load_scene(str(MODELS / "humanoid_standing.xml"))
+    scene, h = file.scene, 1e-2
+    state = mc.StateMultibody(scene)
+    actuation = mc.ActuationModelFloatingBase(state)
+    nu = actuation.nu
+    contacts = mc.contacts_of_scene(state, scene, nu)
+    dynamics = mc.DifferentialActionModelContactFwdDynamics(state, actuation, contacts, mc.CostModelSum(state, nu))
+    node = mc.IntegratedActionModelSymplectic(dynamics, h)
+    data = node.createData()
+    rng = np.random.default_rng(3)
+    q = mc.integrate(scene, file.q, 0.05 * rng.standard_normal(scene.nv))
+    x, u = np.concatenate([q, 0.3 * rng.standard_normal(scene.nv)]), 10 * rng.standard_normal(nu)
+
+    def step(x, u):
+        sim = mc.SimulationData(scene, x[: scene.nq], x[scene.nq :], "semi-implicit-euler", h)
+        assert mc.step(scene, u, sim) == mc.StepStatus.OK
+        return np.concatenate([sim.q, sim.v])
+
+    def difference(of):
+        e, at = 1e-4, [step(*of(s)) for s in (-2e-4, -1e-4, 1e-4, 2e-4)]
+        far, near = state.diff(at[0], at[3]), state.diff(at[1], at[2])
+        return (8 * near - far) / (12 * e)
+
+    node.calc(data, x, u)
+    node.calcDiff(data, x, u)
+    assert np.abs(data.xnext - step(x, u)).max() < 1e-11 * (1 + np.abs(data.xnext).max())
+    dx, du = rng.standard_normal(state.ndx), rng.standard_normal(nu)
+    for mine, truth in [
+        (data.Fx @ dx, difference(lambda s: (state.integrate(x, s * dx), u))),
+        (data.Fu @ du, difference(lambda s: (x, u + s * du))),
+    ]:
+        assert np.abs(mine - truth).max() < 1e-7 * np.abs(truth).max()
+    with pytest.raises(ValueError, match="IntegratedActionModelEuler"):
+        mc.IntegratedActionModelSymplectic(Pendulum(one_joint), h)
+
+
+def test_axes_of_cones():
+    scene = mc.load_scene(str(MODELS / "humanoid_standing.xml")).scene
+    state = mc.StateMultibody(scene)
+    sole = scene.contacts[0].A.frame.split("/")[-1]
+    cone = mc.ResidualModelContactFrictionCone(state, state.pinocchio.getFrameId(sole), mc.FrictionCone(np.eye(3), 0.7))
+    assert cone.axes == mc.ConeAxes.CONTACT
+    cone.axes = "world"
+    assert cone.axes == mc.ConeAxes.WORLD
+    with pytest.raises(ValueError, match="'foot'"):
+        cone.axes = "feet"
