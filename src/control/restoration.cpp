@@ -25,14 +25,10 @@ constexpr std::size_t kRestorations = 5;
 
 }  // namespace
 
-// Ends the iterations where they gain next to nothing, and where the constraints are met.
+// Ends the iterations where they gain nothing, and where the constraints are met.
 class AL::Watch : public CallbackAbstract {
  public:
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
-  void begin() {
-    slow_ = 0;
-    last_.clear();
-  }
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
     slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
@@ -40,7 +36,6 @@ class AL::Watch : public CallbackAbstract {
     const bool creeps = last_.size() > kWindow && left > kCreeping * last_[last_.size() - 1 - kWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  bool met(const SolverAbstract& solver) const { return solver.get_cost() <= met_; }
 
  private:
   SolverAugmentedLagrangian& outer_;
@@ -86,7 +81,7 @@ std::shared_ptr<ShootingProblem> AL::violationAlone(std::vector<Augmented>& augm
 }
 
 // From the candidate, or from beside it; what it ends at is the candidate.
-void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, Watch& watch, bool beside) {
+void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most) {
   if (beside) {
     double largest = 1;
     for (const Eigen::VectorXd& u : us_)
@@ -97,13 +92,7 @@ void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, Watch& watch,
       for (double& number : u) number += noise(random);
     is_feasible_ = false;
   }
-  // Far from zero the violation's curvature is not Gauss-Newton's, whose steps then creep: quasi-Newton's learn it.
-  watch.begin();
-  (void)solver.solve(xs_, us_, kMost, is_feasible_);
-  if (solver.reason() != StopReason::kConverged && solver.get_is_feasible() && !interrupted_ && !watch.met(solver)) {
-    watch.begin();
-    (void)solver.descend(kMost);
-  }
+  (void)solver.solve(xs_, us_, most, is_feasible_);
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = solver.get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = solver.get_us()[t];
   is_feasible_ = solver.get_is_feasible();
@@ -122,8 +111,8 @@ bool AL::isStationary(SolverDDP& solver) {
   return is_feasible_ && solver.direction_is_sound() && solver.expectedReduction() <= kWorthless * merit_;
 }
 
-// kInfeasible where the least violation is not zero and shown to be one: C^T r is zero there, and beside it the search
-// comes back. kNone where a solve may go on from a candidate that meets the constraints, kNoStep where nothing is
+// kInfeasible where the least violation is not zero and shown to be one, by C^T r and from beside it as well; kNone
+// where a solve may go on, from a candidate that meets the constraints or is much nearer; kNoStep where nothing is
 // shown.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
@@ -133,43 +122,41 @@ StopReason AL::restore(std::size_t maxiter) {
   augments_all_ = false;
   const std::shared_ptr<SolverDDP> solver = make_(alone);
   const double met = 0.5 * th_constraint_ * th_constraint_;
-  const auto watch = std::make_shared<Watch>(*this, met);
   solver->set_reg_min(kRegularised);
   solver->set_th_grad(met);
   solver->set_th_stop(1e-3 * met);
-  solver->setCallbacks({watch});
-  struct Candidate {
-    std::vector<Eigen::VectorXd> xs, us;
-    double cost, violation, merit;
-  };
-  const auto candidate = [this] { return Candidate{xs_, us_, cost_, violation_, merit_}; };
-  const auto take_back = [&](const Candidate& from, bool feasible) {
-    xs_ = from.xs;
-    us_ = from.us;
+  solver->setCallbacks({std::make_shared<Watch>(*this, met)});
+  const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
+                             bool feasible) {
+    xs_ = xs;
+    us_ = us;
     is_feasible_ = feasible;
     merit_ = alone->calc(xs_, us_);
     collectParts();
     cost_ = problem_->total_cost();
     measureViolation();
   };
-  const Candidate before = candidate();
-  leastViolation(*solver, *alone, *watch, false);
+  const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
+  const double cost_before = cost_, violation_before = violation_;
+  leastViolation(*solver, *alone, false, kMost);
   bool stationary = isStationary(*solver);
-  if (stationary && violation_ > th_constraint_ && !interrupted_) {  // a maximum or a saddle is stationary too
-    const Candidate first = candidate();
-    leastViolation(*solver, *alone, *watch, true);
+  if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
+    const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
+    const double merit = merit_;
+    leastViolation(*solver, *alone, true, kMost);
     stationary = isStationary(*solver);
-    if (!(merit_ < first.merit * (1 - kWorthless))) {
-      take_back(first, true);
+    if (!(merit_ < merit * (1 - kWorthless))) {
+      take_back(xs, us, true);
       stationary = true;
     }
   }
   if (interrupted_) return StopReason::kInterrupted;
   if (violation_ > th_constraint_ && stationary) return StopReason::kInfeasible;
-  // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer.
-  const bool absurd = !(cost_ <= kAbsurd * (std::abs(before.cost) + scale_));
-  const bool nearer = violation_ <= std::max(th_constraint_, kNearer * before.violation);
-  if (absurd || violation_ > before.violation) take_back(before, false);
+  // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer although
+  // nothing else was asked for: nothing is shown then.
+  const bool absurd = !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_));
+  const bool nearer = violation_ <= std::max(th_constraint_, kNearer * violation_before);
+  if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
   if (absurd || !nearer) return StopReason::kNoStep;
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }

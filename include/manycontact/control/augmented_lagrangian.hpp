@@ -21,7 +21,7 @@
 // (restoration.cpp): the same nodes at the cost 1/2 sum |c - P(c)|^2. Where it finds a point that meets the
 // constraints, the method goes on from there. Where it ends at one at which a step of the linearised problem takes less
 // than a millionth of the squared violation off, and from beside it as well, the solve ends there as kInfeasible: that
-// is the least violation found. (Near that candidate; a nonconvex problem may have others.) Where it ends elsewhere,
+// is the least violation found. (Near that candidate; a nonconvex problem may have others.) Where it ends elsewhere
 // nothing is shown: kNoStep, at the nearest that was found.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
@@ -123,7 +123,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   Copy augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
                      const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const;
   std::shared_ptr<ShootingProblem> violationAlone(std::vector<Augmented>& augmented) const;
-  void leastViolation(SolverDDP& solver, ShootingProblem& alone, Watch& watch, bool beside);
+  void leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most);
   bool isStationary(SolverDDP& solver);
   StopReason restore(std::size_t maxiter);
   bool reportRestoration(const SolverAbstract& solver);
