@@ -109,7 +109,8 @@ void read_head(const Element& root, TaskFile& out) {
   out.step = root.required_number("step");
   if (!(out.step > 0))
     root.where("step").fail(root.label("step") + " is " + show(out.step) + ", expected a number above 0");
-  out.integrator = static_cast<TaskIntegrator>(root.choice("integrator", {"euler", "rk2", "rk3", "rk4", "symplectic"}, 0));
+  out.integrator =
+      static_cast<TaskIntegrator>(root.choice("integrator", {"euler", "rk2", "rk3", "rk4", "symplectic"}, 0));
 
   const std::string scene = root.required("scene");
   if (scene.empty()) root.where("scene").fail("scene of <task> is empty, expected a scene file");

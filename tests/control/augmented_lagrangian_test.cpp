@@ -1,7 +1,6 @@
 // Constrained problems: against the dense solution of the whole horizon, on nonlinear ones by their optimality
 // conditions, and where there is no solution.
 
-
 #include "control/nodes.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
