@@ -1,12 +1,12 @@
 #include "manycontact/control/symplectic.hpp"
 
+#include "../control/steps.hpp"
 #include "held_velocities.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
-using Model_ = IntegratedActionModelSymplectic;
-using Data_ = IntegratedActionDataSymplectic;
+using SymplecticModel = IntegratedActionModelSymplectic;
+using SymplecticData = IntegratedActionDataSymplectic;
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::HeldVelocities;
 using internal::own_data;
@@ -43,16 +43,16 @@ bool is_of(const HeldVelocities& held, const DataCollector& of) {
 
 }  // namespace
 
-Model_::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
-                                        std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step,
-                                        bool with_cost_residual)
+SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
+                                                 double time_step, bool with_cost_residual)
     : IntegratedActionModelAbstract(checked(std::move(model)), std::move(control), time_step, with_cost_residual) {}
 
-Model_::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model, double time_step,
-                                        bool with_cost_residual)
+SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 double time_step, bool with_cost_residual)
     : IntegratedActionModelAbstract(checked(std::move(model)), time_step, with_cost_residual) {}
 
-Data_::IntegratedActionDataSymplectic(Model_* model)
+SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
     : ActionDataAbstract(model),
       differential(model->get_differential()->createData()),
       control(model->get_control()->createData()) {
@@ -65,11 +65,11 @@ Data_::IntegratedActionDataSymplectic(Model_* model)
   held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw);
 }
 
-Data_::~IntegratedActionDataSymplectic() = default;
+SymplecticData::~IntegratedActionDataSymplectic() = default;
 
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelSymplectic::calc", x, u);
-  Data_& d = own_data<Data_>("IntegratedActionModelSymplectic::calc", data);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
   const Eigen::Index nv = state_->get_nv();
   control_->calc(d.control, 0, u);
   differential_->calc(d.differential, x, d.control->w);
@@ -85,9 +85,9 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVecto
   internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
+void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelSymplectic::calc", x);
-  Data_& d = own_data<Data_>("IntegratedActionModelSymplectic::calc", data);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
   differential_->calc(d.differential, x);
   d.dx.setZero();
   d.xnext = x;
@@ -97,9 +97,9 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
 
 // With J1, J2 of x (+) dx, and before momentum is seen to:
 //     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fw = J2 [h^2 a_w; h a_w],    Fu = Fw dw/du
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelSymplectic::calcDiff", x, u);
-  Data_& d = own_data<Data_>("IntegratedActionModelSymplectic::calcDiff", data);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
   const Eigen::Index nv = state_->get_nv(), ndx = state_->get_ndx(), nw = control_->get_nw();
   differential_->calcDiff(d.differential, x, d.control->w);
   const DataCollector& m = dynamics_of(*d.differential);
@@ -116,28 +116,29 @@ void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstV
   internal::copy_constraint_derivatives(*control_, d.control, *d.differential, d);
 }
 
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelSymplectic::calcDiff", x);
-  Data_& d = own_data<Data_>("IntegratedActionModelSymplectic::calcDiff", data);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
   differential_->calcDiff(d.differential, x);
   internal::copy_terminal_derivatives(*d.differential, d);
 }
 
-DataPtr Model_::createData() { return std::make_shared<Data_>(this); }
+DataPtr SymplecticModel::createData() { return std::make_shared<SymplecticData>(this); }
 
-bool Model_::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<Data_*>(data.get());
+bool SymplecticModel::checkData(const DataPtr& data) {
+  const auto* d = dynamic_cast<SymplecticData*>(data.get());
   return d && differential_->checkData(d->differential);
 }
 
-void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
+void SymplecticModel::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
+                                  double tol) {
   check("IntegratedActionModelSymplectic::quasiStatic", x, u);
-  Data_& d = own_data<Data_>("IntegratedActionModelSymplectic::quasiStatic", data);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::quasiStatic", data);
   differential_->quasiStatic(d.differential, d.control->w, x, maxiter, tol);
   control_->params(d.control, 0, d.control->w);
   u = d.control->u;
 }
 
-void Model_::print(std::ostream& os) const { print_as(kIntegratedActionModelSymplectic, os); }
+void SymplecticModel::print(std::ostream& os) const { print_as(kIntegratedActionModelSymplectic, os); }
 
 }  // namespace manycontact
