@@ -1,7 +1,7 @@
 #include "manycontact/control/symplectic.hpp"
 
-#include "../control/steps.hpp"
 #include "held_velocities.hpp"
+#include "steps.hpp"
 
 namespace manycontact {
 
