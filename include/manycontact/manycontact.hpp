@@ -3,6 +3,7 @@
 // model and its optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"

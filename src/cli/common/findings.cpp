@@ -20,14 +20,6 @@ std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
 }
 
-// "5 m and 0.1 rad", without what is negligible.
-std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible) {
-  std::string text;
-  if (first >= negligible) text = number(first) + " " + unit;
-  if (second >= negligible) text += (text.empty() ? "" : " and ") + number(second) + " " + unit_of_second;
-  return text;
-}
-
 // "left, right", and the worst apart when there are several.
 template <class List, class Size, class Say>
 void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
@@ -79,11 +71,15 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
 }
 
 std::string misplaced_by(const PlacementError& e) {
-  return "by " + two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+  return "by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+
+std::string moving_by(const VelocityError& e) {
+  return "by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
 }
 
 std::string contradicted_by(const Contradiction& c) {
-  return "by " + two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
+  return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
 // "r/knee (arm.urdf:12)"
@@ -127,6 +123,7 @@ Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
   f.files = file.findings;
   f.misplaced = placement_errors(file.scene, data.active, file.q);
+  f.moving = velocity_errors(file.scene, data.active, file.q, file.v);
   f.violations = violations(file.scene, file.q, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
@@ -152,6 +149,13 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       [&](const PlacementError& e) {
         const Contact& c = scene.contacts[e.contact];
         return misplaced_by(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+      });
+  print_contacts(
+      out, scene, f.moving, "moves though held", [](const VelocityError& e) { return std::max(e.linear, e.angular); },
+      [&](const VelocityError& e) {
+        const Contact& c = scene.contacts[e.contact];
+        return moving_by(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
+               "; consistent=\"true\" of the scene makes velocities fit";
       });
   for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
     std::vector<Violation> alike;
@@ -199,6 +203,8 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   }
   for (const PlacementError& e : f.misplaced)
     say("place", scene.contacts[e.contact].name, "out of place " + misplaced_by(e));
+  for (const VelocityError& e : f.moving)
+    say("velocity", scene.contacts[e.contact].name, "moves though held " + moving_by(e));
   for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
   for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
   for (const Contradiction& c : f.contradictions)
@@ -210,11 +216,15 @@ Json all_in_words(const Scene& scene, const Findings& f) {
 }  // namespace
 
 void add_findings(const Scene& scene, const Findings& f, Json& to) {
-  for (const char* key : {"violations", "placement_errors", "limits_passed", "contradictions"}) to[key] = Json::array();
+  for (const char* key : {"violations", "placement_errors", "velocity_errors", "limits_passed", "contradictions"})
+    to[key] = Json::array();
   for (const Violation& v : f.violations) to["violations"].push_back(json_of(scene, v));
   for (const PlacementError& e : f.misplaced)
     to["placement_errors"].push_back(
         {{"contact", scene.contacts[e.contact].name}, {"position", e.position}, {"angle", e.angle}});
+  for (const VelocityError& e : f.moving)
+    to["velocity_errors"].push_back(
+        {{"contact", scene.contacts[e.contact].name}, {"linear", e.linear}, {"angular", e.angular}});
   for (const LimitPassed& limit : f.limits) to["limits_passed"].push_back(json_of(scene, limit));
   for (const Contradiction& c : f.contradictions)
     to["contradictions"].push_back(

@@ -10,14 +10,15 @@ namespace manycontact::cli {
 struct Findings {
   std::vector<Finding> files;  // of the robots' files
   std::vector<PlacementError> misplaced;
+  std::vector<VelocityError> moving;
   std::vector<Violation> violations;
   std::vector<LimitPassed> limits;
   std::vector<Contradiction> contradictions;
   std::vector<Weightless> weightless;
 
   bool empty() const {
-    return files.empty() && misplaced.empty() && violations.empty() && limits.empty() && contradictions.empty() &&
-           weightless.empty();
+    return files.empty() && misplaced.empty() && moving.empty() && violations.empty() && limits.empty() &&
+           contradictions.empty() && weightless.empty();
   }
 };
 
@@ -36,8 +37,8 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& findi
 Json json_of(const Scene& scene, const Violation& violation);
 /// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
 Json json_of(const Scene& scene, const LimitPassed& limit);
-/// Adds the keys violations, placement_errors, limits_passed, contradictions, massless_joints: lists, empty or not; and
-/// findings, where all of them stand in words: {"kind": "limits", "name": "r0/knee", "text": "..."}, of a robot's file
+/// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints: lists,
+/// empty or not; and findings, where all of them stand in words: {"kind": "limits", "name": "r0/knee", "text": "..."}, of a robot's file
 /// with "file" and "line".
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 

@@ -1,0 +1,176 @@
+#include "manycontact/analysis/consistent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/analysis/text.hpp"
+#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/model/suggestion.hpp"
+#include "motion_of.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr int kMostSteps = 100;
+constexpr double kLeastShare = 1e-4;  // of a step: below, there is no way down along it
+constexpr double kExact = 1e-14;      // of 1 m and of the coordinates: errors of placement are rounding
+
+// The scene at rest, whose contacts ask for motions.
+class AtRest {
+ public:
+  AtRest(const Scene& scene, const std::vector<char>& active, const Options& options)
+      : scene_(without_forces(scene)), data_(scene_, options), zero_(Eigen::VectorXd::Zero(scene.nv)) {
+    data_.active = active;
+    prepare(scene_, data_);
+  }
+
+  Eigen::Index rows() const { return data_.f.size(); }
+  Status worst() const { return worst_; }
+
+  // e, per row.
+  Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
+    return of_contacts(q, nullptr, [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
+  }
+  // J v, per row.
+  Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
+  }
+  // x: the least in M's metric with J x = wanted, or least |J x - wanted|; false where the solve failed.
+  bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x) {
+    // the contacts' own errors, which alpha = 1 adds to a0, are part of what is asked for already
+    const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
+    worst_ = std::max(worst_, status);
+    if (status == Status::kFailed) return false;
+    x = data_.a;
+    return true;
+  }
+
+ private:
+  static Scene without_forces(Scene scene) {
+    scene.gravity.setZero();
+    scene.damping = 0;
+    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is e
+    return scene;
+  }
+  template <class Rows>
+  Eigen::VectorXd of_contacts(const Eigen::VectorXd& q, const double* v, Rows&& rows) const {
+    Eigen::VectorXd out(data_.f.size());
+    internal::each_contact_at(scene_, data_.active, q, v, [&](int c, const ContactData<double>& d) {
+      out.segment(data_.f_offset[c], d.W.rows()) = rows(d);
+    });
+    return out;
+  }
+
+  Scene scene_;
+  SceneData data_;
+  Eigen::VectorXd zero_;
+  Status worst_ = Status::kOk;
+};
+
+// Goes down from q along dq until |e| is below `size`, which it then is set to; false where it is not.
+bool go_down(const Scene& scene, const AtRest& rest, const Eigen::VectorXd& dq, Eigen::VectorXd& q, double& size) {
+  for (double share = 1; share >= kLeastShare; share /= 2) {
+    const Eigen::VectorXd next = integrate(scene, q, share * dq);
+    const double then = rest.errors(next).norm();
+    if (!(then < size)) continue;
+    q = next;
+    size = then;
+    return true;
+  }
+  return false;
+}
+
+// Gauss-Newton; its steps.
+int close_positions(const Scene& scene, AtRest& rest, Eigen::VectorXd& q) {
+  double size = rest.errors(q).norm();
+  int steps = 0;
+  Eigen::VectorXd dq;
+  while (steps < kMostSteps && size > kExact * (1 + q.cwiseAbs().maxCoeff())) {
+    if (!rest.least_motion(q, -rest.errors(q), dq) || !go_down(scene, rest, dq, q, size)) break;
+    ++steps;
+  }
+  return steps;
+}
+
+}  // namespace
+
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
+                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
+                                const Options& options) {
+  if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
+    throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
+  ConsistentState out{q, v, Status::kOk, 0, {}, {}};
+  AtRest rest(scene, active, options);
+  if (rest.rows() == 0) return out;
+  out.steps = close_positions(scene, rest, out.q);
+  const Eigen::VectorXd Jv = rest.velocities(out.q, out.v);
+  Eigen::VectorXd dv;
+  if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv)) out.v += dv;
+  out.status = rest.worst();
+  out.misplaced = placement_errors(scene, active, out.q);
+  out.moving = velocity_errors(scene, active, out.q, out.v);
+  return out;
+}
+
+ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options) {
+  std::vector<char> active;
+  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  return make_consistent(scene, active, q, v, options);
+}
+
+namespace {
+
+double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
+double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
+std::string by(const PlacementError& e) {
+  return "out of place by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+std::string by(const VelocityError& e) {
+  return "moving by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
+}
+
+// "contact 'pin', the worst of 3, stays out of place by 0.1 m"
+template <class Error>
+std::string worst_in_words(const Scene& scene, const std::vector<Error>& list) {
+  const Error& worst = *std::max_element(list.begin(), list.end(),
+                                         [](const Error& a, const Error& b) { return size_of(a) < size_of(b); });
+  const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
+  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + by(worst);
+}
+
+// ", of q most of all r/knee's, by 0.1"; empty where nothing moved by more than files round.
+std::string most_of(const std::string& what, const std::vector<std::string>& names, const Eigen::VectorXd& x) {
+  Eigen::Index k;
+  const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
+  if (!(most >= kPlacementError)) return "";
+  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
+}
+
+}  // namespace
+
+void make_consistent(SceneFile& file) {
+  if (file.consistent_line == 0) return;
+  const Scene& scene = file.scene;
+  const ConsistentState found = make_consistent(scene, file.q, file.v);
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(file.path, file.consistent_line,
+                     "consistent is asked for, but " + what + ", expected contacts that can be met from this q and v");
+  };
+  if (found.status == Status::kFailed) refuse("a robot has no inertia there and no nearest state");
+  if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced));
+  if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving));
+  const std::vector<std::string> names = velocity_names(scene);
+  const std::string moved =
+      most_of("q", names, difference(scene, file.q, found.q)) + most_of("v", names, found.v - file.v);
+  file.q = found.q;
+  file.v = found.v;
+  if (moved.empty()) return;
+  file.findings.push_back(
+      {"consistent", scene.name, "made to fit the contacts" + moved, file.path, file.consistent_line});
+}
+
+}  // namespace manycontact

@@ -1,0 +1,104 @@
+// What a careful reader asks of a state, and states that fit their contacts: floor analysis.
+
+#include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/text.hpp"
+#include "objects.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+void fits(const char* name, const Raw& x, int size) {
+  check_numbers(name, x.array.data(), x.array.size());
+  if (x.array.size() != size)
+    throw py::value_error(std::string(name) + ": " + std::to_string(size) + " numbers are expected, not " +
+                          std::to_string(x.array.size()));
+}
+
+// None: as the scene has them.
+std::vector<char> flags_of(const Scene& scene, const py::object& active) {
+  std::vector<char> flags;
+  for (const Contact& contact : scene.contacts) flags.push_back(contact.active);
+  if (!active.is_none()) set_flags("active", active, flags);
+  return flags;
+}
+
+void add_errors(py::module_& m) {
+  py::class_<PlacementError> place(m, "PlacementError", "A contact whose frames do not stand where it holds them.");
+  add_value(place)
+      .def_readonly("contact", &PlacementError::contact, "Its number in the scene.")
+      .def_readonly("position", &PlacementError::position, "[m]")
+      .def_readonly("angle", &PlacementError::angle, "[rad]; 0 for points.")
+      .def("__repr__", [](const PlacementError& e) {
+        return "<PlacementError of contact " + std::to_string(e.contact) + ": " + text::number(e.position) + " m, " +
+               text::number(e.angle) + " rad>";
+      });
+  py::class_<VelocityError> velocity(m, "VelocityError", "A contact whose frames move against each other.");
+  add_value(velocity)
+      .def_readonly("contact", &VelocityError::contact, "Its number in the scene.")
+      .def_readonly("linear", &VelocityError::linear, "[m/s]")
+      .def_readonly("angular", &VelocityError::angular, "[rad/s]; 0 for points.")
+      .def("__repr__", [](const VelocityError& e) {
+        return "<VelocityError of contact " + std::to_string(e.contact) + ": " + text::number(e.linear) + " m/s, " +
+               text::number(e.angular) + " rad/s>";
+      });
+  m.def(
+      "placement_errors",
+      [](const Scene& scene, const Raw& q, const py::object& active) {
+        fits("q", q, scene.nq);
+        return placement_errors(scene, flags_of(scene, active), q.vector());
+      },
+      py::arg("scene"), py::arg("q"), py::arg("active") = py::none(),
+      "Contacts out of place at q (nq) by 1e-6 m or rad or more: a list of PlacementError.\n"
+      "active: one bool per contact; by default as the scene has them.");
+  m.def(
+      "velocity_errors",
+      [](const Scene& scene, const Raw& q, const Raw& v, const py::object& active) {
+        fits("q", q, scene.nq);
+        fits("v", v, scene.nv);
+        return velocity_errors(scene, flags_of(scene, active), q.vector(), v.vector());
+      },
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("active") = py::none(),
+      "Contacts that v (nv) at q (nq) moves although they are held, by 1e-6 m/s or rad/s or more: a list of\n"
+      "VelocityError. make_consistent mends them.");
+}
+
+void add_consistent(py::module_& m) {
+  py::class_<ConsistentState> c(m, "ConsistentState", "A state that fits its contacts, and what it lacks.");
+  add_value(c)
+      .def_property_readonly(
+          "q", [](const ConsistentState& x) { return x.q; }, "Configuration (nq); a copy.")
+      .def_property_readonly(
+          "v", [](const ConsistentState& x) { return x.v; }, "Velocity (nv); a copy.")
+      .def_readonly("status", &ConsistentState::status, "The worst Status of its solves.")
+      .def_readonly("steps", &ConsistentState::steps, "Of Gauss-Newton, on positions.")
+      .def_readonly("misplaced", &ConsistentState::misplaced, "List of PlacementError: what could not be closed.")
+      .def_readonly("moving", &ConsistentState::moving, "List of VelocityError: what still moves.")
+      .def_property_readonly("consistent", &ConsistentState::consistent, "Whether both lists are empty.");
+  m.def(
+      "make_consistent",
+      [](const Scene& scene, const Raw& q, const Raw& v, const py::object& active, const Options& options) {
+        fits("q", q, scene.nq);
+        fits("v", v, scene.nv);
+        const std::vector<char> flags = flags_of(scene, active);
+        const auto Q = q.vector(), V = v.vector();
+        const py::gil_scoped_release unlocked;
+        return make_consistent(scene, flags, Q, V, options);
+      },
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("active") = py::none(),
+      py::arg_v("options", Options(), "Options()"),
+      "The nearest state to q (nq), v (nv) found in which contacts are in place and nothing moves against them: the\n"
+      "least change in the kinetic metric, by Gauss-Newton on positions and one projection of velocities. What cannot\n"
+      "be closed from there is listed in the ConsistentState. active: one bool per contact; by default the scene's.");
+}
+
+}  // namespace
+
+void add_analysis(py::module_& m) {
+  add_errors(m);
+  add_consistent(m);
+}
+
+}  // namespace manycontact::python
