@@ -4,11 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "at_rest.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/model/suggestion.hpp"
-#include "motion_of.hpp"
 
 namespace manycontact {
 
@@ -18,60 +17,9 @@ constexpr int kMostSteps = 100;
 constexpr double kLeastShare = 1e-4;  // of a step: below, there is no way down along it
 constexpr double kExact = 1e-14;      // of 1 m and of the coordinates: errors of placement are rounding
 
-// The scene at rest, whose contacts ask for motions.
-class AtRest {
- public:
-  AtRest(const Scene& scene, const std::vector<char>& active, const Options& options)
-      : scene_(without_forces(scene)), data_(scene_, options), zero_(Eigen::VectorXd::Zero(scene.nv)) {
-    data_.active = active;
-    prepare(scene_, data_);
-  }
-
-  Eigen::Index rows() const { return data_.f.size(); }
-  Status worst() const { return worst_; }
-
-  // e, per row.
-  Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
-    return of_contacts(q, nullptr, [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
-  }
-  // J v, per row.
-  Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
-    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
-  }
-  // x: the least in M's metric with J x = wanted, or least |J x - wanted|; false where the solve failed.
-  bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x) {
-    // the contacts' own errors, which alpha = 1 adds to a0, are part of what is asked for already
-    const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
-    worst_ = std::max(worst_, status);
-    if (status == Status::kFailed) return false;
-    x = data_.a;
-    return true;
-  }
-
- private:
-  static Scene without_forces(Scene scene) {
-    scene.gravity.setZero();
-    scene.damping = 0;
-    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is e
-    return scene;
-  }
-  template <class Rows>
-  Eigen::VectorXd of_contacts(const Eigen::VectorXd& q, const double* v, Rows&& rows) const {
-    Eigen::VectorXd out(data_.f.size());
-    internal::each_contact_at(scene_, data_.active, q, v, [&](int c, const ContactData<double>& d) {
-      out.segment(data_.f_offset[c], d.W.rows()) = rows(d);
-    });
-    return out;
-  }
-
-  Scene scene_;
-  SceneData data_;
-  Eigen::VectorXd zero_;
-  Status worst_ = Status::kOk;
-};
-
 // Goes down from q along dq until |e| is below `size`, which it then is set to; false where it is not.
-bool go_down(const Scene& scene, const AtRest& rest, const Eigen::VectorXd& dq, Eigen::VectorXd& q, double& size) {
+bool go_down(const Scene& scene, const internal::AtRest& rest, const Eigen::VectorXd& dq, Eigen::VectorXd& q,
+             double& size) {
   for (double share = 1; share >= kLeastShare; share /= 2) {
     const Eigen::VectorXd next = integrate(scene, q, share * dq);
     const double then = rest.errors(next).norm();
@@ -84,7 +32,7 @@ bool go_down(const Scene& scene, const AtRest& rest, const Eigen::VectorXd& dq, 
 }
 
 // Gauss-Newton; its steps.
-int close_positions(const Scene& scene, AtRest& rest, Eigen::VectorXd& q) {
+int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
   double size = rest.errors(q).norm();
   int steps = 0;
   Eigen::VectorXd dq;
@@ -103,7 +51,7 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
   if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
   ConsistentState out{q, v, Status::kOk, 0, {}, {}};
-  AtRest rest(scene, active, options);
+  internal::AtRest rest(scene, active, options);
   if (rest.rows() == 0) return out;
   out.steps = close_positions(scene, rest, out.q);
   const Eigen::VectorXd Jv = rest.velocities(out.q, out.v);

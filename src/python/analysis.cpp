@@ -1,8 +1,9 @@
 // What a careful reader asks of a state, and states that fit their contacts: floor analysis.
 
+#include "data.hpp"
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "objects.hpp"
+#include "manycontact/analysis/unique_forces.hpp"
 
 namespace manycontact::python {
 
@@ -65,6 +66,22 @@ void add_errors(py::module_& m) {
       "VelocityError. make_consistent mends them.");
 }
 
+void add_unique_forces(py::module_& m) {
+  m.def(
+      "unique_forces",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        const std::vector<char> unique = data.use([&](SceneData& d) { return unique_forces(scene, Q, d); });
+        py::array_t<bool> out(static_cast<py::ssize_t>(unique.size()));
+        std::copy(unique.begin(), unique.end(), out.mutable_data());
+        return out;
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"),
+      "Per row of data.f, after solve at q (nq): True where the force is unique, False where contacts could share it\n"
+      "otherwise with the same accelerations. Those have the least norm, newtons and newton metres counted alike.");
+}
+
 void add_consistent(py::module_& m) {
   py::class_<ConsistentState> c(m, "ConsistentState", "A state that fits its contacts, and what it lacks.");
   add_value(c)
@@ -98,6 +115,7 @@ void add_consistent(py::module_& m) {
 
 void add_analysis(py::module_& m) {
   add_errors(m);
+  add_unique_forces(m);
   add_consistent(m);
 }
 

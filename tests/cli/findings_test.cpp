@@ -75,6 +75,20 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
     EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
 }
 
+// Two balls share a weight at will, and nothing else: each force says so.
+TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
+  const std::string door = scene(kBox + R"(<contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
+    <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/>)");
+  EXPECT_EQ(solve({door}).at("forces_unique"), (json{true, true, false, true, true, false}));
+  const std::string told = run({"solve", door}).out;
+  expect_contains(told, "of the forces that they could share otherwise (*) those of least norm are shown");
+  expect_contains(told, "upper 3d local 31.39 0.00 31.39*");
+  expect_contains(told, "a newton metre counted as a newton");
+  const std::string alone = scene(kBox + R"(<contact name="one" type="6d" frame="b/crate"/>)");
+  EXPECT_EQ(solve({alone}).at("forces_unique"), json(std::vector<bool>(6, true)));
+  expect_lacks(run({"solve", alone}).out, "*");
+}
+
 // A box hangs on a contact that can only push, and is drawn along one that can only rub.
 TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   const std::string hangs = scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)");

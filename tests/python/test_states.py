@@ -55,3 +55,18 @@ def test_scenes_ask_for_it():
             <contact name="two" type="3d" frame="b/crate" xyz="0 0 3"/></scene>""",
             str(MODELS / "scene.xml"),
         )
+
+
+def test_unique_forces():
+    file = mc.load_scene_text(
+        """<scene><robot name="b" urdf="box.urdf" base="floating"/>
+        <contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
+        <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/></scene>""",
+        str(MODELS / "scene.xml"),
+    )
+    data = mc.SceneData(file.scene)
+    with pytest.raises(ValueError, match="solve first"):
+        mc.unique_forces(file.scene, file.q, data)
+    assert mc.solve(file.scene, file.q, file.v, file.u, data).status == mc.Status.REDUNDANT
+    unique = mc.unique_forces(file.scene, file.q, data)
+    assert unique.dtype == bool and unique.tolist() == [True, True, False, True, True, False]

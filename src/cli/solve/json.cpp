@@ -85,6 +85,8 @@ Json document(const SolvedScene& s) {
                {"force_names", force_names(s.file.scene, s.data)},
                {"acceleration", json_of(s.data.a)},
                {"forces", json_of(s.data.f)}};
+  json["forces_unique"] = Json::array();
+  for (const char unique : s.unique) json["forces_unique"].push_back(unique != 0);
   if (s.derivatives) {
     const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
     json["da_dq"] = matrix(d.da_dq);
