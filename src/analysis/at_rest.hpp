@@ -1,10 +1,39 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "motion_of.hpp"
 
 namespace manycontact::internal {
+
+/// Numbers between -1 and 1 of which no two are alike, so that no symmetry of a scene hides anything.
+inline Eigen::VectorXd mixed(Eigen::Index size, int probe) {
+  Eigen::VectorXd w(size);
+  for (Eigen::Index k = 0; k < size; ++k) w[k] = std::cos(static_cast<double>(k * k + probe * (k + 1)));
+  return w;
+}
+
+/// The contacts of an answer.
+inline std::vector<char> active_of(const SceneData& data) {
+  std::vector<char> active;
+  for (const int first : data.f_offset) active.push_back(first >= 0);
+  return active;
+}
+
+/// Calls act(row) for an island's rows of f.
+template <class Act>
+void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
+  for (const int c : island_of(data, island).contacts)
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) act(data.f_offset[c] + k);
+}
+/// Calls act(i) for the velocity coordinates of an island's robots.
+template <class Act>
+void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
+  for (const int r : island_of(data, island).robots)
+    for (int k = 0; k < scene.robots[r].model->nv; ++k) act(scene.robots[r].idx_v + k);
+}
 
 /// The scene at rest, without gravity and damping, whose contacts ask for motions; all others are their errors.
 class AtRest {
@@ -26,6 +55,18 @@ class AtRest {
   Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
+  /// The accelerations J' v that contacts have where the joints move with v and do not accelerate, per row.
+  Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    const auto a0 = [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; };
+    return of_contacts(q, v.data(), a0) - errors(q);
+  }
+  /// What the terms of that are made of: squares of the contacts' bodies' velocities, the same for all rows of one.
+  Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd {
+      const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
+      return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
+    });
+  }
   /// Of all x with the least |J x - wanted| the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted]. NaN in
   /// islands that have no such answer; then false.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x) {
@@ -34,6 +75,25 @@ class AtRest {
     worst_ = std::max(worst_, status);
     x = data_.a;
     return status != Status::kFailed;
+  }
+  /// w's part that no motion has: its projection on the null space of J^T. Twice, so that what rounding leaves of the
+  /// first is gone.
+  Eigen::VectorXd null_part(const Eigen::VectorXd& q, Eigen::VectorXd w) {
+    Eigen::VectorXd x;
+    for (int pass = 0; pass < 2; ++pass) {
+      (void)least_motion(q, w, x);
+      w -= velocities(q, x);
+    }
+    return w;
+  }
+  /// v's part that the contacts allow, J v = 0; twice as well.
+  Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {
+    Eigen::VectorXd x;
+    for (int pass = 0; pass < 2; ++pass) {
+      (void)least_motion(q, velocities(q, v), x);
+      v -= x;
+    }
+    return v;
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include "data.hpp"
 #include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 
@@ -82,6 +83,30 @@ void add_unique_forces(py::module_& m) {
       "otherwise with the same accelerations. Those have the least norm, newtons and newton metres counted alike.");
 }
 
+void add_rank_changes(py::module_& m) {
+  py::class_<RankChange> c(m, "RankChange", "An island whose contact rows have less rank here than beside.");
+  add_value(c)
+      .def_readonly("island", &RankChange::island, "Its number.")
+      .def_readonly("singular", &RankChange::singular,
+                    "The posture is singular: a is that of it alone, no derivative exists. False: rows depend on each\n"
+                    "other while loops are closed; derivatives exist along their motions, not across them.")
+      .def_readonly("rank", &RankChange::rank)
+      .def_readonly("rows", &RankChange::rows)
+      .def_readonly("contacts", &RankChange::contacts, "Numbers of those whose rows depend on each other.")
+      .def_readonly("coordinate", &RankChange::coordinate,
+                    "Of v: held beside q and not here, most of all; -1: the island is too large.");
+  m.def(
+      "rank_changes",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        return data.use([&](SceneData& d) { return rank_changes(scene, Q, d); });
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"),
+      "After solve at q (nq): a list of RankChange, of islands whose contact rows depend on each other here and not\n"
+      "beside it, where derivatives do not exist.");
+}
+
 void add_consistent(py::module_& m) {
   py::class_<ConsistentState> c(m, "ConsistentState", "A state that fits its contacts, and what it lacks.");
   add_value(c)
@@ -116,6 +141,7 @@ void add_consistent(py::module_& m) {
 void add_analysis(py::module_& m) {
   add_errors(m);
   add_unique_forces(m);
+  add_rank_changes(m);
   add_consistent(m);
 }
 

@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
+constexpr std::size_t kMostRanks = 2, kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
 
 std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   const Robot& robot = scene.robots[limit.robot];
@@ -82,6 +82,20 @@ std::string contradicted_by(const Contradiction& c) {
   return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
+// "left, right: 3 of 4 rows count here, more beside it, against r/knee most of all: ..."
+std::string rank_changed(const Scene& scene, const RankChange& c) {
+  std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
+                     std::to_string(c.rows) + " rows here, more beside it";
+  if (c.coordinate >= 0)
+    text +=
+        ", where contacts hold " + velocity_names(scene)[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+  return text +
+         (c.singular
+              ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
+              : "; rows depend on each other only while the loop is closed: derivatives exist along its motions, "
+                "not across them");
+}
+
 // "r/knee (arm.urdf:12)"
 std::string place(const Finding& finding) {
   return finding.name + " (" + std::filesystem::path(finding.file).filename().string() + ":" +
@@ -117,6 +131,13 @@ void print_weightless(std::ostream& out, const std::vector<Weightless>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
+void print_rank_changes(std::ostream& out, const Scene& scene, const std::vector<RankChange>& list) {
+  const std::size_t shown = list.size() <= kMostRanks + 1 ? list.size() : kMostRanks;
+  for (std::size_t k = 0; k < shown; ++k) wrap(out, rank_changed(scene, list[k]), 2, "rank changes: ");
+  if (shown < list.size())
+    wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, "rank changes: ");
+}
+
 }  // namespace
 
 Findings find(const SceneFile& file, const SceneData& data) {
@@ -128,6 +149,7 @@ Findings find(const SceneFile& file, const SceneData& data) {
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
   f.weightless = weightless_joints(file.scene, data, file.q);
+  f.rank_changes = rank_changes(file.scene, file.q, data);
   return f;
 }
 
@@ -170,6 +192,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_weightless(out, f.weightless);
+  print_rank_changes(out, scene, f.rank_changes);
 }
 
 Json json_of(const Scene& scene, const Violation& v) {
@@ -210,6 +233,8 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   for (const Contradiction& c : f.contradictions)
     say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
   for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
+  for (const RankChange& c : f.rank_changes)
+    say("rank_changes", contact_names(scene, c.contacts), rank_changed(scene, c));
   return list;
 }
 
@@ -229,6 +254,17 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
   for (const Contradiction& c : f.contradictions)
     to["contradictions"].push_back(
         {{"contact", scene.contacts[c.contact].name}, {"linear", c.linear}, {"angular", c.angular}});
+  to["rank_changes"] = Json::array();
+  for (const RankChange& c : f.rank_changes) {
+    Json names = Json::array();
+    for (const int contact : c.contacts) names.push_back(scene.contacts[contact].name);
+    to["rank_changes"].push_back(
+        {{"contacts", names},
+         {"singular", c.singular},
+         {"rank", c.rank},
+         {"rows", c.rows},
+         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(velocity_names(scene)[c.coordinate])}});
+  }
   to["massless_joints"] = Json::array();
   for (const Weightless& w : f.weightless) to["massless_joints"].push_back(w.joint);
   to["findings"] = all_in_words(scene, f);

@@ -3,6 +3,7 @@
 
 #include "json_file.hpp"
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/io/scene_file.hpp"
 
 namespace manycontact::cli {
@@ -15,10 +16,11 @@ struct Findings {
   std::vector<LimitPassed> limits;
   std::vector<Contradiction> contradictions;
   std::vector<Weightless> weightless;
+  std::vector<RankChange> rank_changes;
 
   bool empty() const {
     return files.empty() && misplaced.empty() && moving.empty() && violations.empty() && limits.empty() &&
-           contradictions.empty() && weightless.empty();
+           contradictions.empty() && weightless.empty() && rank_changes.empty();
   }
 };
 
@@ -37,9 +39,9 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& findi
 Json json_of(const Scene& scene, const Violation& violation);
 /// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
 Json json_of(const Scene& scene, const LimitPassed& limit);
-/// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints: lists,
-/// empty or not; and findings, where all of them stand in words: {"kind": "limits", "name": "r0/knee", "text": "..."}, of a robot's file
-/// with "file" and "line".
+/// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
+/// rank_changes: lists, empty or not; and findings, where all of them stand in words: {"kind": "limits", "name":
+/// "r0/knee", "text": "..."}, of a robot's file with "file" and "line".
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 
 }  // namespace manycontact::cli

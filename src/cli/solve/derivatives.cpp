@@ -77,6 +77,11 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     table.print(out);
   else if (unknown == 0)
     out << "  none: every island failed\n";
+  if (!s.findings.rank_changes.empty())
+    wrap(out,
+         "the rank of contact rows changes here (\"To look at\"): these numbers are those of constant rank, and no "
+         "differences agree with them",
+         2);
   if (unknown > 0)
     out << "  not known (NaN) of " << unknown << (unknown == 1 ? " island" : " islands")
         << " that were solved: the equations of derivatives could not be solved as well\n";
