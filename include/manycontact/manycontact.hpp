@@ -6,6 +6,7 @@
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/reference.hpp"

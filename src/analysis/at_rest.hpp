@@ -45,7 +45,8 @@ class AtRest {
   }
 
   Eigen::Index rows() const { return data_.f.size(); }
-  Status worst() const { return worst_; }  // of its solves
+  Status worst() const { return worst_; }                    // of its solves
+  const Eigen::VectorXd& forces() const { return data_.f; }  // of the last one
 
   /// e, the errors of placement that gains correct, per row.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {

@@ -8,8 +8,8 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kProbes = 2;
-constexpr double kNothing = 1e-8;    // of B's terms: rounding
+constexpr int kRankProbes = 2;
+constexpr double kNoChange = 1e-8;   // of B's terms: rounding
 constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
 constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
 
@@ -38,7 +38,7 @@ class Probe {
 
   std::vector<int> contacts(std::size_t island) const {
     std::vector<int> out;
-    const double least = kNothing * largest_of_n(island);
+    const double least = kNoChange * largest_of_n(island);
     for (const int c : island_of(data_, island).contacts) {
       const auto of_contact = n_.segment(data_.f_offset[c], scene_.contacts[c].rows());
       if (of_contact.cwiseAbs().maxCoeff() > least) out.push_back(c);
@@ -73,7 +73,7 @@ class Probe {
   bool counts(std::size_t island, const Eigen::VectorXd& b) const {
     double size = 0;
     internal::each_row(scene_, data_, island, [&](int row) { size += std::abs(n_[row]) * terms_[row]; });
-    return std::abs(product(island, b)) > kNothing * size;
+    return std::abs(product(island, b)) > kNoChange * size;
   }
 
   const Scene& scene_;
@@ -98,7 +98,7 @@ std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const 
   const Eigen::VectorXd q = at;
   internal::AtRest rest(scene, internal::active_of(data), data.options);
   std::vector<Probe> probes;
-  for (int k = 0; k < kProbes; ++k) probes.emplace_back(scene, data, q, rest, k);
+  for (int k = 0; k < kRankProbes; ++k) probes.emplace_back(scene, data, q, rest, k);
   for (const std::size_t i : dependent) {
     const auto any = [&](auto&& says) { return std::any_of(probes.begin(), probes.end(), says); };
     if (!any([i](const Probe& p) { return p.moves(i); })) continue;

@@ -10,8 +10,8 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kProbes = 2;         // that a component vanishes in both by accident is one case in 1e18
-constexpr double kNothing = 1e-9;  // of the largest component of a projection: rounding
+constexpr int kNullProbes = 2;    // that a component vanishes in both by accident is one case in 1e18
+constexpr double kNoPart = 1e-9;  // of the largest component of a projection: rounding
 
 }  // namespace
 
@@ -28,13 +28,13 @@ std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen
   }
   if (dependent.empty()) return unique;
   internal::AtRest rest(scene, internal::active_of(data), data.options);
-  for (int probe = 0; probe < kProbes; ++probe) {
+  for (int probe = 0; probe < kNullProbes; ++probe) {
     const Eigen::VectorXd w = rest.null_part(q, internal::mixed(data.f.size(), probe));
     for (const std::size_t i : dependent) {
       double largest = 0;
       internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });
       internal::each_row(scene, data, i, [&](int row) {
-        if (!(std::abs(w[row]) <= kNothing * largest)) unique[static_cast<std::size_t>(row)] = 0;
+        if (!(std::abs(w[row]) <= kNoPart * largest)) unique[static_cast<std::size_t>(row)] = 0;
       });
     }
   }

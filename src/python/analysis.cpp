@@ -2,6 +2,7 @@
 
 #include "data.hpp"
 #include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
@@ -107,6 +108,48 @@ void add_rank_changes(py::module_& m) {
       "beside it, where derivatives do not exist.");
 }
 
+void add_near_dependent(py::module_& m) {
+  py::class_<NearDependent> c(m, "NearDependent", "Rows of an island that only just count, and what would be without.");
+  add_value(c)
+      .def_readonly("island", &NearDependent::island, "Its number.")
+      .def_readonly("rows", &NearDependent::rows, "Of data.f, ascending.")
+      .def_readonly("left", &NearDependent::left, "What the rows before leave of the least of them, of its size.")
+      .def_readonly("times", &NearDependent::times, "The largest force beside the loads.")
+      .def_readonly("coordinate", &NearDependent::coordinate, "Of v, whose acceleration changes most without them,")
+      .def_readonly("acceleration", &NearDependent::acceleration, "from [m/s^2, rad/s^2]")
+      .def_readonly("without", &NearDependent::without, "to.");
+  m.def(
+      "near_dependent",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        return data.use([&](SceneData& d) { return near_dependent(scene, Q, d); });
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"),
+      "After solve at q (nq): a list of NearDependent, of islands with rows of which the ones before leave less than "
+      "a\n"
+      "thousandth, but more than rounding.");
+  py::class_<RankGap> gap(m, "RankGap", "How near the decision was which rows of an island depend on each other.");
+  add_value(gap)
+      .def_readonly("known", &RankGap::known, "False: damping decides, the island failed or is too large.")
+      .def_readonly("least_kept", &RankGap::least_kept,
+                    "What is left of the row that counts of which least is, of its size.")
+      .def_readonly("most_dropped", &RankGap::most_dropped,
+                    "Of the row that does not count of which most is; at least eps.")
+      .def_readonly("kept", &RankGap::kept, "That row of data.f; -1: there is none.")
+      .def_readonly("dropped", &RankGap::dropped, "That row; -1: all count.")
+      .def_property_readonly("gap", &RankGap::gap, "least_kept / most_dropped; below 1000 either could be the other.");
+  m.def(
+      "rank_gap",
+      [](const Scene& scene, const Data& data, std::size_t island) {
+        return data.use([&](SceneData& d) {
+          if (island >= d.report.islands.size()) throw py::value_error("rank_gap: there is no such island");
+          return rank_gap(scene, d, island);
+        });
+      },
+      py::arg("scene"), py::arg("data"), py::arg("island"), "RankGap of an island, after solve.");
+}
+
 void add_consistent(py::module_& m) {
   py::class_<ConsistentState> c(m, "ConsistentState", "A state that fits its contacts, and what it lacks.");
   add_value(c)
@@ -142,6 +185,7 @@ void add_analysis(py::module_& m) {
   add_errors(m);
   add_unique_forces(m);
   add_rank_changes(m);
+  add_near_dependent(m);
   add_consistent(m);
 }
 

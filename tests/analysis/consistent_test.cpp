@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/contact/reference.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"

@@ -70,3 +70,36 @@ def test_unique_forces():
     assert mc.solve(file.scene, file.q, file.v, file.u, data).status == mc.Status.REDUNDANT
     unique = mc.unique_forces(file.scene, file.q, data)
     assert unique.dtype == bool and unique.tolist() == [True, True, False, True, True, False]
+
+
+def solved(contacts, attributes=""):
+    file = mc.load_scene_text(
+        '<scene><robot name="q" urdf="quadruped.urdf" base="floating"%s/>%s</scene>' % (attributes, contacts),
+        str(MODELS / "scene.xml"),
+    )
+    data = mc.SceneData(file.scene)
+    mc.solve(file.scene, file.q, file.v, file.u, data)
+    return file, data
+
+
+def test_rank_changes():
+    """A trunk that is held, and a leg that is stretched to a foot that is held too."""
+    file, data = solved(
+        '<contact name="trunk" type="6d" frame="q/trunk"/><contact name="foot" type="3d" frame="q/RF_foot"/>'
+    )
+    (change,) = mc.rank_changes(file.scene, file.q, data)
+    assert change.singular and change.rank == 8 and change.rows == 9
+    assert change.contacts == [0, 1]
+    assert mc.velocity_names(file.scene)[change.coordinate].startswith("q/RF")
+
+
+def test_near_dependent():
+    file, data = solved(
+        '<contact name="a" type="3d" frame="q/trunk"/><contact name="b" type="3d" frame="q/trunk" offset="1e-5 0 0"/>'
+    )
+    (near,) = mc.near_dependent(file.scene, file.q, data)
+    assert near.island == 0 and min(near.rows) >= 3 and 0 < near.left < 1e-3
+    gap = mc.rank_gap(file.scene, data, 0)
+    assert gap.known and gap.kept >= 3 and gap.gap > 1e3
+    with pytest.raises(ValueError, match="no such island"):
+        mc.rank_gap(file.scene, data, 1)

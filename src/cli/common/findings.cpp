@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostRanks = 2, kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
+constexpr std::size_t kMostIslands = 2, kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
 
 std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   const Robot& robot = scene.robots[limit.robot];
@@ -82,20 +82,6 @@ std::string contradicted_by(const Contradiction& c) {
   return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
-// "left, right: 3 of 4 rows count here, more beside it, against r/knee most of all: ..."
-std::string rank_changed(const Scene& scene, const RankChange& c) {
-  std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
-                     std::to_string(c.rows) + " rows here, more beside it";
-  if (c.coordinate >= 0)
-    text +=
-        ", where contacts hold " + velocity_names(scene)[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
-  return text +
-         (c.singular
-              ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
-              : "; rows depend on each other only while the loop is closed: derivatives exist along its motions, "
-                "not across them");
-}
-
 // "r/knee (arm.urdf:12)"
 std::string place(const Finding& finding) {
   return finding.name + " (" + std::filesystem::path(finding.file).filename().string() + ":" +
@@ -131,11 +117,40 @@ void print_weightless(std::ostream& out, const std::vector<Weightless>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
-void print_rank_changes(std::ostream& out, const Scene& scene, const std::vector<RankChange>& list) {
-  const std::size_t shown = list.size() <= kMostRanks + 1 ? list.size() : kMostRanks;
-  for (std::size_t k = 0; k < shown; ++k) wrap(out, rank_changed(scene, list[k]), 2, "rank changes: ");
-  if (shown < list.size())
-    wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, "rank changes: ");
+// The first of a list that has an item an island.
+void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title) {
+  const std::size_t shown = list.size() <= kMostIslands + 1 ? list.size() : kMostIslands;
+  for (std::size_t k = 0; k < shown; ++k) wrap(out, list[k], 2, title);
+  if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, title);
+}
+
+// The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept.
+void find_gaps(const Scene& scene, const SceneData& data, Findings& f) {
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const RankGap gap = rank_gap(scene, data, i);
+    if (!gap.known || gap.kept < 0) continue;
+    f.rank_gap = std::min(f.rank_gap, gap.gap());
+    if (gap.dropped < 0 || gap.gap() >= kCloseGap) continue;
+    const auto& names = f.force_names;
+    f.close_rows.push_back("of " + names[static_cast<std::size_t>(gap.kept)] +
+                           ", which counts, the rows before leave " + scientific(gap.least_kept) + " of its size, of " +
+                           names[static_cast<std::size_t>(gap.dropped)] + ", which does not, " +
+                           scientific(gap.most_dropped));
+  }
+}
+
+// "loop[3], loop[4]: ..."
+std::string only_just(const Scene& scene, const std::vector<std::string>& names, const NearDependent& n) {
+  std::vector<std::string> rows;
+  for (const int row : n.rows) rows.push_back(names[static_cast<std::size_t>(row)]);
+  const std::string count_of = rows.size() == 1 ? " counts only just: " : " count only just: ";
+  std::string text = join(rows, kMostPlaces) + count_of + "the other rows leave " + scientific(n.left) + " of " +
+                     (rows.size() == 1 ? "it" : "the least of them");
+  if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + number(n.times) + " times the loads";
+  const double rounding = 1e-9 * std::abs(n.without);
+  text += "; without, " + velocity_names(scene)[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
+          number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
+  return text + ". Rounded numbers of a file do this: `inspect` advises lighter contacts";
 }
 
 }  // namespace
@@ -150,6 +165,10 @@ Findings find(const SceneFile& file, const SceneData& data) {
   f.contradictions = contradictions(file.scene, data);
   f.weightless = weightless_joints(file.scene, data, file.q);
   f.rank_changes = rank_changes(file.scene, file.q, data);
+  f.near_dependent = near_dependent(file.scene, file.q, data);
+  f.force_names = force_names(file.scene, data);
+  for (const NearDependent& n : f.near_dependent) f.only_just.push_back(only_just(file.scene, f.force_names, n));
+  find_gaps(file.scene, data, f);
   return f;
 }
 
@@ -160,6 +179,18 @@ std::string in_words(const Scene& scene, const LimitPassed& limit) {
 
 std::string in_words(const Scene& scene, const Violation& v) {
   return scene.contacts[v.contact].name + " " + to_string(v.kind) + " " + amount(scene, v);
+}
+
+std::string in_words(const Scene& scene, const RankChange& c) {
+  std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
+                     std::to_string(c.rows) + " rows here, more beside it";
+  if (c.coordinate >= 0)
+    text +=
+        ", where contacts hold " + velocity_names(scene)[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+  return text + (c.singular
+                     ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
+                     : "; rows depend on each other only while they are met: derivatives exist along motions that meet "
+                       "them, not across");
 }
 
 void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
@@ -192,7 +223,12 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_weightless(out, f.weightless);
-  print_rank_changes(out, scene, f.rank_changes);
+  std::vector<std::string> changes;
+  for (const RankChange& c : f.rank_changes)
+    if (c.singular) changes.push_back(in_words(scene, c));
+  print_some(out, changes, "rank changes: ");
+  print_some(out, f.only_just, "nearly dependent: ");
+  print_some(out, f.close_rows, "nearly dependent: ");
 }
 
 Json json_of(const Scene& scene, const Violation& v) {
@@ -234,7 +270,10 @@ Json all_in_words(const Scene& scene, const Findings& f) {
     say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
   for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
   for (const RankChange& c : f.rank_changes)
-    say("rank_changes", contact_names(scene, c.contacts), rank_changed(scene, c));
+    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, c));
+  for (std::size_t k = 0; k < f.near_dependent.size(); ++k)
+    say("near_dependent", f.force_names[static_cast<std::size_t>(f.near_dependent[k].rows[0])], f.only_just[k]);
+  for (const std::string& text : f.close_rows) say("near_dependent", "", text);
   return list;
 }
 
@@ -264,6 +303,17 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
          {"rank", c.rank},
          {"rows", c.rows},
          {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(velocity_names(scene)[c.coordinate])}});
+  }
+  to["near_dependent"] = Json::array();
+  for (const NearDependent& n : f.near_dependent) {
+    Json rows = Json::array();
+    for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
+    to["near_dependent"].push_back({{"rows", rows},
+                                    {"left", n.left},
+                                    {"times_loads", std::isfinite(n.times) ? Json(n.times) : Json(nullptr)},
+                                    {"coordinate", velocity_names(scene)[static_cast<std::size_t>(n.coordinate)]},
+                                    {"acceleration", n.acceleration},
+                                    {"without", n.without}});
   }
   to["massless_joints"] = Json::array();
   for (const Weightless& w : f.weightless) to["massless_joints"].push_back(w.joint);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <set>
 
 #include "../common/describe.hpp"
@@ -66,6 +67,7 @@ Json report(const SolvedScene& s) {
           {"nv", r.nv},
           {"nc", r.nc},
           {"rank", r.rank},
+          {"rank_gap", std::isfinite(s.findings.rank_gap) ? Json(s.findings.rank_gap) : Json(nullptr)},
           {"factor_nonzeros", r.factor_nonzeros},
           {"residual_dynamics", r.residual_dynamics},
           {"residual_contact", r.residual_contact},
