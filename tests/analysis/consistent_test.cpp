@@ -152,7 +152,7 @@ TEST(MakeConsistent, MovesTheLeast) {
   const double away = 1e-6;  // one step does it, to its square
   SceneFile file = load_text(
       "<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/>"
-      "<contact name=\"c\" type=\"3d\" frame=\"a/hand\"/></scene>");
+      "<contact name=\"c\" type=\"3d\" frame=\"a/tool\"/></scene>");
   std::mt19937 rng(5);
   disturb(file, rng, 0.5);
   resolve_references(file.scene, file.q);
