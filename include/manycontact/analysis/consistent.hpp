@@ -23,6 +23,7 @@ struct ConsistentState {                  // The state found, and what it lacks.
   std::vector<PlacementError> misplaced;  // contacts that could not be put in place from where they were
   std::vector<VelocityError> moving;      // contacts that still move
 
+  /// Whether contacts are in place and nothing moves against them.
   bool consistent() const { return misplaced.empty() && moving.empty(); }
 };
 

@@ -21,6 +21,7 @@ struct RankGap {       // Of an island.
   double most_dropped = 0;  // and of the row dropped that has most; at least eps, which is what rounding leaves of rows
   int kept = -1, dropped = -1;  // these rows, of f; -1: there is none
 
+  /// Least kept beside most dropped.
   double gap() const { return least_kept / most_dropped; }
 };
 /// After a solve. Dense, left out where nv nc^2 is above 1e9.
