@@ -69,8 +69,10 @@ class AtRest {
     });
   }
   /// Of all x with the least |J x - wanted| the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted]. NaN in
-  /// islands that have no such answer; then false.
-  bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x) {
+  /// islands that have no such answer; then false. With damping, of all x the one of least x^T M x + |J x - wanted|^2 /
+  /// damping.
+  bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
+    scene_.damping = damping;
     // the errors, which alpha = 1 adds to a0, are part of what is asked for already
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);

@@ -13,31 +13,26 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kMostSteps = 100;
-constexpr double kLeastShare = 1e-4;  // of a step: below, there is no way down along it
-constexpr double kExact = 1e-14;      // of 1 m and of the coordinates: errors of placement are rounding
+constexpr int kMostSteps = 200;
+constexpr double kProgress = 1e-10;                         // of |e|: less is none
+constexpr double kLeastDamping = 1e-8, kMostDamping = 1e4;  // 1/kg
+constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
 
-// Goes down from q along dq until |e| is below `size`, which it then is set to; false where it is not.
-bool go_down(const Scene& scene, const internal::AtRest& rest, const Eigen::VectorXd& dq, Eigen::VectorXd& q,
-             double& size) {
-  for (double share = 1; share >= kLeastShare; share /= 2) {
-    const Eigen::VectorXd next = integrate(scene, q, share * dq);
-    const double then = rest.errors(next).norm();
-    if (!(then < size)) continue;
-    q = next;
-    size = then;
-    return true;
-  }
-  return false;
-}
-
-// Gauss-Newton; its steps.
+// Gauss-Newton, and Levenberg and Marquardt's damping where its step does not bring |e| down. Its steps.
 int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
-  double size = rest.errors(q).norm();
+  Eigen::VectorXd e = rest.errors(q), dq;
+  double damping = 0;
   int steps = 0;
-  Eigen::VectorXd dq;
-  while (steps < kMostSteps && size > kExact * (1 + q.cwiseAbs().maxCoeff())) {
-    if (!rest.least_motion(q, -rest.errors(q), dq) || !go_down(scene, rest, dq, q, size)) break;
+  while (steps < kMostSteps && damping <= kMostDamping && e.norm() > kExact * (1 + q.cwiseAbs().maxCoeff())) {
+    if (!rest.least_motion(q, -e, dq, damping)) break;
+    const Eigen::VectorXd next = integrate(scene, q, dq), then = rest.errors(next);
+    if (!(then.norm() < (1 - kProgress) * e.norm())) {
+      damping = std::max(kLeastDamping, 10 * damping);
+      continue;
+    }
+    q = next;
+    e = then;
+    damping = damping > kLeastDamping ? damping / 10 : 0;
     ++steps;
   }
   return steps;

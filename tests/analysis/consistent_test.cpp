@@ -206,7 +206,7 @@ TEST(MakeConsistent, SaysWhatCannotBeClosed) {
   const SceneFile ghost =
       load_scene(folder.write("s.xml",
                               "<scene><robot name=\"g\" urdf=\"ghost.urdf\"/>"
-                              "<contact name=\"c\" type=\"1d\" axis=\"1 0 0\" frame=\"g/l\" xyz=\"1 0 0\"/></scene>"));
+                              "<contact name=\"c\" type=\"1d\" axis=\"0 1 0\" frame=\"g/l\" xyz=\"0 1 0\"/></scene>"));
   state = make_consistent(ghost.scene, ghost.q, ghost.v);
   EXPECT_EQ(state.status, Status::kFailed);
   EXPECT_EQ(state.misplaced.size(), 1u);

@@ -56,7 +56,7 @@ TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
     EXPECT_EQ(found[0].rows, std::vector<int>{2});
     EXPECT_GT(found[0].left, 0.01 * tilt);
     EXPECT_LT(found[0].left, 10 * tilt);
-    EXPECT_GT(found[0].times, 0.1 / tilt);
+    EXPECT_GT(found[0].times, 0.03 / tilt);
     // without it: the loop in its plane, by a contact that has no such row, and dense
     SceneFile plane = tilted_four_bar(tilt);
     const Terms t(plane.scene, {1}, plane.q, plane.v, plane.u);
@@ -124,7 +124,7 @@ TEST(NearDependent, OfFilesRoundedAsCadDoes) {
   for (const char* name : {"scene_4_5d.xml", "scene_4_3d.xml", "scene_6_5d.xml", "scene_6_3d.xml"}) {
     const auto found = Solved(load_scene(folder + name)).near();
     ASSERT_EQ(found.size(), 1u) << name;
-    EXPECT_NEAR(found[0].without, 2.5316, 1e-3) << name;
+    EXPECT_NEAR(std::abs(found[0].without), 2.5316, 1e-3) << name;
     EXPECT_GT(found[0].times, 1e3) << name;
   }
   for (const char* name : {"scene_17_5d.xml", "scene_17_3d.xml", "scene_4_2d.xml", "scene_17_2d.xml"})

@@ -73,8 +73,10 @@ TEST(UniqueForces, AgreeWithTheNullSpace) {
   const std::vector<char> expected = by_svd(file);
   EXPECT_NE(std::count(expected.begin(), expected.end(), 0), 0);
   EXPECT_NE(std::count(expected.begin(), expected.end(), 1), 0);
-  for (const Method method : methods())
-    if (method != Method::kDenseSchur) EXPECT_EQ(unique_in(file, method), expected) << to_string(method);
+  for (const Method method : methods()) {
+    if (method == Method::kDenseSchur) continue;
+    EXPECT_EQ(unique_in(file, method), expected) << to_string(method);
+  }
 }
 
 // Forces that are unique stay when what all share is added.

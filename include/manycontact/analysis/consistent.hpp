@@ -2,12 +2,13 @@
 // A state that fits its contacts: they are in place, and nothing moves against them. With e the contacts' errors of
 // placement (contact/rows.hpp, its alpha term) and J their rows,
 //
-//     q := q (+) t dq     min dq^T M dq   over the dq with least |J dq + e|    again and again, until e is rounding
-//     v := v + dv         min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
+//     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    again and again, until e is rounding
+//     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
 //
 // Each is a solve of the scene at rest, without gravity, of which the contacts ask for a motion: [M J^T; J 0],
-// redundant contacts included. The first is Gauss-Newton's method, each step the least motion in the kinetic metric; t
-// is halved until |e| falls. The second is what an impact does to v (simulation/switch.hpp).
+// redundant contacts included. The first is Gauss-Newton's method, each step the least motion in the kinetic metric;
+// where |e| does not fall, the contacts are damped until it does (Levenberg and Marquardt): [M J^T; J -delta I]. The
+// second is what an impact does to v (simulation/switch.hpp).
 //
 // Metres and radians count alike in |e|. Limits of joints are not looked at.
 
