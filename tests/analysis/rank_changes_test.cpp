@@ -19,7 +19,9 @@ constexpr double kHalf = 1.5707963267948966;
 std::vector<RankChange> changes(const SceneFile& file, int rank = -1) {
   SceneData data(file.scene);
   (void)solve(file.scene, file.q, file.v, file.u, data);
-  if (rank >= 0) EXPECT_EQ(data.report.rank, rank);
+  if (rank >= 0) {
+    EXPECT_EQ(data.report.rank, rank);
+  }
   return rank_changes(file.scene, file.q, data);
 }
 
@@ -48,9 +50,6 @@ class Bars {
     (void)folder_.write("bars.urdf", "<robot name=\"bars\"><link name=\"base\"/>" + bar("a", "0.25") + bar("b", "0.4") +
                                          bar("c", "0.3") + joint("j1", "base", "a", "0") +
                                          joint("j2", "a", "b", "0.5") + joint("j3", "b", "c", "0.8") + "</robot>");
-    const auto q = [](const char* name, double x) {
-      return "<joint name=\"" + std::string(name) + "\" q=\"" + std::to_string(x) + "\"/>";
-    };
     SceneFile file =
         load_scene(folder_.write("scene.xml", "<scene><robot name=\"r\" urdf=\"bars.urdf\"/>" + contact + "</scene>"));
     file.q << q1, q2, q3;
