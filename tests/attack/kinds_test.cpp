@@ -32,7 +32,7 @@ struct Solved {
   SceneFile file;
   SceneData data;
   Solved(SceneFile f, Method method) : file(std::move(f)), data(file.scene, {method, {}}) {
-    solve(file.scene, file.q, file.v, file.u, data);
+    (void)solve(file.scene, file.q, file.v, file.u, data);
   }
   const Report& report() const { return data.report; }
 };
@@ -98,7 +98,7 @@ TEST_F(Reported, ALightLinksForcesChangeRightly) {
   for (Method method : methods_for_dependent_rows()) {
     SCOPED_TRACE(to_string(method));
     Solved s(load("05-dforces-dq-light-link"), method);
-    differentiate(s.file.scene, s.data);
+    (void)differentiate(s.file.scene, s.data);
     EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).dforces_dq(2, 2), -5.8100865282252, 1e-10);
   }
 }
@@ -106,7 +106,7 @@ TEST_F(Reported, ASmallContradictionCounts) {
   for (Method method : methods_for_dependent_rows()) {
     SCOPED_TRACE(to_string(method));
     Solved s(load("07-contradiction-dropped-spinning"), method);
-    differentiate(s.file.scene, s.data);
+    (void)differentiate(s.file.scene, s.data);
     EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).da_dq(1, 2), 0.002571686386, 1e-9);
   }
 }
@@ -125,7 +125,7 @@ TEST_F(Reported, DampedDerivativesAreNumbers) {
   for (Method method : methods_for_dependent_rows()) {
     SCOPED_TRACE(to_string(method));
     Solved s(load("13-nan-derivatives-supernodal"), method);
-    differentiate(s.file.scene, s.data);
+    (void)differentiate(s.file.scene, s.data);
     EXPECT_TRUE(dense_derivatives(s.file.scene, s.data).da_dq.allFinite());
   }
 }
@@ -263,7 +263,7 @@ TEST(ManyContacts, OnOneBodyAreLeftToTheDenseMethod) {
   EXPECT_EQ(s.report().status, Status::kRedundant);
   const Solved sparse(file, Method::kSparseLdl);
   EXPECT_LE((s.data.f - sparse.data.f).cwiseAbs().maxCoeff(), 1e-9 * s.data.f.cwiseAbs().maxCoeff());
-  differentiate(s.file.scene, s.data);
+  (void)differentiate(s.file.scene, s.data);
   EXPECT_TRUE(dense_derivatives(s.file.scene, s.data).dforces_dq.allFinite());
 }
 
