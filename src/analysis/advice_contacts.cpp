@@ -1,5 +1,6 @@
 // Advice on contacts: only what follows from ranks at the scene's configuration.
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "manycontact/analysis/advice.hpp"
@@ -26,6 +27,13 @@ struct Subject {
   const IslandKind& kind;
 };
 
+// Whether rows of one of these contacts only just count: what holds the same holds still by them as well.
+bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
+  return std::any_of(ranks.lighter.begin(), ranks.lighter.end(), [&](const Lighter& l) {
+    return l.only_just > 0 && std::find(contacts.begin(), contacts.end(), l.contact) != contacts.end();
+  });
+}
+
 // Redundant rows by name, and what is left without them.
 void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
@@ -42,6 +50,7 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
           " redundant, since the rows before hold the same: " + join(s.redundant, kMostItems) +
           and_more(x.kind.islands.size() - 1, "island");
   advice.push_back(text);
+  if (any_only_just(ranks, x.island.contacts)) return;  // what is left would be as stuck
   text = "the rows that are left hold the same: " + join(s.kept, kMostItems);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
   if (x.scene.damping > 0) text += " (the damping acts on every row: without some, the answer moves by as much)";
@@ -92,9 +101,10 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   for (const auto& alike : alike_pairs(x.scene, ranks.pairs)) {
     const std::string text = advice_on(x.scene, ranks.pairs[alike.front()]);
-    if (!text.empty()) advice.push_back(text + and_more(alike.size() * x.kind.islands.size() - 1, "group"));
+    if (!text.empty() && !any_only_just(ranks, ranks.pairs[alike.front()].contacts))
+      advice.push_back(text + and_more(alike.size() * x.kind.islands.size() - 1, "group"));
   }
-  if (!ranks.known) return;
+  if (!ranks.known || any_only_just(ranks, x.island.contacts)) return;
   int rows = 0, sum = 0;
   bool all = true;
   for (const BodyPair& p : ranks.pairs) {
@@ -118,6 +128,9 @@ void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
     const Contact& contact = x.scene.contacts[l.contact];
     std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") +
                        ") has rank " + std::to_string(l.rank) +
+                       (l.only_just > 0 ? ", and " + count(l.only_just, "row") + " more that only just " +
+                                              (l.only_just == 1 ? "counts" : "count")
+                                        : "") +
                        ": at this configuration its bodies cannot move in the other directions";
     if (l.rank == 0) text += ", it holds nothing";
     if (!l.type.empty()) text += "; " + l.type + " at the same frame holds the same there";

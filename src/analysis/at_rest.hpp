@@ -1,35 +1,123 @@
 #pragma once
-#include <memory>
+#include <algorithm>
+#include <cmath>
 
-#include "manycontact/algorithm/kinematics.hpp"
-#include "manycontact/model/scene.hpp"
+#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/views.hpp"
+#include "motion_of.hpp"
 
 namespace manycontact::internal {
 
-/// Kinematics of one robot at rest, its memory used again for the next of the same model.
+/// Numbers between -1 and 1 of which no two are alike, so that no symmetry of a scene hides anything.
+inline Eigen::VectorXd mixed(Eigen::Index size, int probe) {
+  Eigen::VectorXd w(size);
+  for (Eigen::Index k = 0; k < size; ++k) w[k] = std::cos(static_cast<double>(k * k + probe * (k + 1)));
+  return w;
+}
+
+/// The contacts of an answer.
+inline std::vector<char> active_of(const SceneData& data) {
+  std::vector<char> active;
+  for (const int first : data.f_offset) active.push_back(first >= 0);
+  return active;
+}
+
+/// Calls act(row) for an island's rows of f.
+template <class Act>
+void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
+  for (const int c : island_of(data, island).contacts)
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) act(data.f_offset[c] + k);
+}
+/// Calls act(i) for the velocity coordinates of an island's robots.
+template <class Act>
+void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
+  for (const int r : island_of(data, island).robots)
+    for (int k = 0; k < scene.robots[r].model->nv; ++k) act(scene.robots[r].idx_v + k);
+}
+
+/// The scene at rest, without gravity and damping, whose contacts ask for motions; all others are their errors.
 class AtRest {
  public:
-  AtRest(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) : scene_(scene), q_(q) {}
+  AtRest(const Scene& scene, const std::vector<char>& active, const Options& options)
+      : scene_(without_forces(scene)), data_(scene_, options), zero_(Eigen::VectorXd::Zero(scene.nv)) {
+    data_.active = active;
+    prepare(scene_, data_);
+  }
 
-  const Kinematics<double>& of(int r) {
-    if (r == robot_) return *kin_;
-    const Robot& robot = scene_.robots[r];
-    if (robot_ < 0 || scene_.robots[robot_].model != robot.model) {
-      kin_ = std::make_unique<Kinematics<double>>(*robot.model);
-      rest_.setZero(robot.model->nv);
+  Eigen::Index rows() const { return data_.f.size(); }
+  Status worst() const { return worst_; }                    // of its solves
+  const Eigen::VectorXd& forces() const { return data_.f; }  // of the last one
+
+  /// e, the errors of placement that gains correct, per row.
+  Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
+    return of_contacts(q, nullptr, [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
+  }
+  /// J v, per row.
+  Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
+  }
+  /// The accelerations J' v that contacts have where the joints move with v and do not accelerate, per row.
+  Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    const auto a0 = [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; };
+    return of_contacts(q, v.data(), a0) - errors(q);
+  }
+  /// What the terms of that are made of: squares of the contacts' bodies' velocities, the same for all rows of one.
+  Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd {
+      const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
+      return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
+    });
+  }
+  /// Of all x with the least |J x - wanted| the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted]. NaN in
+  /// islands that have no such answer; then false. With damping, of all x the one of least x^T M x + |J x - wanted|^2 /
+  /// damping.
+  bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
+    scene_.damping = damping;
+    // the errors, which alpha = 1 adds to a0, are part of what is asked for already
+    const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
+    worst_ = std::max(worst_, status);
+    x = data_.a;
+    return status != Status::kFailed;
+  }
+  /// w's part that no motion has: its projection on the null space of J^T. Twice, so that what rounding leaves of the
+  /// first is gone.
+  Eigen::VectorXd null_part(const Eigen::VectorXd& q, Eigen::VectorXd w) {
+    Eigen::VectorXd x;
+    for (int pass = 0; pass < 2; ++pass) {
+      (void)least_motion(q, w, x);
+      w -= velocities(q, x);
     }
-    robot_ = r;
-    forward_kinematics<double>(*robot.model, robot.base, q_.segment(robot.idx_q, robot.model->nq), *kin_);
-    forward_accelerations<double>(*robot.model, rest_, nullptr, scene_.gravity, *kin_);
-    return *kin_;
+    return w;
+  }
+  /// v's part that the contacts allow, J v = 0; twice as well.
+  Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {
+    Eigen::VectorXd x;
+    for (int pass = 0; pass < 2; ++pass) {
+      (void)least_motion(q, velocities(q, v), x);
+      v -= x;
+    }
+    return v;
   }
 
  private:
-  const Scene& scene_;
-  const Eigen::Ref<const Eigen::VectorXd>& q_;
-  int robot_ = -1;
-  std::unique_ptr<Kinematics<double>> kin_;
-  Eigen::VectorXd rest_;
+  static Scene without_forces(Scene scene) {
+    scene.gravity.setZero();
+    scene.damping = 0;
+    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is e
+    return scene;
+  }
+  template <class Rows>
+  Eigen::VectorXd of_contacts(const Eigen::VectorXd& q, const double* v, Rows&& rows) const {
+    Eigen::VectorXd out(data_.f.size());
+    each_contact_at(scene_, data_.active, q, v,
+                    [&](int c, const ContactData<double>& d) { out.segment(data_.f_offset[c], d.W.rows()) = rows(d); });
+    return out;
+  }
+
+  Scene scene_;
+  SceneData data_;
+  Eigen::VectorXd zero_;
+  Status worst_ = Status::kOk;
 };
 
 }  // namespace manycontact::internal

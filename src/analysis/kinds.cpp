@@ -17,7 +17,7 @@ Key key_of(const IslandRanks& ranks) {
   for (const BodyPair& p : ranks.pairs)
     key.insert(key.end(), {p.rank, static_cast<long>(p.holds),
                            std::find(p.contacts.begin(), p.contacts.end(), p.alone) - p.contacts.begin()});
-  for (const Lighter& l : ranks.lighter) key.push_back(l.rank);
+  for (const Lighter& l : ranks.lighter) key.insert(key.end(), {l.rank, l.only_just});
   return key;
 }
 

@@ -1,12 +1,14 @@
 #include "manycontact/analysis/load_scene.hpp"
 
+#include "manycontact/analysis/consistent.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact {
 
 namespace {
 
-SceneFile with_torques(SceneFile file) {
+SceneFile completed(SceneFile file) {
+  make_consistent(file);
   if (file.gravity_robots.empty()) return file;
   const Eigen::VectorXd u = quasi_static(file.scene, file.q);
   for (const int r : file.gravity_robots) {
@@ -18,10 +20,10 @@ SceneFile with_torques(SceneFile file) {
 
 }  // namespace
 
-SceneFile load_scene(const std::string& path) { return with_torques(read_scene(path)); }
+SceneFile load_scene(const std::string& path) { return completed(read_scene(path)); }
 
 SceneFile load_scene_text(const std::string& text, const std::string& path) {
-  return with_torques(read_scene_text(text, path));
+  return completed(read_scene_text(text, path));
 }
 
 }  // namespace manycontact

@@ -1,9 +1,9 @@
+#include <algorithm>
 #include <cmath>
 
-#include "at_rest.hpp"
 #include "manycontact/analysis/findings.hpp"
-#include "manycontact/contact/rows.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "motion_of.hpp"
 
 namespace manycontact {
 
@@ -22,22 +22,26 @@ double angle_between(const Contact& contact, const Mat3<double>& G) {
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
                                              const Eigen::Ref<const Eigen::VectorXd>& q) {
   std::vector<PlacementError> out;
-  internal::AtRest on_A(scene, q), on_B(scene, q);
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    if (!active[c]) continue;
+  internal::each_contact_at(scene, active, q, nullptr, [&](int c, const ContactData<double>& d) {
     const Contact& contact = scene.contacts[c];
-    const ContactSupport none;  // W and G alone are looked at
-    ContactData<double> d(contact, none);
-    const Kinematics<double>& kinA = on_A.of(contact.A.robot);
-    const Kinematics<double>* kinB = contact.B.robot < 0                  ? nullptr
-                                     : contact.B.robot == contact.A.robot ? &kinA
-                                                                          : &on_B.of(contact.B.robot);
-    contact_rows<double>(scene, contact, none, kinA, kinB, d);
     const int held = std::min(3, contact.rows());
     const double position = (d.W.topLeftCorner(held, 3) * (d.G.R.transpose() * d.G.p)).norm();
     const double angle = angle_between(contact, d.G.R);
-    if (position >= kPlacementError || angle >= kPlacementError) out.push_back({static_cast<int>(c), position, angle});
-  }
+    if (position >= kPlacementError || angle >= kPlacementError) out.push_back({c, position, angle});
+  });
+  return out;
+}
+
+std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
+                                           const Eigen::Ref<const Eigen::VectorXd>& q,
+                                           const Eigen::Ref<const Eigen::VectorXd>& v) {
+  std::vector<VelocityError> out;
+  internal::each_contact_at(scene, active, q, v.data(), [&](int c, const ContactData<double>& d) {
+    const Eigen::VectorXd Jv = d.W * d.nu;
+    const Eigen::Index held = std::min<Eigen::Index>(3, Jv.size());
+    const VelocityError e{c, Jv.head(held).norm(), Jv.tail(Jv.size() - held).norm()};
+    if (e.linear >= kVelocityError || e.angular >= kVelocityError) out.push_back(e);
+  });
   return out;
 }
 

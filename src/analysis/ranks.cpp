@@ -6,8 +6,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/contact/row_size.hpp"
+#include "row_remainders.hpp"
 
 namespace manycontact {
 
@@ -16,10 +18,10 @@ namespace {
 constexpr double kMostWork = 2e10;   // multiplications of one rank
 constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
 
-// J^T of some contacts of an island, of the columns they act on only; columns of a norm up to `rounding` are nothing.
+// J^T of some contacts of an island, of the columns they act on only, each row of J beside its own size; what is left
+// of one up to tolerance::kRank is nothing.
 struct Rows {
   Eigen::MatrixXd Jt;
-  double rounding = 0;
 };
 
 // The island under examination.
@@ -44,43 +46,41 @@ Rows rows_of(const Examined& x, const std::vector<int>& positions) {
   for (auto& [from, to] : column) to = n++;
   Rows out{Eigen::MatrixXd::Zero(n, rows)};
   int row = 0;
-  double size = 0;
   for (int c : positions) {
     const Eigen::MatrixXd& J = x.numbers(c).J;
     for (Eigen::Index k = 0; k < J.cols(); ++k)
       out.Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) =
           J.col(k).transpose();
-    row += static_cast<int>(J.rows());
-    size = std::max(size, motion_size(x.contact(c), x.numbers(c)));
+    for (int k = 0; k < J.rows(); ++k, ++row) {
+      const double size = std::max(row_size(x.contact(c), x.numbers(c), k), out.Jt.col(row).norm());
+      if (size > 0) out.Jt.col(row) /= size;
+    }
   }
-  if (out.Jt.size() > 0) size = std::max(size, out.Jt.colwise().norm().maxCoeff());
-  out.rounding = tolerance::kRank * size;
   return out;
 }
 
-// Which columns of J^T depend on those before them. Gram-Schmidt, twice.
-std::vector<char> dependent_columns(const Rows& x) {
-  std::vector<char> dependent(static_cast<std::size_t>(x.Jt.cols()), 0);
+// What the columns of J^T before it leave of each. Gram-Schmidt, twice.
+std::vector<double> remainders_of(const Rows& x) {
+  std::vector<double> left;
   Eigen::MatrixXd Q(x.Jt.rows(), std::min(x.Jt.rows(), x.Jt.cols()));
   Eigen::Index rank = 0;
   for (Eigen::Index j = 0; j < x.Jt.cols(); ++j) {
     Eigen::VectorXd w = x.Jt.col(j);
     for (int pass = 0; pass < 2; ++pass) w -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * w).eval();
-    const double norm = w.norm();
-    if (norm > x.rounding && rank < Q.cols())
-      Q.col(rank++) = w / norm;
-    else
-      dependent[static_cast<std::size_t>(j)] = 1;
+    const double norm = rank < Q.cols() ? w.norm() : 0;
+    if (norm > tolerance::kRank) Q.col(rank++) = w / norm;
+    left.push_back(norm);
   }
-  return dependent;
+  return left;
 }
 
-int rank_of(const Eigen::MatrixXd& Jt, double rounding) {
+// least: what has to be left of a row that counts.
+int rank_of(const Eigen::MatrixXd& Jt, double least = tolerance::kRank) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
-  return static_cast<int>((qr.matrixR().diagonal().array().abs() > rounding).count());
+  return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
-int rank_of(const Rows& rows) { return rank_of(rows.Jt, rows.rounding); }
+int rank_of(const Rows& rows, double least = tolerance::kRank) { return rank_of(rows.Jt, least); }
 
 // Positions in the island of the contacts between each two bodies.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
@@ -161,17 +161,18 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions) {
   return pair;
 }
 
-// The lightest type at the contact's own frame that has its rank: rows k, or x and z, or the first three.
-std::string lightest(const Contact& contact, const Rows& rows, int rank) {
-  if (contact.type != ContactType::k3D && contact.type != ContactType::k6D) return "";
-  const auto rank_of_columns = [&rows](const std::vector<int>& k) {
-    return rank_of(rows.Jt(Eigen::all, k), rows.rounding);
-  };
+// The lightest type at the contact's own frame that has its rank: rows k, or x and z, or the first three. least: what
+// has to be left of a row that counts.
+std::string lightest(const Contact& contact, const Rows& rows, int rank, double least) {
+  if (contact.rows() < 3) return "";
+  const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(rows.Jt(Eigen::all, k), least); };
   const char* along[] = {"1d along x", "1d along y", "1d along z"};
   Eigen::Index k = 0;
-  if (rank == 1 && rows.Jt.leftCols(3).colwise().norm().maxCoeff(&k) > rows.rounding) return along[k];
+  if (rank == 1 && rows.Jt.leftCols(3).colwise().norm().maxCoeff(&k) > least) return along[k];
   if (rank == 2 && rank_of_columns({0, 2}) == rank) return "2d (x and z)";
-  if (contact.type == ContactType::k6D && rank <= 3 && rank_of_columns({0, 1, 2}) == rank) return "3d";
+  if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, turned so that its y is along this z,";
+  if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, turned so that its y is along this x,";
+  if (holds_turning(contact.type) && rank <= 3 && rank_of_columns({0, 1, 2}) == rank) return "3d";
   return "";
 }
 
@@ -204,17 +205,28 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
   std::iota(all.begin(), all.end(), 0);
   for (int k : all) {
     const Rows rows = rows_of(x, {k});
-    const int rank = rank_of(rows);
-    if (rank < x.contact(k).rows())
-      out.lighter.push_back({island.contacts[k], rank, lightest(x.contact(k), rows, rank)});
+    const int rank = rank_of(rows), plain = rank_of(rows, kOnlyJust);
+    if (rank < x.contact(k).rows() || plain < rank)
+      out.lighter.push_back({island.contacts[k], plain, lightest(x.contact(k), rows, plain, kOnlyJust), rank - plain});
   }
   const double nv = island.nv, nc = island.nc;
   if (nv * nc * nc > kMostWork) return out;
   const Rows rows = rows_of(x, all);
   out.known = true;
   out.rank = rank_of(rows);
-  out.redundant = dependent_columns(rows);
+  for (const double left : remainders_of(rows)) out.redundant.push_back(!(left > tolerance::kRank));
   return out;
+}
+
+std::vector<double> internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
+  complete(scene, data);
+  const Island& island = island_of(data, number);
+  const Examined x{scene, data, island, shape_of(data, number)->support()};
+  for (int c : island.contacts)
+    if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return {};  // too deep for joint space
+  std::vector<int> all(island.contacts.size());
+  std::iota(all.begin(), all.end(), 0);
+  return remainders_of(rows_of(x, all));
 }
 
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks) {

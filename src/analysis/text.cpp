@@ -1,5 +1,8 @@
 #include "manycontact/analysis/text.hpp"
 
+#include <cmath>
+#include <cstdio>
+
 namespace manycontact::text {
 
 std::string count(long n, const std::string& noun) {
@@ -14,6 +17,21 @@ std::string join(const std::vector<std::string>& names, std::size_t most) {
   std::string text;
   for (std::size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + names[i];
   if (shown < names.size()) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
+std::string number(double x, int digits) {
+  if (std::isnan(x)) return "nan";
+  const bool whole = std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7;  // not 1.2e+04
+  char text[400];
+  std::snprintf(text, sizeof text, whole ? "%.*f" : "%.*g", whole ? 0 : digits, x == 0 ? 0.0 : x);
+  return text;
+}
+
+std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible) {
+  std::string text;
+  if (first >= negligible) text = number(first) + " " + unit;
+  if (second >= negligible) text += (text.empty() ? "" : " and ") + number(second) + " " + unit_of_second;
   return text;
 }
 

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "at_rest.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/contact/normal.hpp"
+#include "motion_of.hpp"
 
 namespace manycontact {
 
@@ -50,7 +50,7 @@ class AxesOf {
 
  private:
   const Scene& scene_;
-  internal::AtRest kin_;
+  internal::MotionOf kin_;
 };
 
 // What a contact with a mu presses with.

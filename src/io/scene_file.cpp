@@ -18,6 +18,8 @@ Vec3<double> gravity_of(const Element& root) {
   return g ? Vec3<double>(g->data()) : Scene().gravity;
 }
 
+bool consistent(const Element& root) { return root.choice("consistent", {"false", "true"}, 0) == 1; }
+
 // Reads a scene file and those it includes, each in the place of its <include>.
 class IncludeReader {
  public:
@@ -26,10 +28,11 @@ class IncludeReader {
   Element read(const std::string& path, const std::string& text) {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
-    root.allow_attributes({"name", "gravity", "damping"});
+    root.allow_attributes({"name", "gravity", "damping", "consistent"});
     root.allow_children({"robot", "contact", "include"});
     if (root.number("damping", 0) < 0)
       root.where("damping").fail("damping of <scene> is " + show(root.number("damping", 0)) + ", expected 0 or more");
+    (void)consistent(root);  // or refused
     open_.push_back(canonical(path));
     for (auto e = root.child(); e; e = e->next(nullptr)) {
       if (e->name() == "include")
@@ -71,6 +74,8 @@ class IncludeReader {
       root.where("gravity").fail("gravity is another one in the scene that includes this, expected the same");
     if (root.has("damping") && root.number("damping", 0) != into.number("damping", 0))
       root.where("damping").fail("damping is another one in the scene that includes this, expected the same");
+    if (consistent(root) && !consistent(into))
+      root.where("consistent").fail("consistent is asked for, and not by the scene that includes this, expected both");
   }
 
   SceneElements& out_;
@@ -97,6 +102,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   out.scene.name = root.optional("name", std::filesystem::path(path).stem().string());
   out.scene.gravity = gravity_of(root);
   out.scene.damping = root.number("damping", 0);
+  if (consistent(root)) out.consistent_line = root.where("consistent").line;
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);

@@ -119,7 +119,7 @@ void add_joints(py::module_& m) {
 void add_findings(py::module_& m) {
   py::class_<Finding> finding(m, "Finding", "Something odd but usable, and how it is taken.");
   add_value(finding)
-      .def_readonly("kind", &Finding::kind, "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base'.")
+      .def_readonly("kind", &Finding::kind, "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent'.")
       .def_readonly("name", &Finding::name, "Of the joint, link or other element.")
       .def_readonly("text", &Finding::text)
       .def_readonly("file", &Finding::file)

@@ -78,6 +78,7 @@ PYBIND11_MODULE(_manycontact, m) {
   add_dynamics(m);
   add_derivatives(m);
   add_batches(m);
+  add_analysis(m);
   add_simulation(m);
   add_action_parts(m);
   add_residual_models(m);

@@ -1,6 +1,7 @@
 // Motions of task files: floor task.
 
 #include "action.hpp"
+#include "manycontact/analysis/consistent.hpp"
 #include "manycontact/task/simulate.hpp"
 
 namespace manycontact::python {
@@ -131,8 +132,13 @@ void add_task(py::module_& m) {
   add_task_files(m);
   add_task_solutions(m);
   m.def(
-      "read_task", [](const std::string& path) { return std::make_shared<TaskFile>(read_task(path)); }, py::arg("path"),
-      Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");
+      "read_task",
+      [](const std::string& path) {
+        const auto task = std::make_shared<TaskFile>(read_task(path));
+        make_consistent(task->scene);
+        return task;
+      },
+      py::arg("path"), Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");
   m.attr("load_task") = m.attr("read_task");
   m.def(
       "make_problem",

@@ -41,6 +41,54 @@ TEST_F(FindingsOfTheProgram, AFootFarAway) {
     EXPECT_EQ(solve({model(name)}).at("placement_errors").size(), 0u) << name;
 }
 
+// A weld falls at 1 m/s: told by all, kept unless it is asked to stop.
+TEST_F(FindingsOfTheProgram, AContactThatMoves) {
+  const std::string inside = R"(<robot name="b" urdf="box.urdf" base="floating"><v>0 0 -1 0 0 0</v></robot>
+    <contact name="weld" type="6d" frame="b/crate"/>)";
+  const std::string falls = scene(inside);
+  const json j = solve({falls});
+  ASSERT_EQ(j.at("velocity_errors").size(), 1u);
+  EXPECT_EQ(j.at("velocity_errors")[0].at("contact"), "weld");
+  EXPECT_NEAR(j.at("velocity_errors")[0].at("linear").get<double>(), 1, 1e-12);
+  EXPECT_EQ(j.at("findings")[0].at("kind"), "velocity");
+  const std::string text = "moves though held: weld by 1 m/s, which nothing corrects: its gains are zero";
+  expect_contains(run({"solve", falls}).out, text);
+  expect_contains(run({"inspect", falls}).out, text);
+  EXPECT_EQ(simulate(falls, {}).at("velocity_errors").size(), 1u);
+  expect_contains(said_, text);
+  const auto height = [&] {
+    const std::string last = lines_of(read_text(path("t.csv"))).back();
+    std::istringstream cells(last);
+    std::string cell;
+    for (int k = 0; k < 4; ++k) std::getline(cells, cell, ',');
+    return std::stod(cell);
+  };
+  EXPECT_NEAR(height(), -0.1, 1e-9);  // it falls
+  const json held = simulate(falls, {"--switch", "0 weld on"});
+  EXPECT_NEAR(height(), 0, 1e-12);
+  EXPECT_NEAR(held.at("work_of_torques").get<double>(), -0.5 * 6.4, 1e-9);
+  expect_contains(said_, "at t = 0 s weld (on before) closed: the impact took 3.2 J");
+  (void)simulate(scene(inside, "consistent=\"true\""), {});
+  EXPECT_NEAR(height(), 0, 1e-12);
+  expect_contains(said_, "consistent: test (scene.xml:1): made to fit the contacts, v most of all of b/root[2], by 1");
+  for (const char* name : {"humanoid_standing.xml", "herd.xml"})
+    EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
+}
+
+// Two balls share a weight at will, and nothing else: each force says so.
+TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
+  const std::string door = scene(kBox + R"(<contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
+    <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/>)");
+  EXPECT_EQ(solve({door}).at("forces_unique"), (json{true, true, false, true, true, false}));
+  const std::string told = run({"solve", door}).out;
+  expect_contains(told, "of the forces that they could share otherwise (*) those of least norm are shown");
+  expect_contains(told, "upper 3d local -31.39 0.00 31.39*");
+  expect_contains(told, "a newton metre counted as a newton");
+  const std::string alone = scene(kBox + R"(<contact name="one" type="6d" frame="b/crate"/>)");
+  EXPECT_EQ(solve({alone}).at("forces_unique"), json(std::vector<bool>(6, true)));
+  expect_lacks(run({"solve", alone}).out, "*");
+}
+
 // A box hangs on a contact that can only push, and is drawn along one that can only rub.
 TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   const std::string hangs = scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)");

@@ -1,7 +1,7 @@
 #pragma once
-// What a careful reader asks of a scene and its answer, and what no status says: contacts that start out of place, that
-// pull, slip, tip or turn where a one-sided contact could not, that contradict each other and by how much; joints
-// beyond their limits, joints that carry nothing.
+// What a careful reader asks of a scene and its answer, and what no status says: contacts that start out of place or
+// with a velocity they do not allow, that pull, slip, tip or turn where a one-sided contact could not, that contradict
+// each other and by how much; joints beyond their limits, joints that carry nothing.
 
 #include <string>
 #include <vector>
@@ -23,6 +23,21 @@ struct PlacementError {
 /// Of the contacts flagged `active`, those out of place at q (scene.nq) by kPlacementError or more.
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
                                              const Eigen::Ref<const Eigen::VectorXd>& q);
+
+/// Velocities below this are how files round their numbers [m/s, rad/s].
+constexpr double kVelocityError = 1e-6;
+
+/// A contact whose frames move against each other: J v is not zero, so it opens or slides although it is held.
+struct VelocityError {
+  int contact = 0;
+  double linear = 0, angular = 0;  // m/s, rad/s: |J v| over its linear and its angular rows
+};
+
+/// Of the contacts flagged `active`, those that v (scene.nv) at q (scene.nq) moves by kVelocityError or more.
+/// make_consistent (analysis/consistent.hpp) mends them.
+std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
+                                           const Eigen::Ref<const Eigen::VectorXd>& q,
+                                           const Eigen::Ref<const Eigen::VectorXd>& v);
 
 /// What a unilateral contact with friction cannot do.
 enum class Violating { kPulls, kSlips, kTips, kTurns };

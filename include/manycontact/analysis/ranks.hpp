@@ -1,6 +1,6 @@
 #pragma once
 // Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
-// of J, to tolerance::kRank of its largest row and of the largest motion its rows are picked from (motion_size).
+// of J, to tolerance::kRank of what each row is picked from (row_size, contact/row_size.hpp), its own length at least.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -30,7 +30,8 @@ struct BodyPair {
 /// A contact whose own rows depend on each other, since its robots cannot move in all its directions.
 struct Lighter {
   int contact = -1, rank = 0;
-  std::string type;  // the lightest type of the same rank at the same frame, empty if there is none
+  std::string type;   // the lightest type of the same rank at the same frame, empty if there is none
+  int only_just = 0;  // rows beyond that rank of which only just something is left (analysis/near_dependent.hpp)
 };
 
 struct IslandRanks {            // What find_ranks finds of one island.

@@ -1,5 +1,5 @@
 #pragma once
-// Plain words: counts and lists. No line breaks, nothing for a terminal.
+// Plain words: counts, lists, numbers. No line breaks, nothing for a terminal.
 
 #include <string>
 #include <vector>
@@ -11,5 +11,11 @@ std::string count(long n, const std::string& noun);
 
 /// "a, b, c and 5 more": at most `most` names, all of them when only one more is left.
 std::string join(const std::vector<std::string>& names, std::size_t most = 12);
+
+/// `x` with `digits` significant digits.
+std::string number(double x, int digits = 3);
+
+/// "5 m and 0.1 rad", without what is below `negligible`.
+std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible);
 
 }  // namespace manycontact::text

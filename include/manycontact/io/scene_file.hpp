@@ -37,11 +37,13 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
   std::vector<int> robot_group;     // per robot: index into robot_groups
   std::vector<SE3<double>> moved;   // per robot: from where its element places it to where `arrange` does
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
+  int consistent_line = 0;          // where consistent="true" stands in `path`; 0: it does not
   std::vector<Finding> findings;    // of the robots' files, by the first robot that has the model: "herd/knee"
 };
 
-/// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN: they take a
-/// solver, and load_scene (analysis/load_scene.hpp) fills them.
+/// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN, and q, v are as
+/// they stand in the file also where it asks for consistent ones: both take a solver, and load_scene
+/// (analysis/load_scene.hpp) sees to them.
 SceneFile read_scene(const std::string& path);
 /// The same of XML text, UTF-8 whatever it declares, as if it stood in the file `path`, which need not exist.
 SceneFile read_scene_text(const std::string& text, const std::string& path);

@@ -13,19 +13,11 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
+constexpr std::size_t kMostIslands = 2, kMostLimits = 6, kMostWeightless = 8, kMostPlaces = 4, kMostTexts = 4;
 
 std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   const Robot& robot = scene.robots[limit.robot];
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
-}
-
-// "5 m and 0.1 rad", without what is negligible.
-std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible) {
-  std::string text;
-  if (first >= negligible) text = number(first) + " " + unit;
-  if (second >= negligible) text += (text.empty() ? "" : " and ") + number(second) + " " + unit_of_second;
-  return text;
 }
 
 // "left, right", and the worst apart when there are several.
@@ -79,11 +71,15 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
 }
 
 std::string misplaced_by(const PlacementError& e) {
-  return "by " + two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+  return "by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+
+std::string moving_by(const VelocityError& e) {
+  return "by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
 }
 
 std::string contradicted_by(const Contradiction& c) {
-  return "by " + two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
+  return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
 // "r/knee (arm.urdf:12)"
@@ -121,16 +117,58 @@ void print_weightless(std::ostream& out, const std::vector<Weightless>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
+// The first of a list that has an item an island.
+void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title) {
+  const std::size_t shown = list.size() <= kMostIslands + 1 ? list.size() : kMostIslands;
+  for (std::size_t k = 0; k < shown; ++k) wrap(out, list[k], 2, title);
+  if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, title);
+}
+
+// The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept.
+void find_gaps(const Scene& scene, const SceneData& data, Findings& f) {
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const RankGap gap = rank_gap(scene, data, i);
+    if (!gap.known || gap.kept < 0) continue;
+    f.rank_gap = std::min(f.rank_gap, gap.gap());
+    if (gap.dropped < 0 || gap.gap() >= kCloseGap) continue;
+    const auto& names = f.force_names;
+    f.close_rows.push_back("of " + names[static_cast<std::size_t>(gap.kept)] +
+                           ", which counts, the rows before leave " + scientific(gap.least_kept) + " of its size, of " +
+                           names[static_cast<std::size_t>(gap.dropped)] + ", which does not, " +
+                           scientific(gap.most_dropped));
+  }
+}
+
+// "loop[3], loop[4]: ..."
+std::string only_just(const Scene& scene, const std::vector<std::string>& names, const NearDependent& n) {
+  std::vector<std::string> rows;
+  for (const int row : n.rows) rows.push_back(names[static_cast<std::size_t>(row)]);
+  const std::string count_of = rows.size() == 1 ? " counts only just: " : " count only just: ";
+  std::string text = join(rows, kMostPlaces) + count_of + "the other rows leave " + scientific(n.left) + " of " +
+                     (rows.size() == 1 ? "it" : "the least of them");
+  if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + number(n.times) + " times the loads";
+  const double rounding = 1e-9 * std::abs(n.without);
+  text += "; without, " + velocity_names(scene)[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
+          number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
+  return text + ". Rounded numbers of a file do this: `inspect` advises lighter contacts";
+}
+
 }  // namespace
 
 Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
   f.files = file.findings;
   f.misplaced = placement_errors(file.scene, data.active, file.q);
+  f.moving = velocity_errors(file.scene, data.active, file.q, file.v);
   f.violations = violations(file.scene, file.q, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
   f.weightless = weightless_joints(file.scene, data, file.q);
+  f.rank_changes = rank_changes(file.scene, file.q, data);
+  f.near_dependent = near_dependent(file.scene, file.q, data);
+  f.force_names = force_names(file.scene, data);
+  for (const NearDependent& n : f.near_dependent) f.only_just.push_back(only_just(file.scene, f.force_names, n));
+  find_gaps(file.scene, data, f);
   return f;
 }
 
@@ -143,6 +181,18 @@ std::string in_words(const Scene& scene, const Violation& v) {
   return scene.contacts[v.contact].name + " " + to_string(v.kind) + " " + amount(scene, v);
 }
 
+std::string in_words(const Scene& scene, const RankChange& c) {
+  std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
+                     std::to_string(c.rows) + " rows here, more beside it";
+  if (c.coordinate >= 0)
+    text +=
+        ", where contacts hold " + velocity_names(scene)[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+  return text + (c.singular
+                     ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
+                     : "; rows depend on each other only while they are met: derivatives exist along motions that meet "
+                       "them, not across");
+}
+
 void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   if (f.empty()) return;
   out << "\nTo look at\n";
@@ -152,6 +202,13 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       [&](const PlacementError& e) {
         const Contact& c = scene.contacts[e.contact];
         return misplaced_by(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+      });
+  print_contacts(
+      out, scene, f.moving, "moves though held", [](const VelocityError& e) { return std::max(e.linear, e.angular); },
+      [&](const VelocityError& e) {
+        const Contact& c = scene.contacts[e.contact];
+        return moving_by(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
+               "; consistent=\"true\" of the scene makes velocities fit";
       });
   for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
     std::vector<Violation> alike;
@@ -166,6 +223,12 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_weightless(out, f.weightless);
+  std::vector<std::string> changes;
+  for (const RankChange& c : f.rank_changes)
+    if (c.singular) changes.push_back(in_words(scene, c));
+  print_some(out, changes, "rank changes: ");
+  print_some(out, f.only_just, "nearly dependent: ");
+  print_some(out, f.close_rows, "nearly dependent: ");
 }
 
 Json json_of(const Scene& scene, const Violation& v) {
@@ -199,26 +262,59 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   }
   for (const PlacementError& e : f.misplaced)
     say("place", scene.contacts[e.contact].name, "out of place " + misplaced_by(e));
+  for (const VelocityError& e : f.moving)
+    say("velocity", scene.contacts[e.contact].name, "moves though held " + moving_by(e));
   for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
   for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
   for (const Contradiction& c : f.contradictions)
     say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
   for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
+  for (const RankChange& c : f.rank_changes)
+    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, c));
+  for (std::size_t k = 0; k < f.near_dependent.size(); ++k)
+    say("near_dependent", f.force_names[static_cast<std::size_t>(f.near_dependent[k].rows[0])], f.only_just[k]);
+  for (const std::string& text : f.close_rows) say("near_dependent", "", text);
   return list;
 }
 
 }  // namespace
 
 void add_findings(const Scene& scene, const Findings& f, Json& to) {
-  for (const char* key : {"violations", "placement_errors", "limits_passed", "contradictions"}) to[key] = Json::array();
+  for (const char* key : {"violations", "placement_errors", "velocity_errors", "limits_passed", "contradictions"})
+    to[key] = Json::array();
   for (const Violation& v : f.violations) to["violations"].push_back(json_of(scene, v));
   for (const PlacementError& e : f.misplaced)
     to["placement_errors"].push_back(
         {{"contact", scene.contacts[e.contact].name}, {"position", e.position}, {"angle", e.angle}});
+  for (const VelocityError& e : f.moving)
+    to["velocity_errors"].push_back(
+        {{"contact", scene.contacts[e.contact].name}, {"linear", e.linear}, {"angular", e.angular}});
   for (const LimitPassed& limit : f.limits) to["limits_passed"].push_back(json_of(scene, limit));
   for (const Contradiction& c : f.contradictions)
     to["contradictions"].push_back(
         {{"contact", scene.contacts[c.contact].name}, {"linear", c.linear}, {"angular", c.angular}});
+  to["rank_changes"] = Json::array();
+  for (const RankChange& c : f.rank_changes) {
+    Json names = Json::array();
+    for (const int contact : c.contacts) names.push_back(scene.contacts[contact].name);
+    to["rank_changes"].push_back(
+        {{"contacts", names},
+         {"singular", c.singular},
+         {"rank", c.rank},
+         {"rows", c.rows},
+         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(velocity_names(scene)[c.coordinate])}});
+  }
+  to["near_dependent"] = Json::array();
+  for (const NearDependent& n : f.near_dependent) {
+    Json rows = Json::array();
+    for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
+    to["near_dependent"].push_back({{"rows", rows},
+                                    {"left", n.left},
+                                    {"times_loads", std::isfinite(n.times) ? Json(n.times) : Json(nullptr)},
+                                    {"coordinate", velocity_names(scene)[static_cast<std::size_t>(n.coordinate)]},
+                                    {"acceleration", n.acceleration},
+                                    {"without", n.without}});
+  }
   to["massless_joints"] = Json::array();
   for (const Weightless& w : f.weightless) to["massless_joints"].push_back(w.joint);
   to["findings"] = all_in_words(scene, f);

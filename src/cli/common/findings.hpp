@@ -1,8 +1,13 @@
 #pragma once
 // What a careful reader asks of a scene and its answer, in words and in JSON.
 
+#include <algorithm>
+#include <limits>
+
 #include "json_file.hpp"
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/analysis/near_dependent.hpp"
+#include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/io/scene_file.hpp"
 
 namespace manycontact::cli {
@@ -10,14 +15,21 @@ namespace manycontact::cli {
 struct Findings {
   std::vector<Finding> files;  // of the robots' files
   std::vector<PlacementError> misplaced;
+  std::vector<VelocityError> moving;
   std::vector<Violation> violations;
   std::vector<LimitPassed> limits;
   std::vector<Contradiction> contradictions;
   std::vector<Weightless> weightless;
+  std::vector<RankChange> rank_changes;
+  std::vector<NearDependent> near_dependent;
+  std::vector<std::string> force_names, only_just;  // of all rows; these islands in words
+  std::vector<std::string> close_rows;  // islands, in words, where a row could as well be dropped as another kept
+  double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
 
   bool empty() const {
-    return files.empty() && misplaced.empty() && violations.empty() && limits.empty() && contradictions.empty() &&
-           weightless.empty();
+    return files.empty() && misplaced.empty() && moving.empty() && violations.empty() && limits.empty() &&
+           contradictions.empty() && weightless.empty() && near_dependent.empty() && close_rows.empty() &&
+           std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
   }
 };
 
@@ -29,6 +41,9 @@ std::string in_words(const Scene& scene, const LimitPassed& limit);
 /// "left slips by 30 N more than mu 0.6 holds; mu 0.82 would hold it"
 std::string in_words(const Scene& scene, const Violation& violation);
 
+/// "left, right: rank 3 of 4 rows here, more beside it, where contacts hold r/knee too, most of all; ..."
+std::string in_words(const Scene& scene, const RankChange& change);
+
 /// "To look at": a line per kind of finding, the worst first; nothing where there are none.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
 
@@ -36,9 +51,9 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& findi
 Json json_of(const Scene& scene, const Violation& violation);
 /// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
 Json json_of(const Scene& scene, const LimitPassed& limit);
-/// Adds the keys violations, placement_errors, limits_passed, contradictions, massless_joints: lists, empty or not; and
-/// findings, where all of them stand in words: {"kind": "limits", "name": "r0/knee", "text": "..."}, of a robot's file
-/// with "file" and "line".
+/// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
+/// rank_changes, near_dependent: lists, empty or not; and findings, where all of them stand in words: {"kind":
+/// "limits", "name": "r0/knee", "text": "..."}, of a robot's file with "file" and "line".
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 
 }  // namespace manycontact::cli

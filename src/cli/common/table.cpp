@@ -59,12 +59,6 @@ std::vector<std::string> shortened(const std::vector<std::string>& texts, int wi
   return texts;
 }
 
-std::string number(double x, int digits) {
-  if (std::isnan(x)) return "nan";
-  if (std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7) return print_as("%.*f", 0, x);  // not 1.2e+04
-  return print_as("%.*g", digits, x == 0 ? 0.0 : x);
-}
-
 std::string scientific(double x) { return std::isfinite(x) && x != 0 ? print_as("%.*e", 1, x) : number(x); }
 
 std::string decimal(double x, int decimals) {

@@ -11,8 +11,7 @@ namespace manycontact::cli {
 
 inline constexpr int kLineWidth = 100;
 
-/// `x` with `digits` significant digits.
-std::string number(double x, int digits = 3);
+using text::number;
 /// "3.5e+05"
 std::string scientific(double x);
 /// `x` with `decimals` decimals, never "-0.00"; numbers too long for that as number() writes them.

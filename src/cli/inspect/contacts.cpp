@@ -24,11 +24,21 @@ std::string normal_of(const Contact& contact) {
   return contact.type == ContactType::k6D ? "A's z" : "world z";
 }
 
-// "0.1 m, 0.02 rad", "0" in place.
-std::string off_by(double position, double angle) {
+// How far copies are from what they hold, and how fast.
+struct Off {
+  double position = 0, angle = 0, linear = 0, angular = 0;
+};
+
+// "0.1 m, 0.02 rad, 0.5 m/s", "0" in place and at rest.
+std::string off_by(const Off& off) {
   std::string text;
-  if (position >= kPlacementError) text = number(position) + " m";
-  if (angle >= kPlacementError) text += (text.empty() ? "" : ", ") + number(angle) + " rad";
+  const auto add = [&text](double size, double least, const char* unit) {
+    if (size >= least) text += (text.empty() ? "" : ", ") + number(size) + " " + unit;
+  };
+  add(off.position, kPlacementError, "m");
+  add(off.angle, kPlacementError, "rad");
+  add(off.linear, kVelocityError, "m/s");
+  add(off.angular, kVelocityError, "rad/s");
   return text.empty() ? "0" : text;
 }
 
@@ -39,6 +49,8 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   const std::vector<char> all(scene.contacts.size(), 1);
   std::vector<PlacementError> errors(scene.contacts.size());
   for (const PlacementError& error : placement_errors(scene, all, file.q)) errors[error.contact] = error;
+  std::vector<VelocityError> velocities(scene.contacts.size());
+  for (const VelocityError& error : velocity_errors(scene, all, file.q, file.v)) velocities[error.contact] = error;
   InvariantsData room(scene);
   (void)invariants(scene, all, file.q, file.v, room);
 
@@ -60,20 +72,22 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
     const Robot& robot = scene.robots[contact.A.robot];
     const SE3<double> oMA =
         frame_placement<double>(room.kin[contact.A.robot], robot.base, contact.A.joint, contact.A.placement);
-    double position = 0, angle = 0;
+    Off off;
     for (int c = group.first; c < group.first + group.count; ++c) {
-      position = std::max(position, errors[c].position);
-      angle = std::max(angle, errors[c].angle);
+      off.position = std::max(off.position, errors[c].position);
+      off.angle = std::max(off.angle, errors[c].angle);
+      off.linear = std::max(off.linear, velocities[c].linear);
+      off.angular = std::max(off.angular, velocities[c].angular);
     }
     table.add({contact.name + (group.count > 1 ? " .. " + last.name : ""),
                to_string(contact.type) + (contact.reference_frame == ReferenceFrame::kLocal ? " local" : " world"),
                place_name(scene, {&contact.A}), place_name(scene, {&contact.B}), three_numbers(oMA.p),
                number(contact.alpha) + " " + number(contact.beta), contact.mu ? number(*contact.mu) : "",
-               normal_of(contact), off_by(position, angle), contact.active ? "" : "not active"});
+               normal_of(contact), off_by(off), contact.active ? "" : "not active"});
   }
   if (table.empty()) return;
-  out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], and how far A is from where it is held;\n"
-         "of copies the first, and the farthest\n";
+  out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], how far A is from where it is held\n"
+         "and how fast it moves there; of copies the first, and the largest of each\n";
   table.print(out);
   if (elements > kMostElements) out << "  ... and " << elements - kMostElements << " more elements of the file\n";
 }

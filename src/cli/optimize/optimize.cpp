@@ -11,6 +11,7 @@
 #include "../common/gnuplot.hpp"
 #include "../common/table.hpp"
 #include "../view/view.hpp"
+#include "manycontact/analysis/consistent.hpp"
 
 namespace manycontact::cli {
 
@@ -95,7 +96,8 @@ int run_optimize(const Arguments& arguments) {
   if (!out) throw UsageError("option --out is missing");
   check_files(arguments, {path}, kFiles);
 
-  const TaskFile task = read_task(path);
+  TaskFile task = read_task(path);
+  make_consistent(task.scene);
   check_files(arguments, task.scene.files, kFiles);
   if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);

@@ -33,7 +33,7 @@ struct Run {
   StepStatus stopped = StepStatus::kOk;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
-  Findings at_start;  // of files; contacts out of place; joints without inertia, where that ended it
+  Findings at_start;  // of files; contacts out of place or moving; joints without inertia, where that ended it
   std::optional<Recording> view;
 };
 
@@ -260,6 +260,7 @@ int run_simulate(const Arguments& arguments) {
   sim.condition_every = kConditionEvery;
   run.at_start.files = file.findings;
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
+  run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
   if (run.stopped == StepStatus::kSolverFailed)
     run.at_start.weightless = weightless_joints(file.scene, sim.dynamics, sim.q);
@@ -301,7 +302,9 @@ const Command& simulate_command() {
        {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
        {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
        {"--switch", "LIST",
-        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: held where it is then)"},
+        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: held where it is then); on also of a "
+        "contact "
+        "that is on: its frames' velocity is stopped"},
        {"--forces", "FILE", "CSV: t, contact forces on A in their reference frames, at the states of --out"},
        {"--json", "FILE", "JSON: status, energy, what contacts and joints did that they cannot, and when first"},
        view_option(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "../common/arguments.hpp"
@@ -74,13 +75,16 @@ std::string Switches::not_reached() const {
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   std::vector<char> active = sim.dynamics.active;
   std::vector<const Event*> closing;
+  std::set<const Event*> held;  // contacts that are on already
   bool any = false;
   for (; done_ < events_.size() && events_[done_].t <= sim.time() + tolerance; ++done_) {
     const Event& event = events_[done_];
     any = true;
     if (event.what != Event::kOff) closing.push_back(&event);
+    if (event.what != Event::kOff && active[static_cast<std::size_t>(event.first)]) held.insert(&event);
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[static_cast<std::size_t>(c)] = event.what != Event::kOff;
+      sim.dynamics.active[static_cast<std::size_t>(c)] = false;  // so that one that is on closes again
       if (event.what == Event::kHere)
         resolve_reference(scene, sim.q, true, true, scene.contacts[static_cast<std::size_t>(c)]);
     }
@@ -90,7 +94,8 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    if (active[static_cast<std::size_t>(event->first)]) closed.push_back(event->contact);  // not off at once
+    if (active[static_cast<std::size_t>(event->first)])  // not off at once
+      closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump});
   return jump.status != Status::kFailed;
 }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <set>
 
 #include "../common/describe.hpp"
@@ -66,6 +67,7 @@ Json report(const SolvedScene& s) {
           {"nv", r.nv},
           {"nc", r.nc},
           {"rank", r.rank},
+          {"rank_gap", std::isfinite(s.findings.rank_gap) ? Json(s.findings.rank_gap) : Json(nullptr)},
           {"factor_nonzeros", r.factor_nonzeros},
           {"residual_dynamics", r.residual_dynamics},
           {"residual_contact", r.residual_contact},
@@ -85,6 +87,8 @@ Json document(const SolvedScene& s) {
                {"force_names", force_names(s.file.scene, s.data)},
                {"acceleration", json_of(s.data.a)},
                {"forces", json_of(s.data.f)}};
+  json["forces_unique"] = Json::array();
+  for (const char unique : s.unique) json["forces_unique"].push_back(unique != 0);
   if (s.derivatives) {
     const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
     json["da_dq"] = matrix(d.da_dq);

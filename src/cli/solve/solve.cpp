@@ -7,6 +7,7 @@
 #include "../common/command.hpp"
 #include "../common/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/kkt/choose.hpp"
 
@@ -98,6 +99,7 @@ int run_solve(const Arguments& arguments) {
   if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
   solved.findings = find(file, solved.data);
+  solved.unique = unique_forces(file.scene, file.q, solved.data);
   solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))

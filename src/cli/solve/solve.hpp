@@ -26,6 +26,7 @@ struct SolvedScene {
   std::optional<Eigen::VectorXd> quasi_static_u;
   bool derivatives = false;  // derivatives(data) are there
   Findings findings = {};
+  std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
   bool compare = false;  // against the dense oracle, however long it takes
 };
 

@@ -22,8 +22,8 @@ std::string in_words(Status status, double damping) {
       return damping > 0 ? "the damped system is solved to its residuals"
                          : "the contacts are independent and the system is solved to its residuals";
     case Status::kRedundant:
-      return "contacts depend on each other and agree; accelerations are exact, the forces shown are those of least "
-             "norm";
+      return "contacts depend on each other and agree; accelerations are exact, of the forces that they could share "
+             "otherwise (*) those of least norm are shown";
     case Status::kInconsistent:
       return "contacts contradict each other; the accelerations miss them by the least squares";
     case Status::kRegularised:

@@ -46,6 +46,19 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
   return w;
 }
 
+// Which of these the contacts could share otherwise: those that a row which is not unique has a part in.
+std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
+  const Contact& contact = s.file.scene.contacts[c];
+  const int first = s.data.f_offset[c];
+  std::vector<bool> shared(6);
+  for (int k = 0; k < contact.rows(); ++k) {
+    if (s.unique.empty() || s.unique[static_cast<std::size_t>(first + k)]) continue;
+    const Vec6<double> w = force_in_axes(contact, Eigen::VectorXd::Unit(contact.rows(), k), 0);
+    for (int i = 0; i < 6; ++i) shared[static_cast<std::size_t>(i)] = shared[static_cast<std::size_t>(i)] || w[i] != 0;
+  }
+  return shared;
+}
+
 // Force on A in the world's axes.
 Vec3<double> force_in_world(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
@@ -74,12 +87,6 @@ std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
       total.back() += f;
   }
   return total;
-}
-
-std::vector<std::string> components(const Eigen::Ref<const Eigen::VectorXd>& x) {
-  std::vector<std::string> cells;
-  for (double k : x) cells.push_back(decimal(k));
-  return cells;
 }
 
 // What the world gives, and what it has to carry.
@@ -134,13 +141,16 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
 void print_forces(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const std::vector<int> group = group_of_contacts(s.file);
+  const bool any_shared = std::find(s.unique.begin(), s.unique.end(), 0) != s.unique.end();
   Lines lines;
   for (int c : active_contacts(s)) {
     const Contact& contact = scene.contacts[c];
     const Vec6<double> w = force_in_axes(contact, s.data.f, s.data.f_offset[c]);
     std::vector<std::string> cells{to_string(contact.type),
                                    contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
-    for (const std::string& cell : components(w.head(holds_turning(contact.type) ? 6 : 3))) cells.push_back(cell);
+    const std::vector<bool> shared = shared_in_axes(s, c);
+    for (int i = 0; i < (holds_turning(contact.type) ? 6 : 3); ++i)
+      cells.push_back(decimal(w[i]) + (!any_shared ? "" : shared[static_cast<std::size_t>(i)] ? "*" : " "));
     add_line(lines, group[c], contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
   }
   if (lines.empty()) return;
@@ -157,6 +167,11 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
                      {"my"},
                      {"mz"}}),
               lines, kMostContacts);
+  if (any_shared)
+    wrap(out,
+         "contacts could share these otherwise, with the same accelerations: shown are those of least norm, a newton "
+         "metre counted as a newton; forces without a mark are unique",
+         2, "* ");
   print_total(out, s);
 }
 

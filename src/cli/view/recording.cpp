@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "manycontact/algorithm/frames.hpp"
+#include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/normal.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -67,12 +68,16 @@ std::vector<char> dependent_rows(const Report& report, Eigen::Index rows) {
 
 void record_contacts(const ViewState& state, Recording& r) {
   const std::vector<char> dependent = dependent_rows(r.dynamics.report, r.dynamics.f.size());
+  const std::vector<char> unique = unique_forces(*r.scene, state.q, r.dynamics);
   for (std::size_t c = 0; c < r.scene->contacts.size(); ++c) {
     const Contact& contact = r.scene->contacts[c];
     const int first = r.dynamics.f_offset[c];
     std::uint8_t flags = state.active[c] ? Recording::kActive : 0;
-    for (int k = 0; first >= 0 && k < contact.rows(); ++k)
+    for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
       if (dependent[static_cast<std::size_t>(first + k)]) flags |= Recording::kRedundant;
+      const bool known = std::isfinite(r.dynamics.f[first + k]);
+      if (k < 3 && known && !unique[static_cast<std::size_t>(first + k)]) flags |= Recording::kShared;  // the arrow's
+    }
     std::optional<Vec3<double>> force;
     if (state.forces && state.active[c]) force = linear_force(contact, (*state.forces)[c].data());
     if (state.u && first >= 0) force = linear_force(contact, r.dynamics.f.data() + first);

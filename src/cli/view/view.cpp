@@ -79,7 +79,8 @@ const Command& view_command() {
        {"--forces", "FILE", "CSV: the forces at states of the trajectory, t and f:left[0] ...; 0: not active"},
        {"--rate", "HZ", "frames per second at most (50)"},
        {"--friction", "MU", "draws cones at contacts with the world, about their normals"}},
-      "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring.\n"
+      "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring;\n"
+      "forces that contacts could share otherwise are pale.\n"
       "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "
       "ROS_PACKAGE_PATH.\n"
       "Exit status: 0 written; 1 three.js was not there when this program was built; 2 bad usage, bad input or "

@@ -41,8 +41,8 @@ struct Recording {
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
-  std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant
-  static constexpr std::uint8_t kActive = 1, kRedundant = 2;
+  std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant | kShared
+  static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
   // scratch
   SceneData dynamics;

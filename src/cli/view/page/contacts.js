@@ -1,9 +1,9 @@
-// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow, its cone; a line from
-// A to where it is held, and on to the frame that holds it, where these are apart.
+// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow (pale where
+// contacts could share it otherwise and no cone judges it), its cone; a line from A to where it is held, and on to the frame that holds it, where these are apart.
 
-const kActive = 1, kRedundant = 2;
+const kActive = 1, kRedundant = 2, kShared = 4;
 const kApart = 0.05;  // of a robot's size
-const kForceColour = 0xd9480f, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a;
+const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a;
 
 class Contacts {
   constructor(data, size, world) {
@@ -77,7 +77,8 @@ class Contacts {
       parts.ring.visible = this.shown.contacts && (flag & kRedundant) !== 0;
       this.turn(parts.ring, normal);
       const inside = this.placeCone(parts, normal, force);
-      this.placeArrow(parts.arrow, force, scale, inside);
+      parts.shared = (flag & kShared) !== 0;
+      this.placeArrow(parts.arrow, force, scale, inside, parts.shared);
       parts.force = force.clone();
     });
   }
@@ -107,7 +108,7 @@ class Contacts {
     return across <= mu * along;
   }
 
-  placeArrow(arrow, force, scale, inside) {
+  placeArrow(arrow, force, scale, inside, shared) {
     const length = scale * force.length() / this.newtons;
     arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
     if (!arrow.group.visible) return;
@@ -118,7 +119,7 @@ class Contacts {
       cone.position.set(0, 0, length - head);
     }
     this.turn(arrow.group, force.clone().divideScalar(force.length()));
-    const colour = inside === undefined ? kForceColour : inside ? kInsideColour : kOutsideColour;
+    const colour = inside === undefined ? (shared ? kSharedColour : kForceColour) : inside ? kInsideColour : kOutsideColour;
     arrow.solid.color.setHex(colour);
     arrow.ghost.color.setHex(colour);
   }

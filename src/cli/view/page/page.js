@@ -240,9 +240,11 @@ class Page {
                                           : shape ? shape.object.userData.name : '';
   }
 
-  describe({contact, force}) {
+  describe({contact, force, shared}) {
     const text = contact.name + ', ' + contact.type + '\n' + contact.a + ' to ' + contact.b;
-    return isNaN(force.x) ? text : text + '\n' + show(force.length()) + ' N: ' + force.toArray().map(show).join(', ');
+    if (isNaN(force.x)) return text;
+    const numbers = text + '\n' + show(force.length()) + ' N: ' + force.toArray().map(show).join(', ');
+    return shared ? numbers + '\nof least norm: contacts could share it otherwise' : numbers;
   }
 }
 

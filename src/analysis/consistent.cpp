@@ -1,0 +1,119 @@
+#include "manycontact/analysis/consistent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "at_rest.hpp"
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/analysis/text.hpp"
+#include "manycontact/model/suggestion.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr int kMostSteps = 200;
+constexpr double kProgress = 1e-10;                         // of |e|: less is none
+constexpr double kLeastDamping = 1e-8, kMostDamping = 1e4;  // 1/kg
+constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
+
+// Gauss-Newton, and Levenberg and Marquardt's damping where its step does not bring |e| down. Its steps.
+int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
+  Eigen::VectorXd e = rest.errors(q), dq;
+  double damping = 0;
+  int steps = 0;
+  while (steps < kMostSteps && damping <= kMostDamping && e.norm() > kExact * (1 + q.cwiseAbs().maxCoeff())) {
+    if (!rest.least_motion(q, -e, dq, damping)) break;
+    const Eigen::VectorXd next = integrate(scene, q, dq), then = rest.errors(next);
+    if (!(then.norm() < (1 - kProgress) * e.norm())) {
+      damping = std::max(kLeastDamping, 10 * damping);
+      continue;
+    }
+    q = next;
+    e = then;
+    damping = damping > kLeastDamping ? damping / 10 : 0;
+    ++steps;
+  }
+  return steps;
+}
+
+}  // namespace
+
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
+                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
+                                const Options& options) {
+  if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
+    throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
+  ConsistentState out{q, v, Status::kOk, 0, {}, {}};
+  internal::AtRest rest(scene, active, options);
+  if (rest.rows() == 0) return out;
+  out.steps = close_positions(scene, rest, out.q);
+  const Eigen::VectorXd Jv = rest.velocities(out.q, out.v);
+  Eigen::VectorXd dv;
+  if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv)) out.v += dv;
+  out.status = rest.worst();
+  out.misplaced = placement_errors(scene, active, out.q);
+  out.moving = velocity_errors(scene, active, out.q, out.v);
+  return out;
+}
+
+ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options) {
+  std::vector<char> active;
+  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  return make_consistent(scene, active, q, v, options);
+}
+
+namespace {
+
+double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
+double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
+std::string by(const PlacementError& e) {
+  return "out of place by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+std::string by(const VelocityError& e) {
+  return "moving by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
+}
+
+// "contact 'pin', the worst of 3, stays out of place by 0.1 m"
+template <class Error>
+std::string worst_in_words(const Scene& scene, const std::vector<Error>& list) {
+  const Error& worst = *std::max_element(list.begin(), list.end(),
+                                         [](const Error& a, const Error& b) { return size_of(a) < size_of(b); });
+  const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
+  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + by(worst);
+}
+
+// ", of q most of all r/knee's, by 0.1"; empty where nothing moved by more than files round.
+std::string most_of(const std::string& what, const std::vector<std::string>& names, const Eigen::VectorXd& x) {
+  Eigen::Index k;
+  const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
+  if (!(most >= kPlacementError)) return "";
+  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
+}
+
+}  // namespace
+
+void make_consistent(SceneFile& file) {
+  if (file.consistent_line == 0) return;
+  const Scene& scene = file.scene;
+  const ConsistentState found = make_consistent(scene, file.q, file.v);
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(file.path, file.consistent_line,
+                     "consistent is asked for, but " + what + ", expected contacts that can be met from this q and v");
+  };
+  if (found.status == Status::kFailed) refuse("a robot has no inertia there and no nearest state");
+  if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced));
+  if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving));
+  const std::vector<std::string> names = velocity_names(scene);
+  const std::string moved =
+      most_of("q", names, difference(scene, file.q, found.q)) + most_of("v", names, found.v - file.v);
+  file.q = found.q;
+  file.v = found.v;
+  if (moved.empty()) return;
+  file.findings.push_back(
+      {"consistent", scene.name, "made to fit the contacts" + moved, file.path, file.consistent_line});
+}
+
+}  // namespace manycontact

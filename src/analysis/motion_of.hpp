@@ -1,0 +1,59 @@
+#pragma once
+#include <memory>
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/contact/rows.hpp"
+
+namespace manycontact::internal {
+
+/// Kinematics of one robot at q (scene.nq) and v (scene.nv; nullptr: at rest), its memory used again for the next of
+/// the same model.
+class MotionOf {
+ public:
+  MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)
+      : scene_(scene), q_(q), v_(v) {}
+
+  const Kinematics<double>& of(int r) {
+    if (r == robot_) return *kin_;
+    const Robot& robot = scene_.robots[r];
+    const int nv = robot.model->nv;
+    if (robot_ < 0 || scene_.robots[robot_].model != robot.model) {
+      kin_ = std::make_unique<Kinematics<double>>(*robot.model);
+      own_v_.setZero(nv);
+    }
+    robot_ = r;
+    if (v_) own_v_ = Eigen::Map<const Eigen::VectorXd>(v_ + robot.idx_v, nv);
+    forward_kinematics<double>(*robot.model, robot.base, q_.segment(robot.idx_q, robot.model->nq), *kin_);
+    forward_accelerations<double>(*robot.model, own_v_, nullptr, scene_.gravity, *kin_);
+    return *kin_;
+  }
+
+ private:
+  const Scene& scene_;
+  const Eigen::Ref<const Eigen::VectorXd>& q_;
+  const double* v_;
+  int robot_ = -1;
+  std::unique_ptr<Kinematics<double>> kin_;
+  Eigen::VectorXd own_v_;
+};
+
+/// look(c, rows) for each contact flagged `active`, with all of its rows at q and v (nullptr: at rest) but J.
+template <class Look>
+void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
+                     const double* v, Look&& look) {
+  MotionOf on_A(scene, q, v), on_B(scene, q, v);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    if (!active[c]) continue;
+    const Contact& contact = scene.contacts[c];
+    const ContactSupport none;
+    ContactData<double> rows(contact, none);
+    const Kinematics<double>& kinA = on_A.of(contact.A.robot);
+    const Kinematics<double>* kinB = contact.B.robot < 0                  ? nullptr
+                                     : contact.B.robot == contact.A.robot ? &kinA
+                                                                          : &on_B.of(contact.B.robot);
+    contact_rows<double>(scene, contact, none, kinA, kinB, rows);
+    look(static_cast<int>(c), rows);
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,108 @@
+#include "manycontact/analysis/near_dependent.hpp"
+
+#include <Eigen/QR>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "at_rest.hpp"
+#include "row_remainders.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr double kMostUnasked = 1e9;  // multiplications of one island
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+
+// What the rows before it leave of each row of an island; empty where nobody asks or knows.
+std::vector<double> remainders(const Scene& scene, const SceneData& data, std::size_t i) {
+  const IslandReport& r = data.report.islands[i];
+  const double work = static_cast<double>(r.nv) * r.nc * r.nc;
+  if (scene.damping > 0 || r.status == Status::kFailed || r.nc == 0 || work > kMostUnasked) return {};
+  return internal::row_remainders(scene, data, i);
+}
+
+std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::size_t island) {
+  std::vector<int> rows;
+  internal::each_row(scene, data, island, [&](int row) { rows.push_back(row); });
+  return rows;
+}
+
+// Without some rows: their forces are made nothing by what they ask for. a, f: of the solve, then without them.
+void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
+               Eigen::VectorXd& f) {
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // a and f for an acceleration of 1 asked for by each
+  Eigen::VectorXd x;
+  for (Eigen::Index k = 0; k < m; ++k) {
+    (void)rest.least_motion(q, Eigen::VectorXd::Unit(f.size(), rows[static_cast<std::size_t>(k)]), x);
+    X.col(k) = x;
+    F.col(k) = rest.forces();
+  }
+  const Eigen::VectorXd w =
+      Eigen::MatrixXd(F(rows, Eigen::all)).completeOrthogonalDecomposition().solve(-Eigen::VectorXd(f(rows)));
+  a += X * w;
+  f += F * w;
+}
+
+}  // namespace
+
+RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island) {
+  if (data.serial == 0) throw std::logic_error("rank_gap: solve first");
+  const std::vector<double> left = remainders(scene, data, island);
+  const std::vector<int> rows = rows_of(scene, data, island);
+  RankGap out;
+  out.known = !left.empty();
+  out.most_dropped = kEps;
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    const bool kept = left[k] > tolerance::kRank;
+    if (kept && (out.kept < 0 || left[k] < out.least_kept)) out.least_kept = left[k], out.kept = rows[k];
+    if (!kept && (out.dropped < 0 || left[k] > out.most_dropped)) {
+      out.most_dropped = std::max(kEps, left[k]);
+      out.dropped = rows[k];
+    }
+  }
+  return out;
+}
+
+std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
+                                          const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("near_dependent: solve first");
+  std::vector<NearDependent> out;
+  std::optional<internal::AtRest> rest;
+  const Eigen::VectorXd q = at;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const std::vector<double> left = remainders(scene, data, i);
+    if (left.empty()) continue;
+    const std::vector<int> rows = rows_of(scene, data, i);
+    NearDependent found;
+    found.island = i;
+    found.left = kOnlyJust;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      if (!(left[k] > tolerance::kRank && left[k] < kOnlyJust)) continue;
+      found.rows.push_back(rows[k]);
+      found.left = std::min(found.left, left[k]);
+    }
+    if (found.rows.empty()) continue;
+    if (!rest) rest.emplace(scene, internal::active_of(data), data.options);
+    Eigen::VectorXd a = data.a, f = data.f;
+    leave_out(found.rows, q, *rest, a, f);
+    double forces = 0, loads = 0;
+    for (const int row : rows) {
+      forces = std::max(forces, std::abs(data.f[row]));
+      loads = std::max(loads, std::abs(f[row]));
+    }
+    internal::each_coordinate(scene, data, i, [&](int k) {
+      loads = std::max(loads, std::abs(data.tau[k]));
+      const double change = std::abs(a[k] - data.a[k]);
+      if (found.coordinate >= 0 && !(change > std::abs(found.without - found.acceleration))) return;
+      found.coordinate = k, found.acceleration = data.a[k], found.without = a[k];
+    });
+    found.times = loads > 0 ? forces / loads : std::numeric_limits<double>::infinity();
+    out.push_back(std::move(found));
+  }
+  return out;
+}
+
+}  // namespace manycontact

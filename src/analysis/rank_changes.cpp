@@ -1,0 +1,116 @@
+#include "manycontact/analysis/rank_changes.hpp"
+
+#include <stdexcept>
+
+#include "at_rest.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr int kRankProbes = 2;
+constexpr double kNoChange = 1e-8;   // of B's terms: rounding
+constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
+constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
+
+// What one probe knows of all islands at once.
+class Probe {
+ public:
+  Probe(const Scene& scene, const SceneData& data, const Eigen::VectorXd& q, internal::AtRest& rest, int number)
+      : scene_(scene), data_(data), q_(q), rest_(rest) {
+    n_ = rest.null_part(q, internal::mixed(data.f.size(), number));
+    const Eigen::VectorXd w = internal::mixed(scene.nv, number + 7);
+    z_ = rest.allowed_part(q, w);
+    y_ = internal::mixed(scene.nv, number + 11);
+    zz_ = rest.bias(q, z_);
+    plus_ = rest.bias(q, z_ + y_);
+    minus_ = rest.bias(q, z_ - y_);
+    terms_ = rest.bias_terms(q, z_ + y_) + rest.bias_terms(q, z_ - y_);
+  }
+
+  bool moves(std::size_t island) const {
+    double largest = 0;
+    internal::each_coordinate(scene_, data_, island, [&](int i) { largest = std::max(largest, std::abs(z_[i])); });
+    return largest > kNoMotion;
+  }
+  bool singular(std::size_t island) const { return counts(island, zz_); }
+  bool changes_beside(std::size_t island) const { return counts(island, plus_ - minus_); }
+
+  std::vector<int> contacts(std::size_t island) const {
+    std::vector<int> out;
+    const double least = kNoChange * largest_of_n(island);
+    for (const int c : island_of(data_, island).contacts) {
+      const auto of_contact = n_.segment(data_.f_offset[c], scene_.contacts[c].rows());
+      if (of_contact.cwiseAbs().maxCoeff() > least) out.push_back(c);
+    }
+    return out;
+  }
+  // Where n^T dJ[z] is largest.
+  int coordinate(std::size_t island) const {
+    const Island& of = island_of(data_, island);
+    if (static_cast<double>(of.nv) * static_cast<double>(scene_.contacts.size()) > kMostLooked) return -1;
+    int out = -1;
+    double largest = 0;
+    internal::each_coordinate(scene_, data_, island, [&](int i) {
+      const Eigen::VectorXd e = Eigen::VectorXd::Unit(scene_.nv, i);
+      const double b = std::abs(product(island, rest_.bias(q_, z_ + e) - rest_.bias(q_, z_ - e)));
+      if (b > largest) largest = b, out = i;
+    });
+    return out;
+  }
+
+ private:
+  double product(std::size_t island, const Eigen::VectorXd& b) const {
+    double sum = 0;
+    internal::each_row(scene_, data_, island, [&](int row) { sum += n_[row] * b[row]; });
+    return sum;
+  }
+  double largest_of_n(std::size_t island) const {
+    double largest = 0;
+    internal::each_row(scene_, data_, island, [&](int row) { largest = std::max(largest, std::abs(n_[row])); });
+    return largest;
+  }
+  bool counts(std::size_t island, const Eigen::VectorXd& b) const {
+    double size = 0;
+    internal::each_row(scene_, data_, island, [&](int row) { size += std::abs(n_[row]) * terms_[row]; });
+    return std::abs(product(island, b)) > kNoChange * size;
+  }
+
+  const Scene& scene_;
+  const SceneData& data_;
+  const Eigen::VectorXd& q_;
+  internal::AtRest& rest_;
+  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_;  // dJ[z] z; J' v of z + y, of z - y; sizes
+};
+
+}  // namespace
+
+std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
+                                     const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("rank_changes: solve first");
+  std::vector<RankChange> out;
+  std::vector<std::size_t> dependent;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const IslandReport& r = data.report.islands[i];
+    if (r.status != Status::kFailed && r.rank < r.nc && r.rank < r.nv) dependent.push_back(i);
+  }
+  if (dependent.empty()) return out;
+  const Eigen::VectorXd q = at;
+  internal::AtRest rest(scene, internal::active_of(data), data.options);
+  std::vector<Probe> probes;
+  for (int k = 0; k < kRankProbes; ++k) probes.emplace_back(scene, data, q, rest, k);
+  for (const std::size_t i : dependent) {
+    const auto any = [&](auto&& says) { return std::any_of(probes.begin(), probes.end(), says); };
+    if (!any([i](const Probe& p) { return p.moves(i); })) continue;
+    RankChange change{i, any([i](const Probe& p) { return p.singular(i); }), 0, 0, {}, -1};
+    if (!change.singular && !any([i](const Probe& p) { return p.changes_beside(i); })) continue;
+    change.rank = data.report.islands[i].rank;
+    change.rows = data.report.islands[i].nc;
+    change.contacts = probes[0].contacts(i);
+    change.coordinate = probes[0].coordinate(i);
+    out.push_back(std::move(change));
+  }
+  return out;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,44 @@
+#include "manycontact/analysis/unique_forces.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "at_rest.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr int kNullProbes = 2;    // that a component vanishes in both by accident is one case in 1e18
+constexpr double kNoPart = 1e-9;  // of the largest component of a projection: rounding
+
+}  // namespace
+
+std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("unique_forces: solve first");
+  std::vector<char> unique(static_cast<std::size_t>(data.f.size()), 1);
+  std::vector<std::size_t> dependent;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const IslandReport& r = data.report.islands[i];
+    if (r.status == Status::kFailed)
+      internal::each_row(scene, data, i, [&](int row) { unique[static_cast<std::size_t>(row)] = 0; });
+    else if (r.rank < r.nc)
+      dependent.push_back(i);
+  }
+  if (dependent.empty()) return unique;
+  internal::AtRest rest(scene, internal::active_of(data), data.options);
+  for (int probe = 0; probe < kNullProbes; ++probe) {
+    const Eigen::VectorXd w = rest.null_part(q, internal::mixed(data.f.size(), probe));
+    for (const std::size_t i : dependent) {
+      double largest = 0;
+      internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });
+      internal::each_row(scene, data, i, [&](int row) {
+        if (!(std::abs(w[row]) <= kNoPart * largest)) unique[static_cast<std::size_t>(row)] = 0;
+      });
+    }
+  }
+  return unique;
+}
+
+}  // namespace manycontact

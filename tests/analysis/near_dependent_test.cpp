@@ -1,0 +1,139 @@
+// Rows that only just count: told by their names, what they cost and what would be without them.
+
+#include "manycontact/analysis/near_dependent.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "manycontact/analysis/advice.hpp"
+#include "support/folder.hpp"
+#include "support/scenes.hpp"
+#include "support/terms.hpp"
+
+namespace manycontact::test {
+namespace {
+
+struct Solved {
+  SceneFile file;
+  SceneData data;
+  explicit Solved(SceneFile f) : file(std::move(f)), data(file.scene) {
+    (void)solve(file.scene, file.q, file.v, file.u, data);
+  }
+  std::vector<NearDependent> near() const { return near_dependent(file.scene, file.q, data); }
+  RankGap gap() const { return rank_gap(file.scene, data, 0); }
+};
+
+// A plane four-bar whose second axis is tilted out of the plane by so much, its pin a point.
+SceneFile tilted_four_bar(double tilt, const std::string& type = "3d") {
+  TemporaryFolder folder;
+  const auto bar = [](const char* name) {
+    return "<link name=\"" + std::string(name) +
+           "\"><inertial><origin xyz=\"0.2 0 0\"/><mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" "
+           "iyy=\"0.02\" "
+           "iyz=\"0\" izz=\"0.03\"/></inertial></link>";
+  };
+  const auto joint = [&](const char* name, const char* from, const char* to, const char* x, bool tilts) {
+    return "<joint name=\"" + std::string(name) + "\" type=\"continuous\"><origin xyz=\"" + x + " 0 0\" rpy=\"" +
+           (tilts ? std::to_string(tilt) : "0") + " 0 0\"/><parent link=\"" + from + "\"/><child link=\"" + to +
+           "\"/><axis xyz=\"0 0 1\"/></joint>";
+  };
+  (void)folder.write("bars.urdf", "<robot name=\"b\"><link name=\"base\"/>" + bar("a") + bar("b") + bar("c") +
+                                      joint("j1", "base", "a", "0", false) + joint("j2", "a", "b", "0.5", true) +
+                                      joint("j3", "b", "c", "0.8", false) + "</robot>");
+  return load_scene(folder.write(
+      "scene.xml",
+      "<scene gravity=\"0 -9.81 0\"><robot name=\"r\" urdf=\"bars.urdf\"><joint name=\"j1\" q=\"1.2\" "
+      "u=\"1\"/><joint name=\"j2\" q=\"-1\"/><joint name=\"j3\" q=\"-1.4\"/></robot><contact name=\"pin\" type=\"" +
+          type + "\" frame=\"r/c\" offset=\"0.6 0 0\" reference_frame=\"world\"/></scene>"));
+}
+
+TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
+  for (const double tilt : {1e-4, 3e-6}) {
+    const Solved s(tilted_four_bar(tilt));
+    const auto found = s.near();
+    ASSERT_EQ(found.size(), 1u) << tilt;
+    EXPECT_EQ(found[0].island, 0u);
+    EXPECT_EQ(found[0].rows, std::vector<int>{2});
+    EXPECT_GT(found[0].left, 0.01 * tilt);
+    EXPECT_LT(found[0].left, 10 * tilt);
+    EXPECT_GT(found[0].times, 0.03 / tilt);
+    // without it: the loop in its plane, by a contact that has no such row, and dense
+    SceneFile plane = tilted_four_bar(tilt);
+    const Terms t(plane.scene, {1}, plane.q, plane.v, plane.u);
+    const Eigen::MatrixXd J = t.J.topRows(2);
+    const Eigen::MatrixXd Minv = t.M.inverse();
+    const Eigen::VectorXd a =
+        Minv * (t.tau_b + J.transpose() * (J * Minv * J.transpose()).inverse() * (-t.a0.head(2) - J * Minv * t.tau_b));
+    EXPECT_NEAR(found[0].without, a[found[0].coordinate], 1e-6 * std::abs(a[found[0].coordinate]));
+    EXPECT_NEAR(found[0].acceleration, s.data.a[found[0].coordinate], 1e-12 * a.norm());
+  }
+  EXPECT_TRUE(Solved(tilted_four_bar(0.1)).near().empty());  // a spatial loop that is meant
+  EXPECT_TRUE(Solved(tilted_four_bar(0)).near().empty());    // a plane one, whose row is dropped
+}
+
+TEST(NearDependent, TheGapSaysHowNearItWas) {
+  RankGap gap = Solved(tilted_four_bar(0)).gap();
+  EXPECT_TRUE(gap.known);
+  EXPECT_EQ(gap.dropped, 2);
+  EXPECT_GT(gap.gap(), 1e12);
+  gap = Solved(tilted_four_bar(1e-6)).gap();
+  EXPECT_EQ(gap.kept, 2);
+  EXPECT_EQ(gap.dropped, -1);
+  EXPECT_LT(gap.least_kept, 1e-5);
+  Solved damped(tilted_four_bar(0));
+  damped.file.scene.damping = 1e-6;
+  (void)solve(damped.file.scene, damped.file.q, damped.file.v, damped.file.u, damped.data);
+  EXPECT_FALSE(damped.gap().known);
+  EXPECT_TRUE(damped.near().empty());
+}
+
+// Two points of a box hardly apart: what is left of a row is as much as that, of levers and in any units.
+TEST(NearDependent, OfPointsThatNearlyCoincide) {
+  const auto points = [](const std::string& apart) {
+    return Solved(
+        load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"
+                  "<contact name=\"one\" type=\"3d\" frame=\"b/crate\" offset=\"0.3 0 0\"/>"
+                  "<contact name=\"two\" type=\"3d\" frame=\"b/crate\" offset=\"0.3 " +
+                  apart + " 0\"/></scene>"));
+  };
+  const Solved s = points("1e-5");
+  const auto found = s.near();
+  ASSERT_EQ(found.size(), 1u);
+  for (const int row : found[0].rows) EXPECT_GE(row, 3);
+  EXPECT_EQ(s.data.report.rank, 5);
+  EXPECT_TRUE(points("0.2").near().empty());
+}
+
+// What is advised is not as stuck.
+TEST(NearDependent, AdviceDoesNotNameWhatIsAsStuck) {
+  const Solved s(tilted_four_bar(3e-6));
+  std::string advice;
+  for (const std::string& item : advise_on_contacts(s.file.scene, s.data, find_kinds(s.file.scene, s.data)))
+    advice += item + "\n";
+  EXPECT_NE(advice.find("pin (3d, 3 rows) has rank 2, and 1 row more that only just counts"), std::string::npos)
+      << advice;
+  EXPECT_NE(advice.find("2d, turned so that its y is along this z, at the same frame holds the same there"),
+            std::string::npos)
+      << advice;
+  EXPECT_EQ(advice.find("3D"), std::string::npos) << advice;
+}
+
+TEST(NearDependent, OfFilesRoundedAsCadDoes) {
+  const std::string folder = MANYCONTACT_SHARED_DIR "/mechanisms/04-cad-rounding/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: no " << folder;
+  for (const char* name : {"scene_4_5d.xml", "scene_4_3d.xml", "scene_6_5d.xml", "scene_6_3d.xml"}) {
+    const auto found = Solved(load_scene(folder + name)).near();
+    ASSERT_EQ(found.size(), 1u) << name;
+    EXPECT_NEAR(std::abs(found[0].without), 2.5316, 1e-3) << name;
+    EXPECT_GT(found[0].times, 1e3) << name;
+  }
+  for (const char* name : {"scene_17_5d.xml", "scene_17_3d.xml", "scene_4_2d.xml", "scene_17_2d.xml"})
+    EXPECT_TRUE(Solved(load_scene(folder + name)).near().empty()) << name;
+}
+
+TEST(NearDependent, NoneInTheModels) {
+  for (const std::string& path : model_scenes()) EXPECT_TRUE(Solved(load_small(path)).near().empty()) << path;
+}
+
+}  // namespace
+}  // namespace manycontact::test
