@@ -104,6 +104,22 @@ TEST(NearDependent, OfPointsThatNearlyCoincide) {
   EXPECT_TRUE(points("0.2").near().empty());
 }
 
+// Rows of 5e-11 and 5e-12 of a lever: one counts, one does not, and either could have been the other.
+TEST(NearDependent, AGapThatIsNone) {
+  const Solved s(
+      load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"
+                "<contact name=\"one\" type=\"3d\" frame=\"b/crate\" offset=\"0.3 0 0\"/>"
+                "<contact name=\"two\" type=\"1d\" axis=\"1 0 0\" frame=\"b/crate\" offset=\"0.3 5e-11 0\"/>"
+                "<contact name=\"three\" type=\"1d\" axis=\"1 0 0\" frame=\"b/crate\" offset=\"0.3 0 5e-12\"/>"
+                "</scene>"));
+  EXPECT_EQ(s.data.report.rank, 4);
+  const RankGap gap = s.gap();
+  EXPECT_EQ(gap.kept, 3);
+  EXPECT_EQ(gap.dropped, 4);
+  EXPECT_NEAR(gap.gap(), 10, 0.1);
+  EXPECT_LT(gap.gap(), kCloseGap);
+}
+
 // What is advised is not as stuck.
 TEST(NearDependent, AdviceDoesNotNameWhatIsAsStuck) {
   const Solved s(tilted_four_bar(3e-6));

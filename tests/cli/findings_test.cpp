@@ -89,6 +89,39 @@ TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
   expect_lacks(run({"solve", alone}).out, "*");
 }
 
+// A row that only just counts, and one that could as well: both by name, with what they cost.
+TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
+  const std::string near = scene(kBox + R"(<contact name="one" type="3d" frame="b/crate" offset="0.3 0 0"/>
+    <contact name="two" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 5e-11 0"/>
+    <contact name="three" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 0 5e-12"/>)");
+  const json j = solve({near});
+  EXPECT_NEAR(j.at("report").at("rank_gap").get<double>(), 10, 0.1);
+  ASSERT_EQ(j.at("near_dependent").size(), 1u);
+  EXPECT_EQ(j.at("near_dependent")[0].at("rows"), json{"two[0]"});
+  EXPECT_GT(j.at("near_dependent")[0].at("times_loads").get<double>(), 1e6);
+  for (const char* command : {"solve", "inspect"}) {
+    const std::string told = run({command, near}).out;
+    expect_contains(told, "nearly dependent: two[0] counts only just: the other rows leave 4.8e-11 of it");
+    expect_contains(told,
+                    "of two[0], which counts, the rows before leave 4.8e-11 of its size, of three[0], which does not");
+  }
+  EXPECT_EQ(solve({model("humanoid_standing.xml")}).at("near_dependent").size(), 0u);
+}
+
+// A leg that is stretched: no derivatives exist there, and that is said.
+TEST_F(FindingsOfTheProgram, SingularPostures) {
+  const std::string stretched = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating"/>
+    <contact name="trunk" type="6d" frame="q/trunk"/><contact name="foot" type="3d" frame="q/RF_foot"/>)");
+  const json j = solve({stretched, "--derivatives"});
+  ASSERT_EQ(j.at("rank_changes").size(), 1u);
+  EXPECT_TRUE(j.at("rank_changes")[0].at("singular").get<bool>());
+  EXPECT_EQ(j.at("rank_changes")[0].at("contacts"), (json{"trunk", "foot"}));
+  const std::string told = run({"solve", stretched, "--derivatives"}).out;
+  expect_contains(told, "rank changes: trunk, foot: rank 8 of 9 rows here, more beside it");
+  expect_contains(told, "these take the rank for constant, but it changes; trunk, foot");
+  expect_contains(run({"inspect", stretched}).out, "a singular posture");
+}
+
 // A box hangs on a contact that can only push, and is drawn along one that can only rub.
 TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   const std::string hangs = scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)");
