@@ -25,7 +25,7 @@ struct Solved {
   SceneFile file;
   SceneData data;
   Solved(SceneFile f, Method method) : file(std::move(f)), data(file.scene, {method, {}}) {
-    solve(file.scene, file.q, file.v, file.u, data);
+    (void)solve(file.scene, file.q, file.v, file.u, data);
   }
   const Report& report() const { return data.report; }
 };
