@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"abi", -1},     {"version", -1},     {"sparse", 0},  {"lq", 1},         {"spatial", 1},
+    {"abi", -1},     {"version", -1},     {"simd", -1},    {"sparse", 0},  {"lq", 1},         {"spatial", 1},
     {"model", 2},    {"algorithm", 3},    {"contact", 4}, {"io", 5},         {"kkt", 5},
     {"dynamics", 6}, {"analysis", 7},     {"action", 7},  {"simulation", 7}, {"control", 8},
     {"task", 9},     {"manycontact", 10}, {"cli", 11},    {"python", 11},
@@ -61,6 +61,7 @@ std::optional<std::string> floor_of(const std::string& file) {
 std::optional<std::string> own_target(const std::string& file, const std::string& header, bool quoted) {
   if (header.starts_with("manycontact/")) return "include/" + header;
   if (!quoted) return std::nullopt;
+  if (fs::exists(fs::path(MANYCONTACT_SOURCE_DIR) / "src" / header)) return "src/" + header;
   return (fs::path(file).parent_path() / header).lexically_normal().generic_string();
 }
 

@@ -1,7 +1,7 @@
 #include "manycontact/contact/products.hpp"
 
 #include "manycontact/contact/derivatives.hpp"
-#include "manycontact/spatial/explog.hpp"
+#include "spatial/pack_explog.hpp"
 
 namespace manycontact {
 

@@ -1,6 +1,6 @@
 #include "manycontact/contact/rows.hpp"
 
-#include "manycontact/spatial/explog.hpp"
+#include "spatial/pack_explog.hpp"
 
 namespace manycontact {
 

@@ -1,23 +1,15 @@
 #include "dense.hpp"
 
-#include "dense_level.hpp"
-#include "manycontact/sparse/instruction_levels.hpp"
+#include "dense_kernels.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact::lq {
 
-extern const DenseLevel dense_level_baseline, dense_level_avx2;
-
 namespace {
 
-// The best for the processor at hand; AVX-512 gains nothing over AVX2 in Eigen's products.
-const DenseLevel& level() {
-  static const DenseLevel& here = []() -> const DenseLevel& {
-#ifdef MANYCONTACT_LEVEL_avx2
-    if (sparse::runs_avx2()) return dense_level_avx2;
-#endif
-    return dense_level_baseline;
-  }();
-  return here;
+const DenseKernels& level() {
+  static const DenseKernels& best = simd::levels().front().blocks;
+  return best;
 }
 
 ConstPanel panel(ConstBlock A) { return {A.data(), A.rows(), A.cols(), A.outerStride()}; }

@@ -1,12 +1,12 @@
 // Dense blocks at one level of instructions: compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
-// name). Nothing of it but the level is seen by the linker (src/lanes.cmake).
+// name). Nothing of it but the level is seen by the linker (src/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "dense_level.hpp"
-#include "manycontact/sparse/instruction_levels.hpp"
+#include "dense_kernels.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact::lq {
 namespace {
@@ -110,8 +110,8 @@ void add_Az_Atw(ConstPanel A, const double* z, double* sum, double* scale, const
 
 }  // namespace
 
-extern const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_);
-const DenseLevel MANYCONTACT_OF_LEVEL(dense_level_) = {add_AB,        add_AtB,  add_ABt, add_lower_AB, add_lower_AtB,
+extern const DenseKernels MANYCONTACT_OF_LEVEL(level_);
+const DenseKernels MANYCONTACT_OF_LEVEL(level_) = {add_AB,        add_AtB,  add_ABt, add_lower_AB, add_lower_AtB,
                                                        add_lower_ABt, cholesky, solve_L, solve_Lt,     solve_Lt_right,
                                                        add_Ax,        add_Atx,  add_Az,  add_Az_Atw};
 

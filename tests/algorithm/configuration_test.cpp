@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kTight = 64 * kEps;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Every shape of robot once, each on a base somewhere.

@@ -11,7 +11,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTight = 1e3 * kEps;  // sums along chains of up to 60 links
+constexpr double kTightChain = 1e3 * kEps;  // sums along chains of up to 60 links
 
 INSTANTIATE_TEST_SUITE_P(Of, Robots, testing::ValuesIn(shapes()), shape_name);
 
@@ -21,7 +21,7 @@ TEST_P(Robots, InertiaMatrixIsRneaColumnByColumn) {
   MatrixXd columns(model.nv, model.nv);
   for (int k = 0; k < model.nv; ++k)
     columns.col(k) = torques<double>(s, s.q, zero, VectorXd::Unit(model.nv, k), Vec3<double>::Zero());
-  EXPECT_LE(error_of(M, columns), kTight);
+  EXPECT_LE(error_of(M, columns), kTightChain);
   EXPECT_EQ(M, M.transpose());
   EXPECT_EQ(Eigen::LLT<MatrixXd>(M).info(), Eigen::Success);
 }
@@ -43,7 +43,7 @@ TEST_P(Robots, InverseDynamicsIsLinearInTheAcceleration) {
   const VectorXd zero = VectorXd::Zero(model.nv);
   const VectorXd h = torques<double>(s, s.q, s.v, zero, s.gravity);
   const VectorXd tau = torques<double>(s, s.q, s.v, s.qdd, s.gravity);
-  EXPECT_LE(error_of(VectorXd(inertia_matrix<double>(s, s.q) * s.qdd + h), tau), kTight);
+  EXPECT_LE(error_of(VectorXd(inertia_matrix<double>(s, s.q) * s.qdd + h), tau), kTightChain);
 
   Kinematics<double> kin(model);  // without qdd: h, the armature left out
   forward_kinematics<double>(model, s.base, s.q, kin);
@@ -51,7 +51,7 @@ TEST_P(Robots, InverseDynamicsIsLinearInTheAcceleration) {
   std::vector<Vec6<double>> f;
   VectorXd bias = VectorXd::Constant(model.nv, NAN);
   inverse_dynamics<double>(model, kin, nullptr, {}, f, bias);
-  EXPECT_LE(error_of(bias, h), kTight);
+  EXPECT_LE(error_of(bias, h), kTightChain);
 }
 
 TEST_P(Robots, ForwardDynamicsSolvesTheEquationOfMotion) {
@@ -79,7 +79,7 @@ TEST_P(Robots, ExternalForcesEnterByTheJacobianTransposed) {
   }
   const VectorXd with = torques<double>(s, s.q, s.v, s.qdd, s.gravity, s.fext);
   const VectorXd without = torques<double>(s, s.q, s.v, s.qdd, s.gravity);
-  EXPECT_LE(difference_of(VectorXd(with - without), expected), kTight * std::max(size_of(with), size_of(without)));
+  EXPECT_LE(difference_of(VectorXd(with - without), expected), kTightChain * std::max(size_of(with), size_of(without)));
 }
 
 // Gravity is an acceleration of the base: both ways to the same weight.
@@ -94,7 +94,7 @@ TEST_P(Robots, GravityTorquesAreTheWeightsByTheJacobian) {
       expected[k] -= kin.J.col(k).dot(weight);
   }
   const VectorXd zero = VectorXd::Zero(model.nv);
-  EXPECT_LE(error_of(torques<double>(s, s.q, zero, zero, s.gravity), expected), kTight);
+  EXPECT_LE(error_of(torques<double>(s, s.q, zero, zero, s.gravity), expected), kTightChain);
 }
 
 // The tree frame's origin is at the base: a robot 1000 m away is the same robot, to the last bit.
@@ -113,10 +113,10 @@ TEST_P(Robots, FarAwayNoDigitIsLost) {
 TEST_P(Robots, ShortCutsChangeNothing) {
   Specimen general = s;
   for (Joint& joint : general.model.joints) joint.axis_kind = 3, joint.placement_rotates = true;
-  EXPECT_LE(error_of(inertia_matrix<double>(general, s.q), inertia_matrix<double>(s, s.q)), kTight);
+  EXPECT_LE(error_of(inertia_matrix<double>(general, s.q), inertia_matrix<double>(s, s.q)), kTightChain);
   EXPECT_LE(
       error_of(torques<double>(general, s.q, s.v, s.qdd, s.gravity), torques<double>(s, s.q, s.v, s.qdd, s.gravity)),
-      kTight);
+      kTightChain);
 }
 
 TEST_P(Robots, AllocateNothingAfterTheFirstCall) {

@@ -10,8 +10,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kTight = 64 * kEps;
-
 class Manifold : public Robots {
  protected:
   VectorXd add(const VectorXd& q, const VectorXd& v) const {

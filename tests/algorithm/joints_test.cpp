@@ -8,8 +8,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTight = 64 * kEps;
-
 // One joint at the base, the body's numbers at hand.
 struct OneJoint {
   double m = 1.7;

@@ -12,7 +12,7 @@ using Force = Vec6<Quad>;
 
 // Central differences are good to step^2; the placements in the model are rotations to double precision only.
 const Quad kStep(1e-10);
-constexpr double kTight = 1e-13;
+constexpr double kTightQuad = 1e-13;
 
 class InQuad : public Robots {};
 INSTANTIATE_TEST_SUITE_P(Of, InQuad, testing::ValuesIn(shapes()), shape_name);
@@ -53,7 +53,7 @@ TEST_P(InQuad, VelocitiesAreThePlacementsRate) {
   for (int i = 0; i < model.njoints(); ++i) {
     const SE3<Quad> before = back.origin(i) * back.kin.oMi[i], after = forth.origin(i) * forth.kin.oMi[i];
     const Vec6<Quad> twist = log6<Quad>(before.inverse() * after) / (Quad(2) * kStep);  // in the child frame
-    EXPECT_LE(error_of(now.kin.oMi[i].act_inverse(now.kin.v[i]), twist), kTight) << i;
+    EXPECT_LE(error_of(now.kin.oMi[i].act_inverse(now.kin.v[i]), twist), kTightQuad) << i;
   }
 }
 
@@ -63,7 +63,7 @@ TEST_P(InQuad, AccelerationsAreTheVelocitiesRate) {
   for (int i = 0; i < model.njoints(); ++i) {
     // the anchor takes the tree frame along: differences are taken about the world's origin
     const Vec6<Quad> a = rate(forth, back, [i](const Moved& m) { return m.origin(i).act(m.kin.v[i]); });
-    EXPECT_LE(error_of(now.kin.a[i], now.origin(i).act_inverse(a)), kTight) << i;
+    EXPECT_LE(error_of(now.kin.a[i], now.origin(i).act_inverse(a)), kTightQuad) << i;
   }
 }
 
@@ -102,7 +102,7 @@ TEST_P(InQuad, PowerIsTheEnergysRate) {
   const double dT = static_cast<double>(rate(forth, back, kinetic)(0));
   const double dV = static_cast<double>(rate(forth, back, potential)(0));
   const double power = s.v.dot(s.tau), scale = s.v.cwiseAbs().dot(s.tau.cwiseAbs()) + std::abs(dT) + std::abs(dV);
-  EXPECT_LE(std::abs(dT + dV - power), kTight * scale);
+  EXPECT_LE(std::abs(dT + dV - power), kTightQuad * scale);
   EXPECT_GT(std::abs(dT), 1e-6 * scale);
 }
 
@@ -126,7 +126,7 @@ TEST_P(FreeInQuad, MomentumOfAFreeRobotChangesByItsWeight) {
       weight.tail<3>() += now.kin.Y[i].h.cross(g);
       scale += (now.kin.Y[i] * now.kin.a[i]).norm();
     }
-    EXPECT_LE(difference_of(change, now.origin(0).act_force(weight)), kTight * static_cast<double>(scale));
+    EXPECT_LE(difference_of(change, now.origin(0).act_force(weight)), kTightQuad * static_cast<double>(scale));
   }
 }
 

@@ -16,6 +16,8 @@
 
 namespace manycontact::test {
 
+inline constexpr double kTight = 64 * kEps;  // of a few operations on numbers of size 1
+
 struct Shape {
   std::string name;
   ModelOptions options;

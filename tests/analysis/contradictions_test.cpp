@@ -51,7 +51,7 @@ TEST(Contradictions, GainsTimesRoundingIsNone) {
 // Turned, moved far, spinning in place: rows are made of larger terms then, and agree to their rounding.
 TEST(Contradictions, RowsOfLargeTermsThatAgree) {
   for (Method method : kMethods)
-    for (const std::string& scene : {"gravity=\"0 0 0\"", "gravity=\"0 0 -9.81\""})
+    for (const std::string scene : {"gravity=\"0 0 0\"", "gravity=\"0 0 -9.81\""})
       for (double x : {0.0, 10.0, 1e4}) {
         SceneFile file = ends(0, "", scene);
         std::mt19937 rng(3);

@@ -123,7 +123,7 @@ TEST_F(Inspect, LongNamesStayApart) {
   for (const char* middle : {"left", "right"})
     robots += "<robot name=\"" + before + middle + after + "\" urdf=\"box.urdf\" base=\"floating\"/>";
   const std::string path_of = scene(robots);
-  for (const std::string& command : {"inspect", "solve"}) {
+  for (const std::string command : {"inspect", "solve"}) {
     const std::vector<std::string> lines = lines_of(run({command, path_of}).out);
     std::set<std::string> names;
     for (const std::string& line : lines)

@@ -15,7 +15,7 @@ using VectorQ = VecX<Quad>;
 using MotionQ = Vec6<Quad>;
 
 // Placements in a scene are rotations to double precision only; differences below are good to 1e-15.
-constexpr double kTight = 1e-13;
+constexpr double kTightQuad = 1e-13;
 
 class Scenes : public testing::TestWithParam<unsigned> {
  protected:
@@ -69,14 +69,14 @@ TEST_P(Scenes, JacobianIsTheRelativeMotionsDerivative) {
     for (int k = 0; k < now.size(); ++k)
       check(k, MotionQ(log6<Quad>(back.G(k).inverse() * forth.G(k)) / (Quad(2) * h)));
   };
-  differences(v, [&](int k, const MotionQ& rate) { EXPECT_LE(error_of(now.data[k].nu, rate), kTight) << k; });
+  differences(v, [&](int k, const MotionQ& rate) { EXPECT_LE(error_of(now.data[k].nu, rate), kTightQuad) << k; });
   for (int i = 0; i < scene.nv; ++i)
     differences(VectorQ::Unit(scene.nv, i), [&](int k, const MotionQ& rate) {
-      EXPECT_LE(difference_of(now.J(k).col(i), selected(scene.contacts[k], now.A(k), rate)), kTight) << k << ' ' << i;
+      EXPECT_LE(difference_of(now.J(k).col(i), selected(scene.contacts[k], now.A(k), rate)), kTightQuad) << k << ' ' << i;
     });
   for (int k = 0; k < now.size(); ++k) {
     EXPECT_LE(difference_of(now.data[k].G, now.G(k)), 1e-30);
-    EXPECT_LE(error_of(VectorQ(now.J(k) * v), selected(scene.contacts[k], now.A(k), now.data[k].nu)), kTight);
+    EXPECT_LE(error_of(VectorQ(now.J(k) * v), selected(scene.contacts[k], now.A(k), now.data[k].nu)), kTightQuad);
   }
 }
 
@@ -98,7 +98,7 @@ TEST_P(Scenes, AccelerationRowsAreTheSecondDerivative) {
       second.tail<3>() =
           (log3<Quad>(Mat3<Quad>(G0.R.transpose() * Gf.R)) + log3<Quad>(Mat3<Quad>(G0.R.transpose() * Gb.R))) / (h * h);
     const VectorQ actual = now.J(k) * a + now.a0(k);
-    EXPECT_LE(difference_of(actual, selected(c, now.A(k), second)), kTight * terms(now, k)) << k;
+    EXPECT_LE(difference_of(actual, selected(c, now.A(k), second)), kTightQuad * terms(now, k)) << k;
     EXPECT_GT(size_of(actual), 1e-6 * terms(now, k));
   }
 }
@@ -111,7 +111,7 @@ TEST_P(Scenes, AccelerationRowsOf6DAreTheRateOfNu) {
     const Contact& c = bare.contacts[k];
     if (c.type != ContactType::k6D) continue;
     const MotionQ rate = (forth.data[k].nu - back.data[k].nu) / (Quad(2) * h);
-    EXPECT_LE(difference_of(VectorQ(now.J(k) * a + now.a0(k)), selected(c, now.A(k), rate)), kTight * terms(now, k))
+    EXPECT_LE(difference_of(VectorQ(now.J(k) * a + now.a0(k)), selected(c, now.A(k), rate)), kTightQuad * terms(now, k))
         << k;
   }
 }
@@ -136,7 +136,7 @@ TEST_P(Scenes, GainsAddPositionAndVelocityErrors) {
       }
       const VectorQ expected = Quad(7) * selected(c, with.A(k), error);
       EXPECT_GT(size_of(expected), 1e-6);
-      EXPECT_LE(difference_of(VectorQ(with.a0(k) - without.a0(k)), expected), kTight * size_of(with.a0(k))) << k;
+      EXPECT_LE(difference_of(VectorQ(with.a0(k) - without.a0(k)), expected), kTightQuad * size_of(with.a0(k))) << k;
     }
   }
 }

@@ -14,9 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr int kLargest = 80;          // unknowns of an island: differences of the truth take five solves of it
-constexpr double kVanishing = 1e-12;  // of what else changes: nothing
-
-double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
+constexpr double kVanishingChange = 1e-12;  // of what else changes: nothing
 
 Truth<Quad> truth_along(const Problem& p, const Direction& d, const Quad& h) {
   VecX<Quad> q = p.q.cast<Quad>(), v = p.v.cast<Quad>(), u = p.u.cast<Quad>();
@@ -91,7 +89,7 @@ DirectionErrors direction_errors(const Problem& p, const Truths& truths, SceneDa
     for (const Direction& d : truths.directions) most = worse(most, worse(size_of(d.da(at.v)), size_of(d.df(at.f))));
     const auto add = [&](const VecX<Quad>& truth, const Eigen::VectorXd& mine) {
       const double difference = difference_of(mine, truth), size = size_of(truth);
-      const double error = difference == 0 ? 0 : difference / (size < kVanishing * most ? most : size);
+      const double error = difference == 0 ? 0 : difference / (size < kVanishingChange * most ? most : size);
       out.largest = worse(out.largest, error);
       out.excess = worse(out.excess, error / (10 * allowed(condition_of(truths, data.report, at.island))));
     };

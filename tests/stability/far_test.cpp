@@ -163,7 +163,7 @@ double difference(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
   return off == 0 ? 0 : off / size;
 }
 
-struct Way {
+struct FarWay {
   const char* name;
   Options options;
   bool small_only;
@@ -188,11 +188,11 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
 }
 
 void compare(const Case& c, const Problem& near, void (*move)(const Vec3<double>&, Problem&), const char* how) {
-  const Way ways[] = {{"auto", {}, false},
-                      {"dense", {Method::kDense}, true},
-                      {"sparse-ldl off", {Method::kSparseLdl, {}, Lanes::kOff}, true},
-                      {"sparse-bodies", {Method::kSparseBodies}, false}};
-  for (const Way& way : ways) {
+  const FarWay ways[] = {{"auto", {}, false},
+                         {"dense", {Method::kDense}, true},
+                         {"sparse-ldl off", {Method::kSparseLdl, {}, Lanes::kOff}, true},
+                         {"sparse-bodies", {Method::kSparseBodies}, false}};
+  for (const FarWay& way : ways) {
     if (way.small_only && !c.small) continue;
     const Answer here = answer(near, way.options);
     for (double distance : {0x1p10, 0x1p17, 0x1p23}) {  // 1, 131 and 8,389 km
@@ -248,13 +248,13 @@ TEST(FarTruth, AnyPlace) {
       }
 }
 
-std::vector<int> numbers() {
+std::vector<int> far_numbers() {
   std::vector<int> out(all_causes().size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<int>(k);
   return out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Causes, Far, testing::ValuesIn(numbers()));
+INSTANTIATE_TEST_SUITE_P(Causes, Far, testing::ValuesIn(far_numbers()));
 
 }  // namespace
 }  // namespace manycontact::test

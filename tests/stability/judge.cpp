@@ -14,7 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kNoDigits = 1e-2;    // an error above this is a wrong answer whatever the condition
-constexpr double kVanishing = 1e-12;  // of their scale: forces that balance to nothing
+constexpr double kVanishingForce = 1e-12;  // of their scale: forces that balance to nothing
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
 
@@ -66,12 +66,10 @@ std::string describe(const Report& report) {
 // Forces that vanish have no size of their own to measure rounding by: then that of forces which could hold tau_b.
 double vanishing_force_scale(const Truths& truths) {
   const double scale = truths.J_size > 0 ? size_of(truths.tau_b) / truths.J_size : 0;
-  return size_of(truths.f) < kVanishing * scale ? scale : 0;
+  return size_of(truths.f) < kVanishingForce * scale ? scale : 0;
 }
 
 // The larger; NaN when either is.
-double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
-
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
 
 // Relative errors in the maximum norm, the worst robot's, and the worst in units of what is allowed it.

@@ -62,8 +62,6 @@ std::string number(double x) {
   return out.str();
 }
 
-double worse(double a, double b) { return b <= a ? a : b; }
-
 }  // namespace
 
 std::string counts(const std::vector<Row>& rows) {

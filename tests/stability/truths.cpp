@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDenseTruth = 75;        // velocity coordinates up to which the truth is solved densely
 constexpr int kDenseIfSingular = 110;  // unknowns up to which it is where refinement does not end
-constexpr double kVanishing = 1e-12;   // of their scale: accelerations that balance to nothing
+constexpr double kVanishingMotion = 1e-12;   // of their scale: accelerations that balance to nothing
 
 template <class D>
 bool finite(const Eigen::MatrixBase<D>& x) {
@@ -100,7 +100,7 @@ Truths::Truths(const Problem& p) {
     tau_b.segment(r.idx_v + r.model->first_actuated(), r.model->nu()) += p.u.segment(r.idx_u, r.model->nu());
   if (!exists) return;
   const Eigen::VectorXd without = free_accelerations(p.scene, p.q, p.v, p.u);
-  if (finite(without) && (size_of(p.v) == 0 || size_of(a) < kVanishing * size_of(without))) a_free = without;
+  if (finite(without) && (size_of(p.v) == 0 || size_of(a) < kVanishingMotion * size_of(without))) a_free = without;
   directions = true_directions(p, *this);
 }
 

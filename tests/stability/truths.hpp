@@ -8,6 +8,9 @@
 
 namespace manycontact::test {
 
+/// The larger one, or what is no number.
+inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
+
 /// What is known of one island.
 struct IslandTruth {
   std::vector<int> v, f;       // its coordinates in a, its rows in f

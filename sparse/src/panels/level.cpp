@@ -1,11 +1,11 @@
 // The kernels on panels of one level of instructions. Compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/lanes.cmake).
+// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/simd/levels.cmake).
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
-#include "manycontact/sparse/instruction_levels.hpp"
+#include "simd/levels.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 

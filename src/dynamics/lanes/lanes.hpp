@@ -187,8 +187,6 @@ struct Level {
   std::unique_ptr<Parts> (*make_parts)(std::shared_ptr<const PartPlan> plan);
 };
 
-/// All levels of this build that run here, the widest first.
-std::span<const Level* const> levels();
 /// The one that options ask for; nullptr: none, or it does not run here.
 const Level* level_of(Lanes lanes);
 

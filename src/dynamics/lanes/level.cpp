@@ -1,53 +1,16 @@
 // The kernels of one level of instructions: the forward path once more, in packs. Compiled once per level with that
 // level's flags, MANYCONTACT_LEVEL (its name) and MANYCONTACT_LANES (its width); nothing of it but the Level is seen by
-// the linker (src/lanes.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
+// the linker (src/simd/levels.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
 // taken from here and meet a processor without these instructions.
 
 #include <optional>
 
-#include "../../algorithm/crba.cpp"
-#include "../../algorithm/kinematics.cpp"
-#include "../../algorithm/rnea.cpp"
-#include "../../algorithm/rnea_derivatives.cpp"
-#include "../../algorithm/rnea_products.cpp"
 #include "cut_side_by_side.hpp"
 #include "derivatives.hpp"
-#include "manycontact/sparse/instruction_levels.hpp"
-#include "manycontact/spatial/explog.hpp"
 #include "parts_side_by_side.hpp"
 #include "side_by_side.hpp"
+#include "simd/levels.hpp"
 #include "terms.hpp"
-
-namespace manycontact {
-
-// These have branches, so lane by lane.
-template <int W, class Function>
-auto lane_by_lane(const SE3<Pack<W>>& M, Function&& function) {
-  SE3<double> of_lane;
-  using Result = decltype(function(of_lane));
-  Eigen::Matrix<Pack<W>, Result::RowsAtCompileTime, Result::ColsAtCompileTime> out;
-  for (int l = 0; l < W; ++l) {
-    for (int i = 0; i < 9; ++i) of_lane.R.data()[i] = M.R.data()[i][l];
-    for (int i = 0; i < 3; ++i) of_lane.p[i] = M.p[i][l];
-    const Result x = function(of_lane);
-    for (Eigen::Index i = 0; i < x.size(); ++i) out.data()[i].set(l, x.data()[i]);
-  }
-  return out;
-}
-template <int W>
-Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
-  return lane_by_lane(M, [](const SE3<double>& m) { return log6<double>(m); });
-}
-template <int W>
-Mat6<Pack<W>> log6_derivative(const SE3<Pack<W>>& M) {
-  return lane_by_lane(M, [](const SE3<double>& m) { return log6_derivative<double>(m); });
-}
-
-}  // namespace manycontact
-
-#include "../../contact/derivatives.cpp"
-#include "../../contact/products.cpp"
-#include "../../contact/rows.cpp"
 
 namespace manycontact::lanes {
 

@@ -1,35 +1,16 @@
 #include <algorithm>
-#include <array>
 
 #include "lanes.hpp"
-#include "manycontact/sparse/instruction_levels.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact {
 namespace lanes {
 
-extern const Level level_baseline, level_avx2, level_avx512;
-
-std::span<const Level* const> levels() {
-  static const std::span<const Level* const> here = [] {
-    static std::array<const Level*, 3> list;
-    std::size_t count = 0;
-#ifdef MANYCONTACT_LEVEL_avx512
-    if (sparse::runs_avx512()) list[count++] = &level_avx512;
-#endif
-#ifdef MANYCONTACT_LEVEL_avx2
-    if (sparse::runs_avx2()) list[count++] = &level_avx2;
-#endif
-    list[count++] = &level_baseline;
-    return std::span<const Level* const>(list.data(), count);
-  }();
-  return here;
-}
-
 const Level* level_of(Lanes lanes) {
   if (lanes == Lanes::kOff) return nullptr;
-  if (lanes == Lanes::kAuto) return levels().front();
-  for (const Level* level : levels())
-    if (level->name == to_string(lanes)) return level;
+  if (lanes == Lanes::kAuto) return &simd::levels().front().robots;
+  for (const simd::Level& level : simd::levels())
+    if (level.name == to_string(lanes)) return &level.robots;
   return nullptr;
 }
 
@@ -37,7 +18,7 @@ const Level* level_of(Lanes lanes) {
 
 std::vector<Lanes> lanes_here() {
   std::vector<Lanes> out;
-  for (const lanes::Level* level : lanes::levels()) out.push_back(*lanes_from_string(level->name));
+  for (const simd::Level& level : simd::levels()) out.push_back(*lanes_from_string(level.name));
   return out;
 }
 

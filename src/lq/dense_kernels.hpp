@@ -15,7 +15,7 @@ struct Panel {
   std::ptrdiff_t rows, cols, stride;
 };
 
-struct DenseLevel {
+struct DenseKernels {
   void (*add_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
   void (*add_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
   void (*add_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);

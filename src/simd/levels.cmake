@@ -1,0 +1,86 @@
+# The kernels: of panels (sparse), of dense blocks (lq) and of robots in SIMD lanes (dynamics), compiled once per level of
+# instructions and chosen when the program runs (levels.cpp). A level above the compiler's own is linked by itself, and of
+# its symbols only those named after the level stay visible: were Eigen's and std's functions in it shared with the rest of
+# the program, the linker might take those that the processor at hand does not have.
+option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512 too, where the compiler and GNU binutils can" ON)
+
+set(lane_levels baseline)
+set(lane_width_baseline 2)
+set(lane_flags_baseline)
+set(lane_width_avx2 4)
+set(lane_flags_avx2 -mavx2 -mfma)
+set(lane_width_avx512 8)
+set(lane_flags_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mavx2 -mfma -mprefer-vector-width=512)
+
+# Copies of what is many lanes wide, by whole registers: a load of one waits long for what was stored in pieces.
+include(CheckCXXCompilerFlag)
+check_cxx_compiler_flag(-mmove-max=256 MANYCONTACT_MOVES_BY_REGISTERS)
+if(MANYCONTACT_MOVES_BY_REGISTERS)  # GCC 12
+  list(APPEND lane_flags_avx2 -mmove-max=256 -mstore-max=256)
+  list(APPEND lane_flags_avx512 -mmove-max=512 -mstore-max=512)
+endif()
+
+# Sanitizers keep tables of a file's symbols, which would no longer fit.
+if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND CMAKE_LINKER AND CMAKE_OBJCOPY
+   AND NOT MANYCONTACT_FUZZ AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
+  execute_process(COMMAND ${CMAKE_LINKER} --help OUTPUT_VARIABLE linker_help ERROR_QUIET)
+  if(linker_help MATCHES "--force-group-allocation")
+    list(APPEND lane_levels avx2 avx512)
+  endif()
+endif()
+
+# Robots in lanes, after the templates of the forward path that they are made of: one unit, in which these are instantiated
+# for packs of the level's width and for packs of one.
+set(robot_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
+                  src/algorithm/rnea_derivatives.cpp src/algorithm/rnea_products.cpp
+                  src/contact/derivatives.cpp src/contact/products.cpp src/contact/rows.cpp
+                  src/dynamics/lanes/level.cpp)
+set(matrix_sources sparse/src/panels/level.cpp src/lq/level.cpp)
+
+# The static library manycontact_kernels. Floors call its kernels, and these call floors: static libraries may.
+target_link_libraries(manycontact INTERFACE manycontact_kernels)
+if(MANYCONTACT_FUZZ_LINKS)
+  built_floor(kernels manycontact_kkt)
+  return()
+endif()
+add_library(manycontact_kernels STATIC src/simd/levels.cpp)
+add_library(manycontact::kernels ALIAS manycontact_kernels)
+set_target_properties(manycontact_kernels PROPERTIES EXPORT_NAME kernels UNITY_BUILD OFF)
+target_compile_options(manycontact_kernels PRIVATE ${own_flags})
+target_compile_features(manycontact_kernels PRIVATE cxx_std_20)
+target_include_directories(manycontact_kernels PRIVATE src)
+target_link_libraries(manycontact_kernels PUBLIC manycontact_kkt)
+foreach(level IN LISTS lane_levels)
+  set(objects)
+  foreach(kernels IN ITEMS robot matrix)
+    set(target ${kernels}_kernels_${level})
+    add_library(${target} OBJECT ${${kernels}_sources})
+    target_compile_options(${target} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
+    target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}})
+    target_include_directories(${target} PRIVATE include sparse/include src ${PROJECT_BINARY_DIR}/include)
+    target_link_libraries(${target} PRIVATE Eigen3::Eigen)
+    target_compile_features(${target} PRIVATE cxx_std_20)
+    if(NOT level STREQUAL "baseline")
+      # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
+      target_compile_options(${target} PRIVATE
+        $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
+        -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64)
+    endif()
+    list(APPEND objects $<TARGET_OBJECTS:${target}>)
+  endforeach()
+  set_target_properties(robot_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  set_target_properties(matrix_kernels_${level} PROPERTIES UNITY_BUILD OFF)  # both have their `product`
+  target_compile_definitions(manycontact_kernels PRIVATE MANYCONTACT_LEVEL_${level})
+  if(level STREQUAL "baseline")
+    target_sources(manycontact_kernels PRIVATE ${objects})
+    continue()
+  endif()
+  set(alone ${PROJECT_BINARY_DIR}/kernels_${level}.o)
+  add_custom_command(OUTPUT ${alone}
+    COMMAND ${CMAKE_LINKER} -r --force-group-allocation ${objects} -o ${alone}
+    COMMAND ${CMAKE_OBJCOPY} --wildcard "--keep-global-symbol=*level_${level}*" ${alone}
+    DEPENDS ${objects} COMMAND_EXPAND_LISTS
+    COMMENT "Hiding all but the levels of kernels_${level}.o" VERBATIM)
+  set_source_files_properties(${alone} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+  target_sources(manycontact_kernels PRIVATE ${alone})
+endforeach()
