@@ -16,19 +16,17 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
 #include "parallel.hpp"
+#include "robot_quantities.hpp"
 #include "scene_identity.hpp"
 
 namespace manycontact {
 
 /// One robot's kinematics and dynamics terms, in its tree frame. By evaluate, at q, v.
-struct RobotData {
-  explicit RobotData(const Model& model);
-  bool known = false;               // of the last q, v: not where sparse-bodies answered
-  Kinematics<double> kin;           // kin.a: bias accelerations, but while an AtSolution lives
-  std::vector<Inertia<double>> Yc;  // composite inertias
-  std::vector<Vec6<double>> f;      // scratch of inverse_dynamics
-  std::vector<double> M;            // packed inertia (algorithm/crba.hpp); empty until make_joint_space
-  Eigen::VectorXd h;                // nv, Coriolis, centrifugal, gravity
+/// kin.a: bias accelerations, but while an AtSolution lives.
+struct RobotData : RobotQuantities<double> {
+  using RobotQuantities::RobotQuantities;
+  bool known = false;     // of the last q, v: not where sparse-bodies answered
+  std::vector<double> M;  // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
 /// Workspace of an island with dependent contact rows, allocated when it is first differentiated.

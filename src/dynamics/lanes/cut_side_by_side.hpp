@@ -77,12 +77,10 @@ class CutSideBySide {
   const Model& model_;
   std::vector<int> triangle_;  // slots in L of the border's columns, below the diagonal; -1: zero
 
-  VecX<S> q_, v_, tau_, h_;
+  VecX<S> q_, v_, tau_;
   SE3<S> base_;
   std::vector<SE3<S>> bMB_;  // per contact on the robots alone, where B is the world: its placement
-  Kinematics<S> kin_;
-  std::vector<Inertia<S>> Yc_;
-  std::vector<Vec6<S>> f_;
+  RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   std::vector<S> joins_, terms_, border_, r_, scale_;
 };
@@ -94,11 +92,8 @@ CutSideBySide<S>::CutSideBySide(std::shared_ptr<const CutRobot> cut)
       q_(model_.nq),
       v_(model_.nv),
       tau_(model_.nv),
-      h_(model_.nv),
       bMB_(cut_->alone),
-      kin_(model_),
-      Yc_(model_.njoints()),
-      f_(model_.njoints()),
+      robot_(model_),
       joins_(cut_->joins_size()),
       terms_(cut_->pattern.size()),
       border_(Border::size(cut_->border)),
@@ -137,12 +132,8 @@ void CutSideBySide<S>::evaluate(const Job& job, std::span<Robot> robots, Memory 
   const Numbers n = numbers_in(memory.at);
   fetch_kept(n, ahead_of(memory));
   const Mask usable = load_state(job, robots);
-  forward_kinematics<S>(model_, base_, q_, kin_);
-  forward_accelerations<S>(model_, v_, nullptr, job.scene.gravity, kin_);
-  inverse_dynamics<S>(model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
-  const int* slot = cut_->pattern.M_slot.data();
-  crba<S>(model_, kin_, Yc_, slot, n.K);
-  internal::drop_rounding<S>(model_, kin_, Yc_, slot, n.K);
+  internal::evaluate_bias<S>(model_, base_, q_, v_, job.scene.gravity, robot_);
+  internal::evaluate_inertia<S>(model_, robot_, cut_->pattern.M_slot.data(), n.K);
   store_ends(robots);
   evaluate_rows(job, robots);
   assemble(job, robots, n);
@@ -156,7 +147,7 @@ void CutSideBySide<S>::evaluate_rows(const Job& job, std::span<Robot> robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& first = job.scene.contacts[robots.front().contacts[k]];
     ContactData<S>& rows = contacts_[k];
-    rows_on_one_robot<S>(job.scene.gravity, first, cut_->supports[k], kin_, bMB_[k], rows);
+    rows_on_one_robot<S>(job.scene.gravity, first, cut_->supports[k], robot_.kin, bMB_[k], rows);
     motion = larger(motion_size(first, rows), motion);
     smallest = -larger(-smallest_row(rows), -smallest);
   }
@@ -176,7 +167,7 @@ void CutSideBySide<S>::assemble(const Job& job, std::span<const Robot> robots, c
   const std::size_t own = p.diagonal_slot.size() - static_cast<std::size_t>(cut_->border);
   for (std::size_t k = 0; k < p.diagonal_slot.size(); ++k)
     n.K[p.diagonal_slot[k]] = S(k < own ? -job.scene.damping : 0);
-  for (int i = 0; i < model_.nv; ++i) n.b[p.iperm[i]] = tau_[i] - h_[i];
+  for (int i = 0; i < model_.nv; ++i) n.b[p.iperm[i]] = tau_[i] - robot_.h[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
       S wanted(0);
@@ -194,11 +185,11 @@ void CutSideBySide<S>::store_ends(std::span<const Robot> robots) {
   const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
   for (std::size_t k = contacts_.size(); k < cut_->supports.size(); ++k) {
     const int joint = contact(k).A.joint;
-    add(origin_numbers(kin_, joint), 6);
-    add(kin_.oMi[joint].R.data(), 12);
-    add(kin_.v[joint].data(), 6);
-    add(kin_.a[joint].data(), 6);
-    for (int i : cut_->supports[k].a) add(kin_.J.col(i).data(), 6);
+    add(origin_numbers(robot_.kin, joint), 6);
+    add(robot_.kin.oMi[joint].R.data(), 12);
+    add(robot_.kin.v[joint].data(), 6);
+    add(robot_.kin.a[joint].data(), 6);
+    for (int i : cut_->supports[k].a) add(robot_.kin.J.col(i).data(), 6);
   }
   double* memory[8];
   store_arrays(joins_.data(), static_cast<int>(joins_.size()),
@@ -248,8 +239,8 @@ void CutSideBySide<S>::load(const Job& job, std::span<const Robot> robots, doubl
   const Numbers n = numbers_in(memory);
   const double* from[8];
   load_arrays(side_by_side(robots, from, [&](const Robot& r) { return job.a + job.scene.robots[r.number].idx_v; }),
-              model_.nv, h_.data());
-  for (int i = 0; i < model_.nv; ++i) n.b[cut_->pattern.iperm[i]] = h_[i];
+              model_.nv, robot_.h.data());
+  for (int i = 0; i < model_.nv; ++i) n.b[cut_->pattern.iperm[i]] = robot_.h[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     auto& f = contacts_[k].a0;
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return job.f + job.f_offset[r.contacts[k]]; }),

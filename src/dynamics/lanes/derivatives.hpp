@@ -37,12 +37,12 @@ void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     add_force<S>(contact, contacts_[k], contacts_[k].W.transpose() * contact_f_[k], fext_);
   }
-  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
+  rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, fext_, rnea_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const bool between = contact.B.robot >= 0;
-    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
-                           contact_f_[k], contacts_[k], contact_terms_[k]);
+    contact_derivatives<S>(contact, supports_[k], robot_.kin, between ? &robot_.kin : nullptr, rnea_,
+                           between ? &rnea_ : nullptr, contact_f_[k], contacts_[k], contact_terms_[k]);
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Parts in the lanes of S = Pack<W>, W of one shape side by side.
 
-#include "../drop_rounding.hpp"
+#include "../robot_quantities.hpp"
 #include "judge.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"

@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "../drop_rounding.hpp"
 #include "judge.hpp"
 #include "lanes.hpp"
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
@@ -163,14 +160,12 @@ class SideBySide {
   std::uint64_t serial_ = 0;  // the solution and the islands that kinematics, M, K, L, D are of
   std::vector<const Island*> kept_;
 
-  VecX<S> q_, v_, tau_, h_;
+  VecX<S> q_, v_, tau_;
   SE3<S> base_;
   std::vector<SE3<S>> bMB_;  // per contact, where B is the world: its placement
   Mask usable_;              // q, v, tau are finite, quaternions of unit length
 
-  Kinematics<S> kin_;
-  std::vector<Inertia<S>> Yc_;
-  std::vector<Vec6<S>> f_;
+  RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
 
   std::vector<S> K_, L_, D_;  // as KktMatrix, LdlSymbolic have them
@@ -217,11 +212,8 @@ SideBySide<S>::SideBySide(const Scene& scene, const Island& island, const Island
       q_(model_->nq),
       v_(model_->nv),
       tau_(model_->nv),
-      h_(model_->nv),
       bMB_(island.contacts.size()),
-      kin_(*model_),
-      Yc_(model_->njoints()),
-      f_(model_->njoints()),
+      robot_(*model_),
       K_(pattern_->K.nonzeros()),
       L_(pattern_->ldl.nonzeros()),
       D_(pattern_->size()),
@@ -325,9 +317,7 @@ void SideBySide<S>::load(const Job& job, std::span<const Island* const> islands)
 
 template <class S>
 void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
-  forward_kinematics<S>(*model_, base_, q_, kin_);
-  forward_accelerations<S>(*model_, v_, nullptr, scene.gravity, kin_);
-  inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
+  internal::evaluate_bias<S>(*model_, base_, q_, v_, scene.gravity, robot_);
   evaluate_inertia();
   evaluate_rows(scene, island);
 }
@@ -335,15 +325,14 @@ void SideBySide<S>::evaluate(const Scene& scene, const Island& island) {
 /// M in K.
 template <class S>
 void SideBySide<S>::evaluate_inertia() {
-  const int* slot = pattern_->M_slot.data();
-  crba<S>(*model_, kin_, Yc_, slot, K_.data());
-  internal::drop_rounding<S>(*model_, kin_, Yc_, slot, K_.data());
+  internal::evaluate_inertia<S>(*model_, robot_, pattern_->M_slot.data(), K_.data());
 }
 
 template <class S>
 void SideBySide<S>::evaluate_rows(const Scene& scene, const Island& island) {
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    rows_on_one_robot<S>(scene.gravity, scene.contacts[island.contacts[k]], supports_[k], kin_, bMB_[k], contacts_[k]);
+    rows_on_one_robot<S>(scene.gravity, scene.contacts[island.contacts[k]], supports_[k], robot_.kin, bMB_[k],
+                         contacts_[k]);
 }
 
 /// J and -delta I in K.
@@ -360,7 +349,7 @@ void SideBySide<S>::assemble_rows(double damping) {
 template <class S>
 void SideBySide<S>::assemble_right_side() {
   const KktPattern& p = *pattern_;
-  for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - h_[i];
+  for (int i = 0; i < model_->nv; ++i) b_[p.iperm[i]] = tau_[i] - robot_.h[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) b_[rows_of(k)[i]] = -contacts_[k].a0[i];
 }
@@ -512,7 +501,7 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
   if (!kept) {
     load_state(job, islands);
     keep(job.serial, islands);
-    forward_kinematics<S>(*model_, base_, q_, kin_);
+    forward_kinematics<S>(*model_, base_, q_, robot_.kin);
     evaluate_inertia();
   }
   load_each(islands, model_->nv, a_.data(),
@@ -520,7 +509,7 @@ void SideBySide<S>::linearise(const Job& job, std::span<const Island* const> isl
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     load_each(islands, static_cast<int>(contact_f_[k].size()), contact_f_[k].data(),
               [&](const Island& i) { return job.f + job.f_offset[i.contacts[k]]; });
-  forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, kin_);
+  forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, robot_.kin);
   evaluate_rows(job.scene, first);
   for (std::size_t i = 0; i < slope_.size(); ++i)
     for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
@@ -561,7 +550,7 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
     const Robot& robot = scene.robots[in_lane(islands, l).robots.front()];
     for (int i = 0; i < model_->nu(); ++i) w_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
   }
-  tangent_motions<S>(*model_, kin_, a_.data(), dq_.data(), dv_.data(), body_);
+  tangent_motions<S>(*model_, robot_.kin, a_.data(), dq_.data(), dv_.data(), body_);
   std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
   std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -574,7 +563,7 @@ void SideBySide<S>::jvp(const ProductJob& job, std::span<const Island* const> is
     add_force<S>(contact, rows, dF, dfext_);
     for (Eigen::Index i = 0; i < dr2.size(); ++i) b_[rows_of(k)[i]] = -dr2[i];
   }
-  tangent_torques<S>(*model_, kin_, body_, fext_, dfext_, f_, df_, dq_.data());
+  tangent_torques<S>(*model_, robot_.kin, body_, fext_, dfext_, robot_.f, df_, dq_.data());
   for (int i = 0; i < nv; ++i) b_[p.iperm[i]] = w_[i] - dq_[i];
   for (std::size_t i = 0; i < slope_.size(); ++i) b_[p.iperm[i]] -= slope_[i] * dv_[i];
   solve_once_refined();
@@ -599,10 +588,10 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
   }
   solve_once_refined();  // l = K^-1 [wa; -wf]
   for (int i = 0; i < nv; ++i) w_[i] = x_[p.iperm[i]];
-  virtual_velocities<S>(*model_, kin_, w_.data(), u_);
+  virtual_velocities<S>(*model_, robot_.kin, w_.data(), u_);
   const Vec6<S> zero = Vec6<S>::Zero();
   std::fill(body_.begin(), body_.end(), BodyVariationOf<S>{zero, zero, zero, zero});
-  add_body_adjoints<S>(*model_, kin_, u_, body_);
+  add_body_adjoints<S>(*model_, robot_.kin, u_, body_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = scene.contacts[first.contacts[k]];
     VecX<S>& l = contact_scratch_[k];
@@ -612,7 +601,7 @@ void SideBySide<S>::vjp(const ProductJob& job, std::span<const Island* const> is
     contact_adjoint<S>(contact, contacts_[k], u_[contact.A.joint], between ? u_[contact.B.joint] : zero, contact_f_[k],
                        l, body_[contact.A.joint], between ? body_[contact.B.joint] : nobody);
   }
-  pull_back<S>(*model_, kin_, a_.data(), u_, body_, dq_.data(), dv_.data());
+  pull_back<S>(*model_, robot_.kin, a_.data(), u_, body_, dq_.data(), dv_.data());
   for (std::size_t i = 0; i < slope_.size(); ++i) dv_[i] += slope_[i] * w_[i];
   for (std::size_t l = 0; l < islands.size(); ++l) {
     const Robot& robot = scene.robots[islands[l]->robots.front()];

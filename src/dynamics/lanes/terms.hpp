@@ -4,9 +4,8 @@
 
 #include <limits>
 
-#include "../drop_rounding.hpp"
+#include "../robot_quantities.hpp"
 #include "lanes.hpp"
-#include "manycontact/algorithm/rnea.hpp"
 
 namespace manycontact::lanes {
 
@@ -83,14 +82,7 @@ template <class S>
 class RobotTermsOf {
  public:
   explicit RobotTermsOf(std::shared_ptr<const Model> model)
-      : model_(std::move(model)),
-        q_(model_->nq),
-        v_(model_->nv),
-        h_(model_->nv),
-        kin_(*model_),
-        Yc_(model_->njoints()),
-        f_(model_->njoints()),
-        M_(model_->M_begin[model_->nv]) {}
+      : model_(std::move(model)), q_(model_->nq), v_(model_->nv), robot_(*model_), M_(model_->M_begin[model_->nv]) {}
 
   void evaluate(const Vec3<double>& gravity, std::span<RobotTerms::Robot> robots) {
     const double* from[8];
@@ -99,11 +91,8 @@ class RobotTermsOf {
     load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.v; }), model_->nv, v_.data());
     if (!model_->floating_base)
       load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.base; }), 12, numbers_of(base_));
-    forward_kinematics<S>(*model_, base_, q_, kin_);
-    forward_accelerations<S>(*model_, v_, nullptr, gravity, kin_);
-    inverse_dynamics<S>(*model_, kin_, nullptr, {}, f_, h_);  // h = ID(q, v, 0)
-    crba<S>(*model_, kin_, Yc_, M_.data());
-    internal::drop_rounding<S>(*model_, kin_, Yc_, nullptr, M_.data());
+    internal::evaluate_bias<S>(*model_, base_, q_, v_, gravity, robot_);
+    internal::evaluate_inertia<S>(*model_, robot_, nullptr, M_.data());
     store(robots);
   }
 
@@ -111,7 +100,7 @@ class RobotTermsOf {
   static S* numbers_of(SE3<S>& M) { return M.R.data(); }
 
   void store(std::span<RobotTerms::Robot> robots) {
-    const RobotTerms::Arrays<S> arrays = RobotTerms::arrays_of(kin_, Yc_, M_.data(), h_.data());
+    const RobotTerms::Arrays<S> arrays = RobotTerms::arrays_of(robot_.kin, robot_.Yc, M_.data(), robot_.h.data());
     const RobotTerms::Counts counts = RobotTerms::counts_of(*model_);
     S sum(0);  // finite numbers times zero are zero
     for (std::size_t k = 0; k < arrays.size(); ++k) {
@@ -124,11 +113,9 @@ class RobotTermsOf {
   }
 
   std::shared_ptr<const Model> model_;
-  VecX<S> q_, v_, h_;
+  VecX<S> q_, v_;
   SE3<S> base_;
-  Kinematics<S> kin_;
-  std::vector<Inertia<S>> Yc_;
-  std::vector<Vec6<S>> f_;
+  RobotQuantities<S> robot_;
   std::vector<S> M_;
 };
 
