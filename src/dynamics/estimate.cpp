@@ -21,8 +21,6 @@ Apply inverse(IslandWork& d) {
   return [&d](double* x) { d.factor->solve(x); };
 }
 
-double largest(const Vec6<double>& x) { return x.cwiseAbs().maxCoeff(); }
-
 // Sizes of the linear and the angular part of a motion or a force: a body that only slides has no lever, and its
 // turning is not to count with the lever of where it stands.
 struct TwistSize {
