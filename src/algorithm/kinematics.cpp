@@ -34,7 +34,7 @@ struct Turns {
 
 // The columns of J for one joint, M being the child frame.
 template <class S>
-inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
+[[gnu::always_inline]] inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
   const int iv = joint.idx_v;
   switch (joint.type) {
     case JointType::kRevolute: {
@@ -64,14 +64,16 @@ inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
 
 // Motion subspace and inertia of body i, which is placed.
 template <class S>
-inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
+[[gnu::always_inline]] inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
   fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
   kin.Y[i] = model.joints[i].inertia.template cast<S>().transformed(kin.oMi[i]);
 }
 
-// Places a body whose parent is placed, its joint turned by the angle of s and c.
+// A body whose parent is placed, its joint turned by the angle of s and c. In one with fill_body: a frame is read again
+// as soon as it is written.
 template <class S>
-inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s, const S& c, Kinematics<S>& kin) {
+[[gnu::always_inline]] inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s,
+                                              const S& c, Kinematics<S>& kin) {
   const Joint& joint = model.joints[i];
   SE3<S>& M = kin.oMi[i];
   const SE3<S>& P = kin.oMi[joint.parent];
@@ -81,6 +83,18 @@ inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const
   else
     M.R = P.R;
   move_frame<S>(joint, q, s, c, M.R, M.p);
+  fill_body<S>(model, i, kin);
+}
+
+// A body on its tree's path; with the root the whole path is placed. Few bodies are, so the code stands apart.
+template <class S, class B>
+[[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
+                                    const S& c, Kinematics<S>& kin) {
+  const int tree = model.tree_of[i];
+  if (model.joints[i].parent < 0)
+    kin.origins[tree] =
+        place_path<S, B>(model, model.trees[tree], base, q, s, c, [&kin](int j) -> SE3<S>& { return kin.oMi[j]; });
+  fill_body<S>(model, i, kin);
 }
 
 }  // namespace
@@ -91,14 +105,11 @@ void forward_kinematics(const Model& model, const SE3<B>& base, const ConstVecRe
   for (int first = 0; first < n;) {
     const int end = std::min(first + kAngles<S>, n);
     const Turns<S> turns(model, q, first, end);
-    for (int i = first; i < end; ++i) {
-      const int tree = model.tree_of[i];
-      if (model.trees[tree].root == i)
-        kin.origins[tree] = place_path<S, B>(model, model.trees[tree], base, q, turns.s[i - first], turns.c[i - first],
-                                             [&kin](int j) -> SE3<S>& { return kin.oMi[j]; });
-      if (!model.on_path[i]) place_body<S>(model, q, i, turns.s[i - first], turns.c[i - first], kin);
-      fill_body<S>(model, i, kin);
-    }
+    for (int i = first; i < end; ++i)
+      if (model.on_path[i])
+        body_on_path<S, B>(model, base, q, i, turns.s[i - first], turns.c[i - first], kin);
+      else
+        place_body<S>(model, q, i, turns.s[i - first], turns.c[i - first], kin);
     first = end;
   }
 }

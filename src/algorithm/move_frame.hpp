@@ -32,7 +32,8 @@ inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
 
 /// From the joint frame's R, p to the child frame's. s, c: sine and cosine of its angle.
 template <class S>
-inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c, Mat3<S>& R, Vec3<S>& p) {
+[[gnu::always_inline]] inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c,
+                                              Mat3<S>& R, Vec3<S>& p) {
   const int iq = joint.idx_q;
   switch (joint.type) {
     case JointType::kRevolute:

@@ -118,8 +118,6 @@ int states_side_by_side(const Workspace& w) {
   };
   for (const auto& [key, group] : w.lanes.groups)
     if (leaves_room(group.islands)) return width;
-  for (const auto& [model, group] : w.term_groups.robots)
-    if (leaves_room(group.members)) return width;
   return 1;
 }
 

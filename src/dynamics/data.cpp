@@ -7,8 +7,6 @@
 
 namespace manycontact {
 
-RobotData::RobotData(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
-
 Workspace::Workspace(const Scene& s) : scene(s) {
   robots.reserve(s.robots.size());
   for (const Robot& robot : s.robots) robots.emplace_back(*robot.model);

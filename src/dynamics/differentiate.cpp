@@ -6,9 +6,8 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
-#include "by_robots.hpp"
-#include "cut.hpp"
 #include "steps.hpp"
+#include "systems/robots/joined_derivatives.hpp"
 #include "threads.hpp"
 
 namespace manycontact {
@@ -46,12 +45,11 @@ void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, Is
   Workspace& w = *data.workspace;
   IslandWork& d = *w.islands[i];
   const auto none = [&out] { out.X.setConstant(std::numeric_limits<double>::quiet_NaN()); };
-  if (!d.factor && !goes_by_robots(d)) return none();
-  const AtSolution at(scene, data, d.island);
-  derivative_terms(scene, data, d.island, data.f);
   if (differentiate_by_robots(scene, data, d, out)) return;
   if (d.in_lanes) complete_island(scene, data, d, thread);
   if (!d.factor) return none();
+  const AtSolution at(scene, data, d.island);
+  derivative_terms(scene, data, d.island, data.f);
   out.X.setZero();
   derivative_rhs(scene, *w.linearisation, data.v, d, out);
   const bool deficient = rank_deficient(d) && out.request.q;
@@ -68,10 +66,6 @@ namespace {
 void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, ThreadWork& thread) {
   IslandWork& d = *data.workspace->islands[i];
   IslandDerivatives& out = data.workspace->derivatives.islands[i];
-  if (goes_by_robots(d) && d.in_lanes)
-    assemble_island(scene, data, d.choice.order, scene.damping, d);  // K, that the derivatives are judged by
-  else if (d.in_lanes)
-    complete_island(scene, data, d, thread);
   differentiate_island(scene, data, i, out, thread);
   if (!d.factor) return;
   const bool bodies = by_bodies(d), refused = bodies ? out.X.hasNaN() : out.X.size() > 0 && std::isnan(out.X(0, 0));
@@ -85,7 +79,6 @@ void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, Thr
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
   internal::check_unasked(scene, data, "differentiate");
-  internal::evaluate_cut(scene, data);
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
@@ -98,24 +91,25 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
     if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
       internal::lay_out(scene, island, request, out);
-    internal::prepare_by_robots(*w.islands[i], out, w);
-    linearisation.assign(scene, w, *w.islands[i]);
+    internal::prepare_by_robots(scene, *w.islands[i], out, w);
+    if (!internal::goes_by_robots(data, *w.islands[i])) linearisation.assign(scene, w, *w.islands[i]);
   }
   const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_in_lanes(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (internal::goes_by_robots(*w.islands[i])) internal::differentiate_alone(scene, data, i, w.threads.front());
+    if (internal::goes_by_robots(data, *w.islands[i])) internal::differentiate_alone(scene, data, i, w.threads.front());
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.islands[i]->served_in_lanes() && !internal::goes_by_robots(*w.islands[i]))
+    if (!w.islands[i]->served_in_lanes() && !internal::goes_by_robots(data, *w.islands[i]))
       internal::differentiate_alone(scene, data, i, thread);
   });
   bool all_linearised = true;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    all_linearised = all_linearised && !w.islands[i]->served_in_lanes();
+    all_linearised =
+        all_linearised && !w.islands[i]->served_in_lanes() && !internal::goes_by_robots(data, *w.islands[i]);
     w.derivatives.islands[i].stamp = {&w.current, data.serial};
   }
-  w.kinematics_known =
-      std::all_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return !d->in_lanes || d->cut; });
+  w.kinematics_known = std::all_of(w.islands.begin(), w.islands.end(),
+                                   [](const auto& d) { return !d->in_lanes || (d->joined && d->joined->terms_known); });
   w.derivatives_serial = data.serial;
   w.linearised_serial = all_linearised ? data.serial : 0;
   return w.derivatives;
@@ -132,6 +126,7 @@ namespace {
 void release(IslandWork& d) {
   d.derivatives = {};
   d.by_robots.reset();
+  if (d.joined && !d.joined->solves) d.joined.reset();  // made for derivatives
   d.rows.reset();
   d.all.reset();
   for (Factor* factor : {d.chosen.get(), d.safe.get(), d.dense.get()})

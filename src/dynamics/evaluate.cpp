@@ -1,5 +1,3 @@
-#include "drop_rounding.hpp"
-#include "manycontact/algorithm/rnea.hpp"
 #include "steps.hpp"
 
 namespace manycontact::internal {
@@ -8,11 +6,9 @@ void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector&
   const Robot& robot = scene.robots[i];
   const Model& model = *robot.model;
   RobotData& r = w.robots[i];
-  forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
-  forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);
-  inverse_dynamics<double>(model, r.kin, nullptr, {}, r.f, r.h);  // h = ID(q, v, 0)
-  crba<double>(model, r.kin, r.Yc, r.M.data());
-  drop_rounding<double>(model, r.kin, r.Yc, nullptr, r.M.data());
+  evaluate_bias<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv),
+                        scene.gravity, r);
+  evaluate_inertia<double>(model, r, nullptr, r.M.data());
   r.known = true;
 }
 

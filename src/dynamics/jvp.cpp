@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "bodies.hpp"
-#include "cut.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/products.hpp"
 #include "steps.hpp"
@@ -176,42 +175,42 @@ void formed_vjp(const Scene& scene, SceneData& data, std::size_t i, const ConstV
                     [&](int to, int from, int n) { wu.segment(to, n) = out.segment(D.u_first + from, n); });
 }
 
-// work(number, memory of the thread) for each island that no lane serves. Those that were cut have their own use for
+// work(number, memory of the thread) for each island that no lane serves. Those of joined robots have their own use for
 // all threads.
 template <class Work>
 void each_alone(SceneData& data, Work&& work) {
   Workspace& w = *data.workspace;
-  const auto cut = [&](std::size_t i) { return internal::solved_cut(data, *w.islands[i]); };
+  const auto joined = [&](std::size_t i) { return internal::solved_joined(data, *w.islands[i]); };
   for (std::size_t i = 0; i < w.islands.size(); ++i)
-    if (cut(i)) work(i, w.threads.front());
+    if (joined(i)) work(i, w.threads.front());
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.islands[i]->served_in_lanes() && !cut(i)) work(i, thread);
+    if (!w.islands[i]->served_in_lanes() && !joined(i)) work(i, thread);
   });
 }
 
 // Whether there is an answer; where lanes gave it, with all that products need.
 bool solution_at_hand(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread) {
-  if (internal::solved_cut(data, d)) return true;
+  if (internal::solved_joined(data, d)) return true;
   if (d.in_lanes) internal::complete_island(scene, data, d, thread);
   return d.factor;
 }
 
 // v.x = K^-1 v.b, refined once.
 void solve_once_refined(const Scene& scene, SceneData& data, IslandWork& d, KktVectors& v, ProductWork& pd) {
-  if (!internal::solved_cut(data, d)) return (void)solve_refined(*d.factor, d.K, v, 1);
+  if (!internal::solved_joined(data, d)) return (void)solve_refined(*d.factor, d.K, v, 1);
   const auto turn = [&] {
     each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { pd.f.segment(first, n) *= -1; });
   };
   internal::scatter(scene, data.f_offset, *d.K.pattern, d.island, v.b.data(), pd.a, pd.f);
   turn();
-  internal::solve_once_refined_cut(scene, data, d, pd.a, pd.f);
+  internal::solve_once_refined_joined(scene, data, d, pd.a, pd.f);
   turn();
   internal::gather(scene, data.f_offset, *d.K.pattern, d.island, pd.a, pd.f, v.x.data());
 }
 
 ProductWork& begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_unasked(scene, data, function);
-  internal::evaluate_cut(scene, data);
+  internal::evaluate_joined(scene, data);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands) {
@@ -240,7 +239,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
     IslandWork& d = *data.workspace->islands[i];
     if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::jvp_by_bodies(scene, data, d, dq, dv, du, da, df);
-    if (!internal::solved_cut(data, d) && internal::rank_deficient(d))
+    if (!internal::solved_joined(data, d) && internal::rank_deficient(d))
       return formed_jvp(scene, data, i, dq, dv, du, da, df, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());
@@ -267,7 +266,7 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
     IslandWork& d = *data.workspace->islands[i];
     if (!solution_at_hand(scene, data, d, thread)) return;
     if (internal::by_bodies(d)) return internal::vjp_by_bodies(scene, data, d, wa, wf, wq, wv, wu);
-    if (!internal::solved_cut(data, d) && internal::rank_deficient(d))
+    if (!internal::solved_joined(data, d) && internal::rank_deficient(d))
       return formed_vjp(scene, data, i, wa, wf, wq, wv, wu, thread);
     const AtSolution at(scene, data, d.island);
     thread.v.resize(d.K.size());

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "by_robots.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
 
@@ -90,13 +89,9 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
   Linearisation& lin = *w.linearisation;
   contact_forces(scene, island, lin.contacts, data.f_offset, f,
                  [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
-  const bool shared = goes_by_robots(*w.islands[w.robot_island[island.robots.front()]]);
-  each_part(w, shared, island.robots.size(), [&](std::size_t k) {
-    const int r = island.robots[k];
+  for (int r : island.robots)
     rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
-  });
-  each_part(w, shared, island.contacts.size(), [&](std::size_t k) {
-    const int c = island.contacts[k];
+  for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
     // A body that cannot move may be of a robot of another island: its terms are not read.
@@ -104,7 +99,7 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
     const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
                                 f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
-  });
+  }
 }
 
 }  // namespace internal

@@ -6,10 +6,9 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
-#include "by_robots.hpp"
-#include "cut.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "steps.hpp"
+#include "systems/robots/joined_derivatives.hpp"
 
 namespace manycontact {
 
@@ -180,17 +179,14 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
     w.shelves.clear();
-    w.lanes.groups.clear();
-    w.term_groups = {};
-    w.cut_groups.clear();
+    w.lanes = {};
     w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
   }
   w.options = data.options;
   change_islands(scene, data, w, all);
-  lanes::regroup(scene, w);
-  lanes::regroup_terms(scene, w);
-  prepare_cut(scene, w);
+  w.lanes.level = lanes::level_of(w.options.lanes);
+  prepare_robots(scene, w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

@@ -95,7 +95,7 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
   out.f.setConstant(data.f.size(), nan);
   out.h.resize(scene.nv);
   for (int r = 0; r < scene.nrobots(); ++r)
-    out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.h[r];
+    out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
   for (const auto& island : data.workspace->islands) {
     IslandWork& d = *island;
     if (d.factor && d.factor->method() == Method::kSparseLdl && !internal::rank_deficient(d)) {

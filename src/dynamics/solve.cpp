@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "bodies.hpp"
-#include "cut.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_wanted.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -64,7 +63,7 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
 bool ready_for_ladder(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
                       IslandReport& report) {
   if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
-  if (!d.terms_in_lanes) evaluate(scene, q, v, *data.workspace, d.island);
+  evaluate(scene, q, v, *data.workspace, d.island);
   report.reason = check_input(scene, q, v, data.tau, d.island);
   return report.reason == Reason::kNone;
 }
@@ -124,7 +123,6 @@ namespace {
 void solve_dependent(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data) {
   Workspace& w = *data.workspace;
   if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->was_dependent; })) return;
-  evaluate_in_lanes(scene, data, [](const IslandWork& d) { return d.was_dependent; });
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     IslandReport& report = data.report.islands[i];
@@ -165,10 +163,9 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   const OneBlasOfThreads one_blas_thread(w);
   ++w.solves;  // what fails on the way may have left its number behind
   solve_dependent(scene, q, v, data);
-  solve_in_lanes(scene, data);
-  solve_cut(scene, data);
+  solve_alone(scene, data);
+  solve_joined(scene, data);
   const auto left = [](const IslandWork& d) { return !d.in_lanes && !d.was_dependent; };
-  evaluate_in_lanes(scene, data, left);
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     if (left(d)) solve_island(scene, q, v, data, thread.scratch, d, data.report.islands[i]);

@@ -16,17 +16,6 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
                    const Island& island);
 /// An island's report as it is before it is solved; keeps the memory of its list.
 void reset(IslandReport& report, const Island& island);
-/// Solves the islands that stand in lanes, at w.q, data.v, data.tau. Those that come out unsound are left as they were.
-void solve_in_lanes(const Scene& scene, SceneData& data);
-/// How an island's robots are joined; made when first asked for.
-const std::shared_ptr<const Joining>& joining_of(IslandWork& island);
-/// Derivatives of the islands whose answer came from a lane into w.derivatives, and products with them, where that is
-/// safe (IslandWork::served_in_lanes). Vectors in the scene's coordinates, as in jvp.hpp.
-void differentiate_in_lanes(const Scene& scene, SceneData& data);
-void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
-                  double* df);
-void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-                  double* wu);
 /// Kinematics, K and factor of the islands that were solved in lanes, as if they had been solved alone.
 void complete(const Scene& scene, const SceneData& data);
 void complete_island(const Scene& scene, const SceneData& data, IslandWork& island, ThreadWork& thread);
@@ -34,9 +23,6 @@ void complete_island(const Scene& scene, const SceneData& data, IslandWork& isla
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, int robot);
 void evaluate_contact(const Scene& scene, Workspace& work, int contact);
-/// The same for all islands that have terms_in_lanes and are wanted, at w.q, data.v. What a lane cannot do is done
-/// alone.
-void evaluate_in_lanes(const Scene& scene, const SceneData& data, bool (*wanted)(const IslandWork&));
 /// What row i of a contact is asked for, as accelerations.
 inline double wanted_in(const SceneData& data, int contact, Eigen::Index i) {
   const double* wanted = data.workspace->wanted;

@@ -17,13 +17,6 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
   });
 }
 
-/// work(item) likewise; but where not `shared`, all by the thread that calls.
-template <class Work>
-void each_part(Workspace& w, bool shared, std::size_t count, Work&& work) {
-  if (shared) return each_item(w, count, [&work](std::size_t item, ThreadWork&) { work(item); });
-  for (std::size_t item = 0; item < count; ++item) work(item);
-}
-
 /// OpenBLAS in one thread, as long as it lives, where these data have several.
 class OneBlasOfThreads {
  public:

@@ -71,7 +71,7 @@ Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const 
   out.f.resize(rows);
   out.h.resize(scene.nv);
   for (int r = 0; r < scene.nrobots(); ++r)
-    out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.h[r];
+    out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
   for (const Island& island : find_islands(scene, active))
     internal::dense_truth<S>(scene, terms, island, f_offset, u, out);
   return out;

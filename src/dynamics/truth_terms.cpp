@@ -1,34 +1,29 @@
 #include "truth_terms.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/algorithm/rnea.hpp"
 
 namespace manycontact::internal {
 
 template <class S>
 TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v) {
   TruthTerms<S> t;
-  std::vector<Vec6<S>> f;
-  std::vector<Inertia<S>> Yc;
   for (const Robot& robot : scene.robots) {
     const Model& model = *robot.model;
-    Kinematics<S>& kin = t.kin.emplace_back(model);
-    forward_kinematics<S>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
-    forward_accelerations<S>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
-    inverse_dynamics<S>(model, kin, nullptr, {}, f, t.h.emplace_back(model.nv));
+    RobotQuantities<S>& r = t.robots.emplace_back(model);
+    evaluate_bias<S>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv),
+                     scene.gravity, r);
     VecX<S> friction = VecX<S>::Zero(model.nv);
     add_friction<S>(model, v.data() + robot.idx_v, friction.data());
-    t.h.back() -= friction;
-    crba<S>(model, kin, Yc, t.M.emplace_back(packed_size(model)).data());
+    r.h -= friction;
+    crba<S>(model, r.kin, r.Yc, t.M.emplace_back(packed_size(model)).data());
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
     const ContactSupport& support = t.supports.emplace_back(contact_support(scene, contact));
     ContactData<S>& rows = t.contacts.emplace_back(contact, support);
     if (active[c])
-      contact_rows<S>(scene, contact, support, t.kin[contact.A.robot],
-                      contact.B.robot < 0 ? nullptr : &t.kin[contact.B.robot], rows);
+      contact_rows<S>(scene, contact, support, t.robots[contact.A.robot].kin,
+                      contact.B.robot < 0 ? nullptr : &t.robots[contact.B.robot].kin, rows);
   }
   return t;
 }
@@ -36,7 +31,7 @@ TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, c
 template <class S>
 VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u) {
   const Model& model = *scene.robots[robot].model;
-  VecX<S> out = -t.h[robot];
+  VecX<S> out = -t.robots[robot].h;
   for (int k = 0; k < model.nu(); ++k) out[model.actuated[k]] += u[scene.robots[robot].idx_u + k];
   return out;
 }

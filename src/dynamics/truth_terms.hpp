@@ -4,13 +4,14 @@
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/kkt/island.hpp"
+#include "robot_quantities.hpp"
 
 namespace manycontact::internal {
 
 template <class S>
 struct TruthTerms {
-  std::vector<Kinematics<S>> kin;        // per robot
-  std::vector<VecX<S>> M, h;             // per robot, M packed
+  std::vector<RobotQuantities<S>> robots;
+  std::vector<VecX<S>> M;                // per robot, packed
   std::vector<ContactSupport> supports;  // per contact of the scene
   std::vector<ContactData<S>> contacts;  // per contact of the scene; numbers of the active ones only
 };

@@ -5,9 +5,6 @@
 #include <span>
 #include <unordered_map>
 
-#include "lanes/cut.hpp"
-#include "lanes/groups.hpp"
-#include "lanes/term_groups.hpp"
 #include "linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -16,19 +13,18 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
 #include "parallel.hpp"
+#include "robot_quantities.hpp"
 #include "scene_identity.hpp"
+#include "systems/robots/robots.hpp"
 
 namespace manycontact {
 
 /// One robot's kinematics and dynamics terms, in its tree frame. By evaluate, at q, v.
-struct RobotData {
-  explicit RobotData(const Model& model);
-  bool known = false;               // of the last q, v: not where sparse-bodies answered
-  Kinematics<double> kin;           // kin.a: bias accelerations, but while an AtSolution lives
-  std::vector<Inertia<double>> Yc;  // composite inertias
-  std::vector<Vec6<double>> f;      // scratch of inverse_dynamics
-  std::vector<double> M;            // packed inertia (algorithm/crba.hpp); empty until make_joint_space
-  Eigen::VectorXd h;                // nv, Coriolis, centrifugal, gravity
+/// kin.a: bias accelerations, but while an AtSolution lives.
+struct RobotData : RobotQuantities<double> {
+  using RobotQuantities::RobotQuantities;
+  bool known = false;     // of the last q, v: not where sparse-bodies answered
+  std::vector<double> M;  // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
 /// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
@@ -41,9 +37,7 @@ struct DependentDerivatives {
 };
 
 struct BodyForm;
-struct ByRobots;
-struct CutIsland;
-struct Joining;
+struct JoinedDerivatives;
 
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
 /// and the next island of that shape takes it from there, with all its memory.
@@ -56,12 +50,11 @@ struct IslandWork {
 
   // by prepare
   Island island;
-  bool terms_in_lanes = false;                // its robots and contacts are evaluated in lanes
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
 
-  bool cut_considered = false;
-  std::unique_ptr<CutIsland> cut;          // where robot by robot in lanes is cheaper than `chosen`
-  std::shared_ptr<const Joining> joining;  // made when first needed
+  bool lanes_considered = false;
+  BlockGroup* block = nullptr;           // of one robot: where that stands in lanes; nullptr: it does not
+  std::unique_ptr<JoinedRobots> joined;  // of several: where they go robot by robot in lanes
 
   // by solve; with sparse-bodies `bodies`, and the rest only where that refuses
   std::unique_ptr<BodyForm> bodies;
@@ -81,10 +74,10 @@ struct IslandWork {
   std::vector<int> dependent;  // scratch: rows of J
 
   // by differentiate, jvp, vjp
-  IslandDerivatives derivatives;               // while on the shelf; else in Workspace::derivatives
-  std::unique_ptr<ByRobots> by_robots;         // where few rows join its robots
-  std::unique_ptr<DependentDerivatives> rows;  // where contact rows are dependent
-  std::unique_ptr<IslandDerivatives> all;      // jvp, vjp with dependent rows: everything
+  IslandDerivatives derivatives;                 // while on the shelf; else in Workspace::derivatives
+  std::unique_ptr<JoinedDerivatives> by_robots;  // where few rows join its robots
+  std::unique_ptr<DependentDerivatives> rows;    // where contact rows are dependent
+  std::unique_ptr<IslandDerivatives> all;        // jvp, vjp with dependent rows: everything
 };
 
 /// Scratch of jvp and vjp.
@@ -97,7 +90,7 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  Eigen::VectorXd a, f;  // of the scene, all contacts active: a system's vectors where an island was cut
+  Eigen::VectorXd a, f;  // of the scene, all contacts active: a system's vectors where robots are joined
 };
 
 /// Scratch of prepare.
@@ -117,20 +110,13 @@ struct ThreadWork {
   // as many as fit side by side
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
-  std::vector<lanes::RobotTerms::Robot> robots;
-  std::vector<lanes::ContactTerms::Rows> rows;
-  std::vector<lanes::ContactTerms::JoiningRows> joining;
+  std::vector<lanes::JoiningContacts::Rows> joining;
+  std::vector<lanes::JoiningContacts::Derivatives> joining_derivatives;
   // of jvp and vjp
   KktVectors v;  // of an island's system
   struct {
     Eigen::VectorXd columns, rows;
   } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
-};
-
-/// Robots of islands that are cut, which have one pattern.
-struct CutGroup {
-  std::shared_ptr<const lanes::CutRobot> robot;
-  std::vector<std::unique_ptr<lanes::CutRobots>> kernels;  // one per thread
 };
 
 struct Workspace {
@@ -154,9 +140,7 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
-  lanes::Groups lanes;                                                       // `islands` in groups
-  lanes::TermGroups term_groups;                                             // robots and contacts of larger ones
-  std::map<std::pair<const Model*, std::vector<int>>, CutGroup> cut_groups;  // by what their patterns depend on
+  InLanes lanes;
 
   // by evaluate, update_kinematics
   bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane

@@ -1,59 +1,120 @@
 #pragma once
-// Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once.
+// Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once. Of robots joined to others, the
+// columns of their own part: K_r^-1 [E, B_r], B_r what their own coordinates and torques do, E forces on the bodies
+// that contacts join (dynamics/systems/robots/joined_derivatives.cpp).
 
 #include <functional>
 #include <numeric>
 
 #include "../derivative_columns.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
-#include "side_by_side.hpp"
+#include "robot_block.hpp"
 
 namespace manycontact::lanes {
 
 template <class S>
-void SideBySide<S>::differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, double* memory,
                                   std::span<const Panel> panels) {
-  const Island& first = *islands.front();
-  linearise(job, islands);
-  derivative_terms(job.scene, first);
-  find_reach(job, panels.front().ld);
-  right_sides(job, panels.front().ld);
-  Mask plain = S(0) <= S(0);
+  linearise(job, robots, memory);
+  derivative_terms(job.scene, robots);
+  find_reach(job);
+  right_sides(job, robots);
+  for (std::size_t l = 0; l < panels.size(); ++l)
+    for (const Sampled& sample : panels[l].sampled)
+      for (int i = 0; i < rows_; ++i) {
+        const int place = place_[i * job.columns + sample.column];
+        sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
+      }
+  const S* L = inner_L();
+  Mask plain = all();
   if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
     S wanted(0);
     for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
-    plain = select(wanted > S(0), select(accurate_unrefined(), S(1), S(0)), S(1)) > S(0);
+    plain = select(wanted > S(0), select(accurate_unrefined(L), S(1), S(0)), S(1)) > S(0);
   }
-  if (plain.any()) solve_panels(panels, plain, job.past_caches);
+  if (plain.any()) solve_panels(L, panels, plain, job.past_caches);
   for (std::size_t l = 0; l < panels.size(); ++l)
-    if (!plain[static_cast<int>(l)]) solve_refined(static_cast<int>(l), panels[l]);
+    if (!plain[static_cast<int>(l)]) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
+}
+
+/// MovingEnd of each contact that joins the robots.
+template <class S>
+void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
+  linearise(job, robots, nullptr);
+  rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // of it Psid, Psidd and Sv
+  S* to = joins_.data();
+  const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
+  for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
+    const int joint = contact(k).A.joint;
+    add(origin_numbers(robot_.kin, joint), 6);
+    add(robot_.kin.oMi[joint].R.data(), 12);
+    add(robot_.kin.v[joint].data(), 6);
+    add(robot_.kin.a[joint].data(), 6);
+    for (const Mat6X<S>* of : {&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv})
+      for (int i : plan_->supports[k].a) add(of->col(i).data(), 6);
+  }
+  double* memory[8];
+  store_arrays(joins_.data(), static_cast<int>(plan_->ends_size()),
+               side_by_side(robots, memory, [](const Robot& r) { return r.ends; }));
 }
 
 /// Contact forces on the bodies, and the terms of -dr.
 template <class S>
-void SideBySide<S>::derivative_terms(const Scene& scene, const Island& island) {
-  std::fill(fext_.begin(), fext_.end(), Vec6<S>(Vec6<S>::Zero()));
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    add_force<S>(contact, contacts_[k], contacts_[k].W.transpose() * contact_f_[k], fext_);
+void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
+  add_forces(scene, robots, fext_);
+  const double* from[8];
+  std::size_t next = 0;
+  for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
+    Vec6<S> F;
+    load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }), 6,
+                F.data());
+    fext_[contact(k).A.joint] += F;
+    next += MovingEnd::size(plan_->supports[k].a.size());
   }
-  rnea_derivatives<S>(*model_, kin_, Yc_, fext_, rnea_);
+  rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, fext_, rnea_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const bool between = contact.B.robot >= 0;
-    contact_derivatives<S>(contact, supports_[k], kin_, between ? &kin_ : nullptr, rnea_, between ? &rnea_ : nullptr,
-                           contact_f_[k], contacts_[k], contact_terms_[k]);
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const bool between = moves(c.B);
+    contact_derivatives<S>(c, plan_->supports[k], robot_.kin, between ? &robot_.kin : nullptr, rnea_,
+                           between ? &rnea_ : nullptr, contact_f_[k], contacts_[k], contact_terms_[k]);
   }
+}
+
+/// Rows of a coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
+template <class S>
+void RobotBlock<S>::find_places() {
+  const int nv = model_->nv;
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> places;
+  places.setZero(rows_, nv);
+  for (int i = 0; i < nv; ++i)
+    for (int j = i; j >= 0; j = model_->dof_parent[j]) places(i, j) = places(j, i) = true;
+  const auto of_tree = places;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const ContactDerivativesOf<S>& terms = contact_terms_[k];
+    for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
+      for (int i : *chain) {
+        places.col(i).segment(nv + plan_->island.row_offset[k], contacts_[k].a0.size()).setOnes();
+        // a force on one of two bodies moves with the other
+        for (const std::vector<int>* other : {&terms.chain_a, &terms.chain_b})
+          for (int j : *other) places(j, i) = true;
+      }
+  }
+  for (int i = 0; i < places.rows(); ++i)
+    for (int j = 0; j < nv; ++j)
+      if (places(i, j)) places_.push_back({i, j, of_tree(i, j)});
 }
 
 /// What never changes of right-hand sides, and in which chunks of columns they are solved.
 template <class S>
-void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
-  const int size = pattern_->size();
+void RobotBlock<S>::find_reach(const DerivativeJob& job) {
+  const int size = rows_, ld = job.columns;
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
   chunks_.clear();  // so that they are not taken for found, should memory run out
   std::vector<std::vector<char>> reach(ld / kPart, std::vector<char>(size, 0));
-  const auto set = [&](int row, int column) { reach[column / kPart][pattern_->iperm[row]] = 1; };
+  const auto set = [&](int row, int column) { reach[column / kPart][inner_.iperm[row]] = 1; };
+  for (std::size_t k = 0; k < plan_->joins(); ++k)
+    for (int i : plan_->supports[contacts_.size() + k].a)
+      for (int c = 0; c < 6; ++c) set(i, static_cast<int>(6 * k) + c);
   for (const auto& [i, j, of_tree] : places_) {
     if (job.request.q) set(i, job.q_first + j);
     if (job.request.v) set(i, job.v_first + j);
@@ -73,14 +134,14 @@ void SideBySide<S>::find_reach(const DerivativeJob& job, int ld) {
 /// Bands of columns whose answers stay in the second cache; in each, chunks of parts that reach much the same rows.
 /// reach: of each part, in the pattern's order. Memory, and where right-hand sides and answers stand in it.
 template <class S>
-auto SideBySide<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
+auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
   constexpr int kWhole = std::lcm(8, kColumns);
-  const std::size_t size = D_.size();
+  const std::size_t size = static_cast<std::size_t>(rows_);
   const int parts = ld / kPart,
             wide = std::max(static_cast<int>(kBand / (size * sizeof(Number))), kWhole) / kWhole * kWhole / kPart;
   std::vector<std::vector<char>> reached(reach.begin(), reach.end());
-  for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
+  for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
   std::vector<int> order(parts);  // those that reach nothing come last
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -105,14 +166,14 @@ auto SideBySide<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
     for (std::size_t k = 0; k < size; ++k)
       for (int c = 0; rows[k] && c < columns; ++c, ++count)
         if (c < chunk.parts * kPart)
-          place_[pattern_->perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count);
+          place_[inner_.perm[k] * ld + chunk.first[c / kPart] + c % kPart] = static_cast<int>(count);
     for (int k = 0; k < chunk.parts; ++k) pieces_[chunk.first[k] / kPart] = {at + k * kPart, columns};
     most = std::max(most, at += columns * size);
     chunks.push_back(chunk);
     bands_.back().end = std::min((band + 1) * wide, parts);
     bands_.back().chunk_end = chunks.size();
     reach_.insert(reach_.end(), rows.begin(), rows.end());
-    sparse::ldl_scheduled_reach(pattern_->schedule(), rows.data());
+    sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
     reached_.insert(reached_.end(), rows.begin(), rows.end());
   }
   B_.assign(count, S(0));
@@ -120,12 +181,23 @@ auto SideBySide<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   return chunks;
 }
 
-/// B = [-dr/dq -dr/dv S], S selecting the torques, which is there already.
+/// B = [E -dr/dq -dr/dv S], S selecting the torques, which is there already.
 template <class S>
-void SideBySide<S>::right_sides(const DerivativeJob& job, int ld) {
-  const Placed B{B_.data(), place_.data(), ld};
+void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
+  const Placed B{B_.data(), place_.data(), job.columns};
   for (int k : unset_) B_[k] = S(0);
-  const auto rows = [&](std::size_t k, int first) { return B.block(model_->nv + row_offset_[k], first); };
+  const double* from[8];
+  std::size_t next = 6;  // J_l of an end, behind the force
+  for (std::size_t k = 0; k < plan_->joins(); ++k) {
+    const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
+    load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
+                static_cast<int>(6 * columns.size()), joins_.data());
+    const S* x = joins_.data();
+    for (int i : columns)
+      for (int c = 0; c < 6; ++c) B(i, static_cast<int>(6 * k) + c) = *x++;
+    next += MovingEnd::size(columns.size());
+  }
+  const auto rows = [&](std::size_t k, int first) { return B.block(model_->nv + plan_->island.row_offset[k], first); };
   if (job.request.q) {
     const Placed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
@@ -147,24 +219,33 @@ void SideBySide<S>::right_sides(const DerivativeJob& job, int ld) {
 /// Lanes in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
 /// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
 template <class S>
-typename S::Mask SideBySide<S>::accurate_unrefined() {
-  sparse::ldl_row_sums(pattern_->K, numbers(K_.data()), pattern_->ldl, numbers(L_.data()), numbers(D_.data()),
-                       numbers(r_.data()), numbers(scale_.data()));
+typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
+  sparse::ldl_row_sums(inner_.K, numbers(n_.K), inner_.ldl, numbers(L), numbers(n_.D), numbers(r_.data()),
+                       numbers(scale_.data()));
   S of_factor(0), of_K(0);
-  for (std::size_t k = 0; k < r_.size(); ++k) {
+  for (int k = 0; k < rows_; ++k) {
     of_factor = larger(r_[k], of_factor);
     of_K = larger(scale_[k], of_K);
   }
   return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
+/// L of K_r: without the border's rows, which are the last of each column.
+template <class S>
+const S* RobotBlock<S>::inner_L() {
+  if (plan_->border == 0) return n_.L;
+  for (int j = 0; j < rows_; ++j)
+    std::copy_n(n_.L + pattern_.ldl.Lp[j], inner_.ldl.Lp[j + 1] - inner_.ldl.Lp[j], inner_L_.data() + inner_.ldl.Lp[j]);
+  return inner_L_.data();
+}
+
 /// [da; df] = K^-1 B, into the panels of the lanes that are plain.
 template <class S>
-void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool past_caches) {
-  for (std::size_t k = 0; k < D_.size(); ++k) correction_[k] = S(1) / D_[k];
-  sparse::ldl_pack(pattern_->schedule(), L_.data(), packed_.data());
+void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool past_caches) {
+  for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
+  sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
-    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(c);
+    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c);
     // Many panels are not in the caches: they are written from one end to the other.
     if (past_caches)
       write(band, panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
@@ -178,20 +259,19 @@ void SideBySide<S>::solve_panels(std::span<const Panel> panels, Mask plain, bool
 /// it.
 template <class S>
 template <class Put>
-void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
+void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
   using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
   const Number* x = answer();
-  const int ld = panels.front().ld;
   double* to[W] = {};
+  std::ptrdiff_t ld[W] = {};
   for (std::size_t l = 0; l < panels.size(); ++l)
-    if (plain[static_cast<int>(l)]) to[l] = panels[l].X;
-  for (int i = 0; i < pattern_->size(); ++i) {
-    const int k = pattern_->iperm[i];
+    if (plain[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
+  for (int i = 0; i < rows_; ++i) {  // to: row i
+    const int k = inner_.iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * ld;
     if constexpr (W == 1) {
       for (int j = band.first; j < band.end; ++j)
-        put(Row::load(x + pieces_[j].at + k * pieces_[j].stride).times(sign), *to + row + j * kPart);
+        put(Row::load(x + pieces_[j].at + k * pieces_[j].stride).times(sign), *to + j * kPart);
     } else {
       const S* x_k = x + k * kColumns;
       for (int j = band.first; j < band.end; j += W) {
@@ -201,27 +281,28 @@ void SideBySide<S>::write(const Band& band, std::span<const Panel> panels, Mask 
         transpose(block);
 #pragma GCC unroll 8
         for (int l = 0; l < W; ++l)
-          if (to[l]) put(Row::load(reinterpret_cast<const double*>(block + l)), to[l] + row + j);
+          if (to[l]) put(Row::load(reinterpret_cast<const double*>(block + l)), to[l] + j);
       }
     }
+    for (int l = 0; l < W; ++l) to[l] += ld[l];
   }
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_chunk(std::size_t chunk) {
+void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk) {
   if (chunks_[chunk].columns() == N)
-    solve_columns<N>(chunk);
+    solve_columns<N>(L, chunk);
   else if constexpr (W == 1 && N > kPart)
-    solve_chunk<N - kPart>(chunk);
+    solve_chunk<N - kPart>(L, chunk);
 }
 
 template <class S>
 template <int N>
-void SideBySide<S>::solve_columns(std::size_t chunk) {
+void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
   using Row = sparse::kernel::Tile<Number, N>;
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
-  const std::size_t size = D_.size();
+  const std::size_t size = static_cast<std::size_t>(rows_);
   const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
   const Number* b = numbers(B_.data()) + chunks_[chunk].at;
   Number* x = answer() + chunks_[chunk].answer;
@@ -229,7 +310,7 @@ void SideBySide<S>::solve_columns(std::size_t chunk) {
     std::fill_n(x, size * N, Number(0));
     return;
   }
-  const sparse::LdlSchedule& schedule = pattern_->schedule();
+  const sparse::LdlSchedule& schedule = inner_schedule_;
   for (int block = 0; block < schedule.blocks(); ++block) {
     const int end = schedule.block[block + 1];
     if (!reached[end - 1]) continue;
@@ -240,26 +321,29 @@ void SideBySide<S>::solve_columns(std::size_t chunk) {
         Row::all(Number(0)).store(x + k * N);
     }
   }
-  sparse::kernel::solve_columns<N, kInRegisters>(schedule, numbers(L_.data()), numbers(packed_.data()),
-                                                 numbers(correction_.data()), reached, x, [](int, const auto&) {});
+  sparse::kernel::solve_columns<N, kInRegisters>(schedule, numbers(L), numbers(packed_.data()),
+                                                 numbers(inverse_.data()), reached, x, [](int, const auto&) {});
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.
 template <class S>
-void SideBySide<S>::solve_refined(int lane, const Panel& panel) {
-  const auto take = [lane](const S* from, std::size_t count, double* to) {
-    for (std::size_t k = 0; k < count; ++k) to[k] = from[k][lane];
+void RobotBlock<S>::solve_refined(const S* L, int lane, const Panel& panel, int columns) {
+  const auto take = [lane](const S* from, std::vector<double>& to) {
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k][lane];
   };
-  take(D_.data(), D_.size(), Dx_.data());
-  take(K_.data(), K_.size(), Kx_.data());
-  take(L_.data(), L_.size(), Lx_.data());
-  for (std::size_t k = 0; k < place_.size(); ++k) panel.X[k] = place_[k] < 0 ? 0 : B_[place_[k]][lane];
+  take(n_.D, Dx_);
+  take(n_.K, Kx_);
+  take(L, Lx_);
+  const auto at = [&](int i) { return panel.X + static_cast<std::ptrdiff_t>(i) * panel.ld; };
+  const int* place = place_.data();
+  for (int i = 0; i < rows_; ++i)
+    for (int j = 0; j < columns; ++j, ++place) at(i)[j] = *place < 0 ? 0 : B_[*place][lane];
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  sparse::panel_kernels().solve_refined(pattern_->schedule(), pattern_->K, Kx_.data(), Lx_.data(), Dx_.data(),
-                                        pattern_->perm.data(), panel.X, panel.ld, 0, panel.ld, nonzero_.data(),
+  sparse::panel_kernels().solve_refined(inner_schedule_, inner_.K, Kx_.data(), Lx_.data(), Dx_.data(),
+                                        inner_.perm.data(), panel.X, panel.ld, 0, columns, nonzero_.data(),
                                         work_.data());
-  for (std::size_t k = static_cast<std::size_t>(model_->nv) * panel.ld; k < place_.size(); ++k)
-    panel.X[k] = -panel.X[k];
+  for (int i = model_->nv; i < rows_; ++i)
+    for (int j = 0; j < columns; ++j) at(i)[j] = -at(i)[j];
 }
 
 }  // namespace manycontact::lanes

@@ -1,16 +1,15 @@
 #pragma once
-// Robots of one model in SIMD lanes: 2, 4 or 8 islands of one robot each, solved side by side by the same instructions.
-// The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do
-// not depend on its lane, nor on who stands beside it.
+// Robots of one model in SIMD lanes: 2, 4 or 8 of them worked side by side by the same instructions. The kernels are
+// compiled for several levels of instructions and chosen when the program runs. A robot's numbers do not depend on its
+// lane, nor on who stands beside it.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 
+#include "block.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/kkt/shape.hpp"
 
 namespace manycontact::lanes {
 
@@ -21,24 +20,32 @@ struct Job {
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;  // per contact
   const double* wanted;              // of the rows, as f; nullptr: zero
-  double *a, *f;                     // the islands' parts are written where the answer is sound
+  double *a, *f;                     // the robots' parts are written where the answer is sound
 };
 
-/// Derivatives of one island at the answer: X as IslandDerivatives has it, laid out for `request`.
+/// Right-hand sides of a robot's panel that are copied out: a column, and where its rows go.
+struct Sampled {
+  int column;
+  double* b;
+};
+/// One robot's columns K_r^-1 [E, B_r], forces with their own sign. Of a robot alone, which has no E: the derivatives
+/// of its island at the answer, X as IslandDerivatives has it.
 struct Panel {
   double* X;
-  int ld;       // a multiple of 8
-  bool refine;  // once, unless the factor bounds the error of every column
+  int ld;                            // of X, a multiple of 8
+  bool refine;                       // once, unless the factor bounds the error of every column
+  std::span<const Sampled> sampled;  // of robots joined to others
 };
-/// What is differentiated: the solution, and where q, v, u begin among the columns.
+/// What is differentiated: the solution, and how many columns there are and where those of q, v, u begin. E: six
+/// columns per contact that joins the robot, of forces on its body, before all others.
 struct DerivativeJob {
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *a, *f;
   const std::vector<int>& f_offset;
   DerivativeRequest request;
-  int q_first, v_first, u_first;
-  bool past_caches;  // panels, together more than these hold, are not to go through them
+  int q_first, v_first, u_first, columns;  // columns: a multiple of 8
+  bool past_caches;                        // panels, together more than these hold, are not to go through them
 };
 
 /// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, du to da, df;
@@ -62,142 +69,112 @@ struct Answer {
   bool panel_is_safe = false, refine_panel = false;
 };
 
-/// Solves islands of one shape whose robots have one model. Between calls it holds the terms of the islands last met:
-/// where the next call is about the same ones at the same solution, kinematics and factor are taken from there.
-class Kernel {
+/// Robots of one plan, in all calls one of them, or after `widen` as many as fit side by side, their contacts alike but
+/// for B's placement in the world (`alike`).
+class RobotBlocks {
  public:
-  virtual ~Kernel() = default;
-  /// Memory for islands side by side, from then on: one that stands alone needs none. The arguments of Level::make.
-  virtual void widen(const Scene& scene, const Island& island, const IslandSupport& support,
-                     std::shared_ptr<const KktPattern> pattern) = 0;
-  /// islands: one, or after `widen` as many as fit side by side, alike to the first (`alike`). By LDL of K in the
-  /// pattern's order.
-  virtual void solve(const Job& job, std::span<const Island* const> islands, std::span<Answer> answers) = 0;
-  /// The islands' derivatives, of answers that were sound and whose panels are safe. One layout of X for all.
-  virtual void differentiate(const DerivativeJob& job, std::span<const Island* const> islands,
+  struct Robot {
+    int number;           // of the scene
+    const int* contacts;  // on it alone, of the scene
+    // of robots joined to others
+    double* joins = nullptr;  // per contact that joins it: JoinedEnd, then the columns of J on this robot; until factor
+    double* ends = nullptr;   // by and for derivatives: MovingEnd, then EndForce
+    const double *x = nullptr, *b = nullptr;  // of check: columns of a panel, rows as the plan's island has them
+    Border border = {};
+    // by the steps
+    bool sound = false;  // where not, another way has to answer
+    double smallest_row = 0,
+           motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding beside the motion
+    double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
+    double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
+    double error = 0;                 // correct, check: componentwise backward error; NaN where any is
+  };
+  /// Of robots side by side. next: of those whose turn it is after these, which is asked for meanwhile.
+  struct Memory {
+    double* at;
+    const double* next;
+  };
+
+  virtual ~RobotBlocks() = default;
+  /// Memory for robots side by side, from then on: one that stands alone needs none.
+  virtual void widen() = 0;
+
+  // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
+  // met stay: where the next call is about the same ones at the same solution, they are taken from there.
+  virtual void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) = 0;
+  /// The islands' derivatives, of answers that were sound and whose panels are safe; or, with their memory, of robots
+  /// joined to others the columns of their own part.
+  virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
   /// Products with these derivatives, refined once (dynamics/jvp.cpp).
-  virtual void jvp(const ProductJob& job, std::span<const Island* const> islands) = 0;
-  virtual void vjp(const ProductJob& job, std::span<const Island* const> islands) = 0;
+  virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
+  virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
+
+  // Robots joined to others, whose numbers are in memory of the caller's.
+  /// For how many robots the memory of one is, or of several: BlockPlan::memory_size of each, at a cache line's border.
+  virtual std::size_t width(bool one) const = 0;
+  /// The robots' own part of K x = b, and the ends of contacts that join them.
+  virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
+  /// The factor; x = 0, and b's part of the border.
+  virtual void factor(std::span<Robot> robots, Memory memory) = 0;
+  /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
+  virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
+  /// x += K^-1 r with the border's answer y, r = b - K x, and r's part of the border.
+  virtual void correct(std::span<Robot> robots, Memory memory) = 0;
+  /// r = b - K x of columns given with the border's answer y; what load and correct had there is lost.
+  virtual void check(std::span<Robot> robots, Memory memory) = 0;
+  /// Accelerations, and forces of the contacts on the robots alone.
+  virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
+  /// MovingEnd of each contact that joins the robots, at the solution.
+  virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Motions, bias and inertia of robots of one model, side by side, into arrays as RobotData has them: of robots of an
-/// island that is too large to stand in a lane itself.
-class RobotTerms {
+/// Contacts alike that join two robots, side by side: one, or after `widen` as many as fit.
+class JoiningContacts {
  public:
-  static constexpr std::size_t kArrays = 10;
-  template <class S>
-  using Arrays = std::array<S*, kArrays>;
-  using Counts = std::array<int, kArrays>;
-  template <class S>
-  static Arrays<S> arrays_of(Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M, S* h) {
-    static_assert(sizeof(SE3<S>) == 12 * sizeof(S) && sizeof(Inertia<S>) == 13 * sizeof(S) &&
-                  sizeof(WorldPoint<S>) == 6 * sizeof(S));
-    return {kin.origins.front().p.data(),
-            kin.oMi.front().R.data(),
-            kin.J.data(),
-            &kin.Y.front().m,
-            kin.v.front().data(),
-            kin.a.front().data(),
-            kin.a_base.data(),
-            &Yc.front().m,
-            M,
-            h};
-  }
-  static Counts counts_of(const Model& model) {
-    const int n = model.njoints();
-    const int trees = static_cast<int>(model.trees.size());
-    return {6 * trees, 12 * n, 6 * model.nv, 13 * n, 6 * n, 6 * n, 6, 13 * n, model.M_begin[model.nv], model.nv};
-  }
-  struct Robot {
-    const double *q, *v;
-    const double* base;  // placement: R by columns, p
-    Arrays<double> out;
-    bool sound;  // by evaluate; where not, another way has to answer
-  };
-
-  virtual ~RobotTerms() = default;
-  /// Memory for robots side by side.
-  virtual void widen() = 0;
-  /// robots: one, or after `widen` as many as fit side by side.
-  virtual void evaluate(const Vec3<double>& gravity, std::span<Robot> robots) = 0;
-};
-
-/// Rows of contacts alike, side by side, into arrays as ContactData has them.
-class ContactTerms {
- public:
-  static constexpr std::size_t kArrays = 14;
-  template <class S>
-  using Arrays = std::array<S*, kArrays>;
-  using Counts = std::array<int, kArrays>;
-  template <class S>
-  static Arrays<S> arrays_of(ContactData<S>& d) {
-    return {d.aMA.R.data(), d.bMA.R.data(), d.G.R.data(), d.vA.data(), d.vB.data(), d.aA.data(), d.aB.data(),
-            d.nu.data(),    d.nudot.data(), d.x.data(),   d.Jl.data(), d.W.data(),  d.J.data(),  d.a0.data()};
-  }
-  static Counts counts_of(int rows, int cols) {
-    return {12, 12, 12, 6, 6, 6, 6, 6, 6, 6, 6 * cols, 6 * rows, rows * cols, rows};
-  }
-  /// Of a robot after evaluation, as Kinematics has them.
-  struct Body {
-    const double *origin, *oMi, *v, *a, *J;
-  };
   struct Rows {
-    Body A, B;
-    const double *placement_A, *placement_B;  // of the contact's frames on their bodies, or in the world
-    Arrays<double> out;
-  };
-
-  /// The same of a contact that joins two robots, where no more is wanted than its rows.
-  struct JoinedEnd {  // one array: origin, oMi, v and a of the body, the columns of J that move it
-    static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
-  };
-  struct JoiningRows {
     const Contact* contact;
     double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
     double* a0;
     double smallest_row, motion;  // of J, and what its rows are picked from
   };
+  /// And of derivatives at the solution.
+  struct Derivatives {
+    const Contact* contact;
+    double *A, *B;    // MovingEnd; then EndForce
+    const double* f;  // the contact's force
+    double* terms;    // JoinTerms
+  };
 
-  virtual ~ContactTerms() = default;
+  virtual ~JoiningContacts() = default;
   /// Memory for contacts side by side. The arguments of Level::make_contacts.
   virtual void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
-  /// rows: one, or after `widen` as many as fit side by side, alike to `contact` but for placements (`alike_rows`).
-  virtual void evaluate(const Vec3<double>& gravity, const Contact& contact, std::span<const Rows> rows) = 0;
-  virtual void evaluate(const Vec3<double>& gravity, std::span<JoiningRows> rows) = 0;
+  // alike but for placements (`alike_rows`)
+  virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
+  virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };
 
-struct CutRobot;  // lanes/cut.hpp
-class CutRobots;
 struct PartPlan;  // lanes/parts.hpp
 class Parts;
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
   const char* name;
-  int width;  // islands side by side
-  /// island: any of the kernel's, in its scene.
-  std::unique_ptr<Kernel> (*make)(const Scene& scene, const Island& island, const IslandSupport& support,
-                                  std::shared_ptr<const KktPattern> pattern);
-  std::unique_ptr<RobotTerms> (*make_robots)(std::shared_ptr<const Model> model);
-  /// contact: any of the kernel's, in its scene, for which `moves_at_both_ends`.
-  std::unique_ptr<ContactTerms> (*make_contacts)(const Scene& scene, const Contact& contact,
-                                                 const ContactSupport& support);
-  std::unique_ptr<CutRobots> (*make_cut)(std::shared_ptr<const CutRobot> robot);
+  int width;  // robots side by side
+  std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
+  /// contact: any of the kernel's, in its scene.
+  std::unique_ptr<JoiningContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
+                                                    const ContactSupport& support);
   std::unique_ptr<Parts> (*make_parts)(std::shared_ptr<const PartPlan> plan);
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.
 const Level* level_of(Lanes lanes);
 
-/// Whether an island can stand in a lane: one robot that is not large, contacts on moving bodies of its.
-bool fits(const Scene& scene, const Island& island);
-/// Whether A is on a moving body, and B on one or in the world.
-bool moves_at_both_ends(const Contact& contact);
 /// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether robots of one model with contacts of one shape on them can stand side by side: these are alike but for B's
-/// placement in the world.
+/// Whether robots of one model with contacts of one shape on them can stand side by side: these are alike but for where
+/// ends stand in the world.
 bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

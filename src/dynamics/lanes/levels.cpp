@@ -25,18 +25,13 @@ std::vector<Lanes> lanes_here() {
 namespace lanes {
 
 namespace {
-constexpr int kLargest = 400;  // rows of K: the scratch memory of W robots side by side stays in the processor's caches
-
 bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p == y.p; }
-}  // namespace
 
-bool fits(const Scene& scene, const Island& island) {
-  if (island.robots.size() != 1 || island.nv == 0 || island.size() > kLargest) return false;
-  return std::all_of(island.contacts.begin(), island.contacts.end(),
-                     [&](int c) { return moves_at_both_ends(scene.contacts[c]); });
+// Two ends of contacts alike on robots of one model. Where they stand in the world is each one's own.
+bool alike_ends(const Attachment& x, const Attachment& y) {
+  return x.joint == y.joint && (x.robot < 0) == (y.robot < 0) && (x.robot < 0 || same(x.placement, y.placement));
 }
-
-bool moves_at_both_ends(const Contact& c) { return c.A.joint >= 0 && (c.B.robot < 0 || c.B.joint >= 0); }
+}  // namespace
 
 bool alike_rows(const Contact& c, const Contact& d) {
   return c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta && c.axis == d.axis;
@@ -46,10 +41,7 @@ bool alike(const Scene& scene, std::span<const int> x, std::span<const int> y) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const Contact& c = scene.contacts[x[k]];
     const Contact& d = scene.contacts[y[k]];
-    if (!alike_rows(c, d) || c.type != d.type || c.A.joint != d.A.joint || (c.B.robot < 0) != (d.B.robot < 0) ||
-        c.B.joint != d.B.joint || !same(c.A.placement, d.A.placement) ||
-        (c.B.robot >= 0 && !same(c.B.placement, d.B.placement)))
-      return false;
+    if (!alike_rows(c, d) || c.type != d.type || !alike_ends(c.A, d.A) || !alike_ends(c.B, d.B)) return false;
   }
   return true;
 }

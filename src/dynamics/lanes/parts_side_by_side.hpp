@@ -1,13 +1,13 @@
 #pragma once
 // Parts in the lanes of S = Pack<W>, W of one shape side by side.
 
-#include "../drop_rounding.hpp"
+#include "../robot_quantities.hpp"
+#include "arrays.hpp"
 #include "judge.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "parts.hpp"
-#include "terms.hpp"
 
 namespace manycontact::lanes {
 

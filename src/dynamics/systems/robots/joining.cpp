@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "manycontact/sparse/ordering.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
@@ -75,11 +74,6 @@ Island alone(const IslandShape& shape, const Joining& joining, std::size_t robot
   for (int c : joining.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
   number_island(shape.scene(), out);
   return out;
-}
-
-const std::shared_ptr<const Joining>& internal::joining_of(IslandWork& d) {
-  if (!d.joining) d.joining = std::make_shared<const Joining>(*d.shape);
-  return d.joining;
 }
 
 }  // namespace manycontact

@@ -1,7 +1,8 @@
-#include "bodies.hpp"
-#include "cut.hpp"
-#include "steps.hpp"
-#include "threads.hpp"
+// Robots alone in lanes: islands of one robot, as many side by side as there are lanes.
+
+#include "../../steps.hpp"
+#include "../../threads.hpp"
+#include "robots.hpp"
 
 namespace manycontact {
 
@@ -28,46 +29,46 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
 // The islands that `wanted` holds for into w.lanes, in batches of as many as stand side by side.
 template <class Wanted>
 void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
-  lanes::Groups& g = w.lanes;
-  g.islands.clear();
-  g.numbers.clear();
-  g.batches.clear();
-  for (const auto& [key, group] : g.groups) {
+  InLanes& in = w.lanes;
+  in.islands.clear();
+  in.robots.clear();
+  in.batches.clear();
+  for (const auto& [key, group] : in.groups) {
     bool begun = false;
     for (int i : group.islands) {
       const Island& island = w.islands[i]->island;
       if (!wanted(*w.islands[i])) continue;
-      if (!begun || g.batches.back().count == g.level->width ||
-          !lanes::alike(scene, g.islands[g.batches.back().first]->contacts, island.contacts))
-        g.batches.push_back({&group, static_cast<int>(g.islands.size()), 0});
+      if (!begun || in.batches.back().count == in.level->width ||
+          !lanes::alike(scene, w.islands[in.islands[in.batches.back().first]]->island.contacts, island.contacts))
+        in.batches.push_back({&group, static_cast<int>(in.robots.size()), 0});
       begun = true;
-      g.islands.push_back(&island);
-      g.numbers.push_back(i);
-      ++g.batches.back().count;
+      in.robots.push_back({island.robots.front(), island.contacts.data()});
+      in.islands.push_back(i);
+      ++in.batches.back().count;
     }
   }
 }
 
-// use(kernel, islands, their numbers, memory of the thread) for each batch.
+using Robots = std::span<lanes::RobotBlocks::Robot>;
+using Numbers = std::span<const int>;
+
+// use(kernel, robots, numbers of their islands, memory of the thread) for each batch.
 template <class Wanted, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
-  lanes::Groups& g = w.lanes;
+  InLanes& in = w.lanes;
   form_batches(scene, w, wanted);
-  each_item(w, g.batches.size(), [&](std::size_t k, ThreadWork& thread) {
-    const auto [group, first, count] = g.batches[k];
-    use(*group->kernels[thread.number], std::span<const Island* const>(g.islands).subspan(first, count),
-        std::span<const int>(g.numbers).subspan(first, count), thread);
+  each_item(w, in.batches.size(), [&](std::size_t k, ThreadWork& thread) {
+    const auto [group, first, count] = in.batches[k];
+    use(*group->kernels[thread.number], Robots(in.robots).subspan(first, count),
+        Numbers(in.islands).subspan(first, count), thread);
   });
 }
-
-using Islands = std::span<const Island* const>;
-using Numbers = std::span<const int>;
 
 bool served(const IslandWork& d) { return d.served_in_lanes(); }
 
 }  // namespace
 
-void solve_in_lanes(const Scene& scene, SceneData& data) {
+void solve_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
@@ -77,14 +78,12 @@ void solve_in_lanes(const Scene& scene, SceneData& data) {
   const auto wanted = [&scene](const IslandWork& d) {
     return !d.was_dependent && (scene.damping > 0 || d.island.nc <= d.island.nv);
   };
-  each_in_lanes(
-      scene, w, wanted,
-      [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
-        kernel.solve(job, islands, {thread.answers.data(), islands.size()});
-        for (std::size_t k = 0; k < islands.size(); ++k)
-          if (thread.answers[k].sound)
-            report_answer(thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
-      });
+  each_in_lanes(scene, w, wanted, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
+    kernel.solve(job, robots, {thread.answers.data(), robots.size()});
+    for (std::size_t k = 0; k < robots.size(); ++k)
+      if (thread.answers[k].sound)
+        report_answer(thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+  });
 }
 
 void differentiate_in_lanes(const Scene& scene, SceneData& data) {
@@ -92,17 +91,18 @@ void differentiate_in_lanes(const Scene& scene, SceneData& data) {
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool past_caches = bytes > kCached;
-  each_in_lanes(scene, w, served, [&](lanes::Kernel& kernel, Islands islands, Numbers numbers, ThreadWork& thread) {
+  each_in_lanes(scene, w, served, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
     const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
     const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                    data.a.data(), data.f.data(), data.f_offset, first.request,
-                                   first.q_first, first.v_first, first.u_first, past_caches};
+                                   first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
+                                   past_caches};
     thread.panels.clear();
     for (int i : numbers) {
       IslandDerivatives& out = w.derivatives.islands[i];
-      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel});
+      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel, {}});
     }
-    kernel.differentiate(job, islands, thread.panels);
+    kernel.differentiate(job, robots, nullptr, thread.panels);
   });
 }
 
@@ -112,7 +112,7 @@ void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const d
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
   each_in_lanes(scene, w, served,
-                [&](lanes::Kernel& kernel, Islands islands, Numbers, ThreadWork&) { kernel.jvp(job, islands); });
+                [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.jvp(job, robots); });
 }
 
 void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -121,33 +121,9 @@ void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const d
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
   each_in_lanes(scene, w, served,
-                [&](lanes::Kernel& kernel, Islands islands, Numbers, ThreadWork&) { kernel.vjp(job, islands); });
-}
-
-void complete(const Scene& scene, const SceneData& data) {
-  Workspace& w = *data.workspace;
-  for (std::unique_ptr<IslandWork>& d : w.islands) complete_bodies(scene, data, *d, w.threads.front());
-  for (std::unique_ptr<IslandWork>& d : w.islands)
-    if (by_bodies(*d) && joint_space_size(*d->shape) <= kMostJointSpace) joint_space_terms(scene, data, *d, "complete");
-  complete_cut(scene, data);
-  if (w.kinematics_known) return;
-  for (std::unique_ptr<IslandWork>& d : w.islands)
-    if (d->in_lanes) complete_island(scene, data, *d, w.threads.front());
-  w.kinematics_known = true;
-}
-
-void complete_island(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
-  Workspace& w = *data.workspace;
-  if (!d.cut || !d.cut->terms_known) evaluate(scene, w.q, data.v, w, d.island);
-  factorize_again(scene, data, d, thread);
-  d.in_lanes = false;
+                [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.vjp(job, robots); });
 }
 
 }  // namespace internal
-
-void complete(const Scene& scene, const SceneData& data) {
-  internal::check_solved(scene, data, "complete");
-  internal::complete(scene, data);
-}
 
 }  // namespace manycontact

@@ -1,0 +1,89 @@
+#pragma once
+// Between the arrays of robots or contacts and the lanes of S = Pack<W>; rows of contacts whose ends are placed.
+
+#include <limits>
+
+#include "block.hpp"
+#include "manycontact/spatial/pack.hpp"
+
+namespace manycontact::lanes {
+
+/// to[k] lane l = from[l][k] for k < count. Lanes beyond those given repeat the last one.
+template <int W>
+[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W>* to) {
+  const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
+  int k = 0;
+  for (; k + W <= count; k += W) {
+    for (int l = 0; l < W; ++l) to[k + l] = Pack<W>::load(lane(l) + k);
+    transpose(to + k);
+  }
+  for (int l = 0; l < W; ++l)
+    for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
+}
+
+/// to[l][k] = from[k] lane l for k < count.
+template <int W>
+[[gnu::noinline]] void store_arrays(const Pack<W>* from, int count, std::span<double* const> to) {
+  int k = 0;
+  for (; k + W <= count; k += W) {
+    Pack<W> block[W];
+    for (int i = 0; i < W; ++i) block[i] = from[k + i];
+    transpose(block);
+    for (std::size_t l = 0; l < to.size(); ++l) block[l].store(to[l] + k);
+  }
+  for (std::size_t l = 0; l < to.size(); ++l)
+    for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
+}
+
+/// One of the pointers that each of `items` has, at(item), side by side.
+template <class P, class Item, class At>
+std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) {
+  for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
+  return {memory, items.size()};
+}
+
+/// Per lane, the largest entry of the row of J whose entries are the smallest.
+template <class S>
+S smallest_row(const ContactData<S>& rows) {
+  S smallest(std::numeric_limits<double>::infinity());
+  for (Eigen::Index i = 0; i < rows.J.rows(); ++i) {
+    S size(0);
+    for (Eigen::Index j = 0; j < rows.J.cols(); ++j) size = larger(abs(rows.J(i, j)), size);
+    smallest = -larger(-size, -smallest);
+  }
+  return smallest;
+}
+
+/// Origin of the tree frame that a joint's body is in.
+template <class S>
+const WorldPoint<S>& origin_at(const Kinematics<S>& kin, int joint) {
+  return kin.origins[kin.tree_of[joint]];
+}
+template <class S>
+S* origin_numbers(Kinematics<S>& kin, int joint) {
+  return kin.origins[kin.tree_of[joint]].p.data();
+}
+
+/// A contact's frame on its body, in the tree frame of that, and that frame's origin.
+template <class S>
+struct PlacedEnd {
+  SE3<S> frame;
+  WorldPoint<S> origin;
+};
+template <class S>
+PlacedEnd<S> placed_end(const Attachment& at, const Kinematics<S>& kin, const SE3<S>& on_body,
+                        const StandingEnd<S>& standing) {
+  if (moves(at)) return {kin.oMi[at.joint] * on_body, origin_at<S>(kin, at.joint)};
+  return {standing.frame, {standing.origin}};
+}
+
+/// Rows of a contact, its ends placed.
+template <class S>
+void rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
+                  const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Kinematics<S>& kinB, const PlacedEnd<S>& B,
+                  ContactData<S>& rows) {
+  contact_rows_between<S>(gravity, contact, support, kinA, A.frame, moves(contact.B) ? &kinB : nullptr, B.frame,
+                          A.origin.seen_from(B.origin), rows);
+}
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,104 @@
+#pragma once
+// A robot as a block of its island's K: bordered by the rows of the contacts that join it to other robots, where there
+// are any. These contacts are contacts with the world there; their rows, the border, come last and are not eliminated
+// (joining.hpp has the method). A robot alone has an empty border.
+
+#include <algorithm>
+
+#include "manycontact/kkt/shape.hpp"
+
+namespace manycontact::lanes {
+
+/// One array per contact that joins a robot, of the body that it is on: where it is and how it moves, the columns of J
+/// that move it ...
+struct JoinedEnd {  // origin, oMi, v, a, J
+  static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
+};
+/// ... and for derivatives, Psid, Psidd, Sv of these columns (algorithm/rnea_derivatives.hpp).
+struct MovingEnd {
+  static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
+};
+/// In that memory, what comes back: the contact's force on the body, in the tree frame; the columns of J_l.
+struct EndForce {
+  static std::size_t size(std::size_t coordinates) { return 6 + 6 * coordinates; }
+};
+
+/// The end of a contact that stands still: in the world, its axes about its origin; on a base, its frame about the
+/// base's origin.
+template <class S>
+struct StandingEnd {
+  SE3<S> frame;
+  Vec3<S> origin;
+};
+inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at) {
+  if (at.robot < 0) return {{at.placement.R, Vec3<double>::Zero()}, at.placement.p};
+  const SE3<double>& base = scene.robots[static_cast<std::size_t>(at.robot)].base;
+  return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
+}
+
+/// Constant; shared by robots of one model with alike contacts.
+struct BlockPlan {
+  Scene scene;     // of this robot and its contacts: first those on it alone, then those that join it
+  Island island;   // all of it
+  int alone = 0;   // contacts on it alone
+  int border = 0;  // rows of the others
+  std::shared_ptr<const KktPattern> pattern;  // of all
+  std::shared_ptr<const KktPattern> inner;    // without the border, in the same order
+  sparse::LdlSchedule bordered;               // of all columns but the border's, where it has one
+  std::vector<ContactSupport> supports;
+
+  const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
+  const sparse::LdlSchedule& schedule() const { return border > 0 ? bordered : pattern->schedule(); }
+
+  std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
+  /// Of Robot::joins, and of Robot::ends.
+  template <class End>
+  std::size_t size_of_ends(std::size_t count) const {  // of the first so many
+    std::size_t size = 0;
+    for (std::size_t k = 0; k < count; ++k) size += End::size(supports[alone + k].a.size());
+    return size;
+  }
+  std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
+  std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
+
+  /// Numbers of a robot from step to step: K and b; behind them its joins, and from `factor` on L, D, x, w in their
+  /// place.
+  std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
+  std::size_t memory_size() const {
+    const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
+    return kept_size() + std::max(factor, joins_size());
+  }
+  int rows() const { return pattern->size() - border; }            // that are eliminated
+  int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // of L, without its diagonal
+};
+
+/// Terms of derivatives of a contact that joins two robots, one array after the other. By columns J and W (rows x cols,
+/// rows x 6), -dr2/dq and -dr2/dv (rows x cols); by rows, padded to a multiple of eight, D_A and D_B (6 x cols): what
+/// the contact's force on A's and on B's body does, in A's axes, beyond one that is fixed to the body, when a
+/// coordinate moves.
+struct JoinTerms {
+  double* J;
+  int rows, cols;
+  static int padded(int cols) { return (cols + 7) / 8 * 8; }
+  static std::size_t size(int rows, int cols) {
+    return static_cast<std::size_t>(3 * rows * cols + 6 * rows + 12 * padded(cols));
+  }
+  double* W() const { return J + rows * cols; }
+  double* dq() const { return W() + 6 * rows; }
+  double* dv() const { return dq() + rows * cols; }
+  double* D(bool B) const { return dv() + rows * cols + (B ? 6 * padded(cols) : 0); }
+};
+
+/// A robot's numbers of its m border rows, one array after the other.
+struct Border {
+  double* S = nullptr;  // the upper triangle by columns of what its elimination leaves of K
+  int m = 0;
+  static std::size_t size(int m) { return static_cast<std::size_t>(m) * (m + 1) / 2 + 5 * m; }
+  double* terms() const { return S + m * (m + 1) / 2; }  // of the diagonal: sums of sizes
+  double* b() const { return terms() + m; }              // of the right-hand side
+  double* y() const { return b() + m; }                  // the answer in these rows
+  double* r() const { return y() + m; }                  // -G x: the robot's part of the residual
+  double* scale() const { return r() + m; }              // |G| |x|
+};
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,95 @@
+#pragma once
+// Products with the derivatives of robots alone: dynamics/jvp.cpp for all lanes at once.
+
+#include "robot_block.hpp"
+
+namespace manycontact::lanes {
+
+/// x = K^-1 b, refined once as solve_refined with one step does.
+template <class S>
+void RobotBlock<S>::solve_once_refined() {
+  std::copy_n(n_.b, rows_, n_.x);
+  apply_inverse(n_.x);
+  const Mask open = residual() > S(tolerance::kRefined);
+  if (open.any()) (void)correct(open);
+}
+
+template <class S>
+BodyVariationOf<S> RobotBlock<S>::body(const Attachment& at) const {
+  const Vec6<S> zero = Vec6<S>::Zero();
+  return moves(at) ? body_[at.joint] : BodyVariationOf<S>{zero, zero, zero, zero};
+}
+
+template <class S>
+void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
+  const Scene& scene = job.scene;
+  const int nv = model_->nv;
+  linearise(job, robots, nullptr);
+  load_each(scene, robots, nv, dq_.data(), [&](const auto& r, auto&) { return job.in[0] + r.idx_v; });
+  load_each(scene, robots, nv, dv_.data(), [&](const auto& r, auto&) { return job.in[1] + r.idx_v; });
+  std::fill(torque_.begin(), torque_.end(), S(0));
+  for (int l = 0; l < W; ++l) {
+    const auto& robot = scene.robots[in_lane(robots, l).number];
+    for (int i = 0; i < model_->nu(); ++i) torque_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
+  }
+  tangent_motions<S>(*model_, robot_.kin, a_.data(), dq_.data(), dv_.data(), body_);
+  add_forces(scene, robots, fext_);
+  std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    VecX<S>& dr2 = contact_scratch_[k];
+    Vec6<S> dF;
+    contact_tangent<S>(c, contacts_[k], body(c.A), body(c.B), contact_f_[k], dr2, dF);
+    add_force<S>(c, contacts_[k], dF, dfext_);
+    for (Eigen::Index i = 0; i < dr2.size(); ++i) n_.b[rows_of(k)[i]] = -dr2[i];
+  }
+  tangent_torques<S>(*model_, robot_.kin, body_, fext_, dfext_, robot_.f, df_, dq_.data());
+  for (int i = 0; i < nv; ++i) n_.b[pattern_.iperm[i]] = torque_[i] - dq_[i];
+  for (std::size_t i = 0; i < slope_.size(); ++i) n_.b[pattern_.iperm[i]] -= slope_[i] * dv_[i];
+  solve_once_refined();
+  for (std::size_t l = 0; l < robots.size(); ++l)  // x = [da; -df]
+    scatter(scene, job.f_offset, robots[l], static_cast<int>(l), job.out[0], job.out[1]);
+}
+
+template <class S>
+void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
+  const Scene& scene = job.scene;
+  const int nv = model_->nv;
+  linearise(job, robots, nullptr);
+  for (int l = 0; l < W; ++l) {
+    const Robot& robot = in_lane(robots, l);
+    const double* wa = job.in[0] + scene.robots[robot.number].idx_v;
+    for (int i = 0; i < nv; ++i) n_.b[pattern_.iperm[i]].set(l, wa[i]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
+        n_.b[rows_of(k)[i]].set(l, -job.in[1][job.f_offset[robot.contacts[k]] + i]);
+  }
+  solve_once_refined();  // l = K^-1 [wa; -wf]
+  for (int i = 0; i < nv; ++i) torque_[i] = n_.x[pattern_.iperm[i]];
+  virtual_velocities<S>(*model_, robot_.kin, torque_.data(), u_);
+  const Vec6<S> zero = Vec6<S>::Zero();
+  std::fill(body_.begin(), body_.end(), BodyVariationOf<S>{zero, zero, zero, zero});
+  add_body_adjoints<S>(*model_, robot_.kin, u_, body_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    VecX<S>& l = contact_scratch_[k];
+    for (Eigen::Index i = 0; i < l.size(); ++i) l[i] = n_.x[rows_of(k)[i]];
+    BodyVariationOf<S> nobody{zero, zero, zero, zero};
+    const auto u = [&](const Attachment& at) { return moves(at) ? u_[at.joint] : zero; };
+    const auto adjoint = [&](const Attachment& at) -> BodyVariationOf<S>& {
+      return moves(at) ? body_[at.joint] : nobody;
+    };
+    contact_adjoint<S>(c, contacts_[k], u(c.A), u(c.B), contact_f_[k], l, adjoint(c.A), adjoint(c.B));
+  }
+  pull_back<S>(*model_, robot_.kin, a_.data(), u_, body_, dq_.data(), dv_.data());
+  for (std::size_t i = 0; i < slope_.size(); ++i) dv_[i] += slope_[i] * torque_[i];
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    const auto& robot = scene.robots[robots[l].number];
+    const int lane = static_cast<int>(l);
+    for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
+    for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
+    for (int i = 0; i < model_->nu(); ++i) job.out[2][robot.idx_u + i] = torque_[model_->actuated[i]][lane];
+  }
+}
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,60 @@
+#pragma once
+// What the equations M a + h = tau of one robot are made of: for doubles, for packs of robots side by side, and for the
+// truth in wider scalars.
+
+#include <limits>
+
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+/// Memory for one model; M is the caller's: packed, or in the slots of a larger matrix.
+template <class S>
+struct RobotQuantities {
+  explicit RobotQuantities(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
+
+  Kinematics<S> kin;           // kin.a: bias accelerations, those of qdd = 0
+  std::vector<Inertia<S>> Yc;  // composite inertias
+  std::vector<Vec6<S>> f;      // scratch of inverse_dynamics
+  VecX<S> h;                   // nv: Coriolis, centrifugal, gravity
+};
+
+namespace internal {
+
+/// Motions, and h = ID(q, v, 0). base: as for forward_kinematics.
+template <class S, class B>
+void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
+                   const Vec3<double>& gravity, RobotQuantities<S>& r) {
+  forward_kinematics<S, B>(model, base, q, r.kin);
+  forward_accelerations<S>(model, v, nullptr, gravity, r.kin);
+  inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
+}
+
+/// The inertia m about a joint's column J, of bodies whose composite inertia is Y; zero where that is no more than
+/// their rounding.
+template <class S, class Column>
+S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
+  const S rounding(tolerance::kRounding * std::numeric_limits<double>::epsilon());
+  const S terms = J.template head<3>().squaredNorm() * Y.m + J.template tail<3>().squaredNorm() * Y.I.trace();
+  return select(absolute(m) <= rounding * terms, S(0), m);
+}
+
+/// M. A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis,
+/// has none. No pivot shows that: it may have nothing to cancel with. slot: where each entry goes, nullptr: packed
+/// (algorithm/crba.hpp).
+template <class S>
+void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
+  if (slot)
+    crba<S>(model, r.kin, r.Yc, slot, M);
+  else
+    crba<S>(model, r.kin, r.Yc, M);
+  for (int i = 0; i < model.nv; ++i) {
+    S& m = M[slot ? slot[model.M_begin[i]] : model.M_begin[i]];
+    m = without_rounding<S>(m, r.kin.J.col(i), r.Yc[model.dof_joint[i]]);
+  }
+}
+
+}  // namespace internal
+}  // namespace manycontact

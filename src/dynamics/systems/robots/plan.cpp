@@ -1,0 +1,254 @@
+// What is known of robots in lanes before any number is: patterns, places, predicted cost.
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "../../steps.hpp"
+#include "manycontact/kkt/choose.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "robots.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+constexpr int kLargest = 400;  // rows of a robot's K: the scratch memory of robots side by side stays in the caches
+
+// Of a shape's scene: a robot, the contacts on it alone, those that join it to others, and the pattern of its K without
+// these.
+struct Block {
+  const Scene& scene;
+  int robot;
+  std::span<const int> contacts, joins;
+  std::shared_ptr<const KktPattern> inner;
+};
+
+std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order order) {
+  auto plan = std::make_shared<lanes::BlockPlan>();
+  plan->scene.robots = {block.scene.robots[block.robot]};
+  const auto on_first = [](Attachment at) {
+    at.robot = std::min(at.robot, 0);
+    return at;
+  };
+  for (int c : block.contacts) {
+    Contact contact = block.scene.contacts[c];
+    contact.A = on_first(contact.A), contact.B = on_first(contact.B);
+    plan->scene.contacts.push_back(std::move(contact));
+  }
+  plan->alone = static_cast<int>(block.contacts.size());
+  for (int c : block.joins) {
+    Contact contact = block.scene.contacts[c];
+    contact.A = on_first(end_on(contact, block.robot)), contact.B = {};
+    plan->border += contact.rows();
+    plan->scene.contacts.push_back(std::move(contact));
+  }
+  plan->island = whole_scene(plan->scene, std::vector<char>(plan->scene.contacts.size(), 1));
+  const IslandSupport support = island_support(plan->scene, plan->island);
+  plan->supports = support.contacts;
+  plan->pattern = plan->inner = block.inner;
+  if (plan->border == 0) return plan;
+  std::vector<int> perm = block.inner->perm;
+  for (int i = plan->island.size() - plan->border; i < plan->island.size(); ++i) perm.push_back(i);
+  plan->pattern =
+      std::make_shared<const KktPattern>(analyze(plan->scene, plan->island, support, order, std::move(perm)));
+  plan->bordered = sparse::compile_ldl(plan->pattern->K, plan->pattern->ldl, plan->rows());
+  return plan;
+}
+
+// By what a plan depends on: the model, the contacts' types and joints, the order of elimination.
+BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
+  const Scene& scene = block.scene;
+  std::vector<int> key{static_cast<int>(order), static_cast<int>(block.contacts.size())};
+  for (int c : block.contacts) {
+    const Contact& contact = scene.contacts[c];
+    key.insert(key.end(), {static_cast<int>(contact.type), contact.A.joint, moves(contact.B) ? contact.B.joint : -1});
+  }
+  for (int c : block.joins) {
+    const Contact& contact = scene.contacts[c];
+    key.insert(key.end(), {static_cast<int>(contact.type), end_on(contact, block.robot).joint});
+  }
+  key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
+  BlockGroup& group = w.lanes.groups[{scene.robots[block.robot].model.get(), std::move(key)}];
+  if (!group.plan) group.plan = make_plan(block, order);
+  return group;
+}
+
+void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
+  while (group.kernels.size() < w.threads.size()) group.kernels.push_back(w.lanes.level->make(group.plan));
+  if (!side_by_side) return;
+  for (const auto& kernel : group.kernels) kernel->widen();
+}
+
+// Of an island of one robot that is not large; nullptr: it has no place in lanes.
+BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
+  if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargest) return nullptr;
+  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
+  if (!pattern->schedule().compiled) return nullptr;
+  return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
+}
+
+bool can_be_joined(const IslandWork& d, const Options& options) {
+  return !options.order && (d.choice.method == Method::kSparseLdl || d.choice.method == Method::kSparseSupernodal) &&
+         std::all_of(d.shape->scene().robots.begin(), d.shape->scene().robots.end(),
+                     [](const Robot& robot) { return robot.model->nv <= kLargest; });
+}
+
+// Whether a contact comes before another in its group: like ones stand together, in any order of the scene.
+bool before(const Contact& x, const Contact& y) {
+  const auto numbers = [](const Contact& c) {
+    return std::array<double, 6>{
+        static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
+  };
+  const auto a = numbers(x), b = numbers(y);
+  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
+}
+
+ContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
+  const Contact& contact = scene.contacts[c];
+  const auto model = [&](const Attachment& at) { return scene.robots[at.robot].model.get(); };
+  ContactGroup& group =
+      w.lanes.contacts[{model(contact.A), model(contact.B), contact.type, contact.A.joint, contact.B.joint}];
+  while (group.kernels.size() < w.threads.size()) {
+    group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, w.supports[c]));
+    group.kernels.back()->widen(scene, contact, w.supports[c]);
+  }
+  return group;
+}
+
+// As predicted_cost_ldl. Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
+double cost_joined(const JoinedRobots& joined, int width) {
+  const double together = 1 + 0.15 * width;
+  double cost =
+      17.0 * joined.joining->rows() + 7.0 * joined.joining->symbolic.nonzeros() + joined.joining->symbolic.flops;
+  for (std::size_t k = 0; k < joined.order.size();) {
+    const BlockGroup* group = joined.robots[joined.order[k]].group;
+    std::size_t count = 1;
+    while (count < static_cast<std::size_t>(width) && k + count < joined.order.size() &&
+           joined.robots[joined.order[k + count]].group == group)
+      ++count;
+    cost += (count == 1 ? 1 : together) * predicted_cost_ldl(*group->plan->pattern);
+    k += count;
+  }
+  return cost;
+}
+
+// nullptr: an island's robots or joining rows have no place in lanes.
+std::unique_ptr<JoinedRobots> join_robots(Workspace& w, IslandWork& d) {
+  if (!can_be_joined(d, w.options)) return nullptr;
+  auto joined = std::make_unique<JoinedRobots>();
+  joined->joining = std::make_shared<const Joining>(*d.shape);
+  const Joining& joining = *joined->joining;
+  bool fits = joining.schedule.compiled;
+  for (std::size_t k = 0; k < d.island.robots.size() && fits; ++k) {
+    const Joining::OfRobot& r = joining.robots[k];
+    const std::shared_ptr<const KktPattern> inner =
+        w.shapes.find(d.shape->scene(), alone(*d.shape, joining, k))->pattern(d.choice.order);
+    BlockGroup& group =
+        group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, d.choice.order);
+    fits = group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargest;
+    joined->robots.push_back({&group, {}, 0, {}});
+    joined->order.push_back(static_cast<int>(k));
+  }
+  if (!fits) return nullptr;
+  std::stable_sort(joined->order.begin(), joined->order.end(),
+                   [&](int x, int y) { return std::less<>()(joined->robots[x].group, joined->robots[y].group); });
+  const double cost = predicted_cost_ldl(*d.shape->pattern(d.choice.order));
+  joined->solves =
+      d.choice.method == Method::kSparseLdl && cost_joined(*joined, w.lanes.level->width) < tolerance::kCheaper * cost;
+  return joined;
+}
+
+void take_memory(JoinedRobots& joined) {
+  const std::size_t rows = joined.joining->row.size(), robots = joined.robots.size();
+  joined.Sx.resize(joined.joining->S.nonzeros());
+  joined.L.resize(joined.joining->symbolic.nonzeros());
+  for (std::vector<double>* x :
+       {&joined.D, &joined.terms, &joined.b, &joined.y, &joined.r, &joined.scale, &joined.step})
+    x->resize(rows);
+  joined.members.resize(robots);
+  for (std::size_t k = 0; k < robots; ++k) joined.robots[joined.order[k]].member = static_cast<int>(k);
+  joined.batches.reserve(robots);
+  joined.contact_batches.reserve(rows);
+}
+
+// Which of the scene's contacts they are.
+void settle(const Scene& scene, Workspace& w, const IslandWork& d, JoinedRobots& joined) {
+  const Joining& joining = *joined.joining;
+  const auto among = [&](int robot, std::size_t contact) {
+    const std::vector<int>& joins = joining.robots[robot].joins;
+    return static_cast<int>(std::find(joins.begin(), joins.end(), static_cast<int>(contact)) - joins.begin());
+  };
+  joined.contacts.clear();
+  for (std::size_t c = 0, row = 0; c < d.island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[d.island.contacts[c]];
+    if (!joins_two(contact)) continue;
+    const int a = local_robot(d.island, contact.A.robot), b = local_robot(d.island, contact.B.robot);
+    joined.contacts.push_back({&group_of(scene, w, d.island.contacts[c]), d.island.contacts[c], static_cast<int>(c),
+                               static_cast<int>(row), contact.rows(), a, b, among(a, c), among(b, c), 0, 0});
+    row += contact.rows();
+  }
+  for (std::size_t k = 0; k < joined.robots.size(); ++k) {
+    joined.robots[k].contacts.clear();
+    for (int c : joining.robots[k].contacts) joined.robots[k].contacts.push_back(d.island.contacts[c]);
+  }
+  std::sort(joined.contacts.begin(), joined.contacts.end(), [&](const auto& x, const auto& y) {
+    if (x.group != y.group) return std::less<>()(x.group, y.group);
+    const Contact &c = scene.contacts[x.contact], &e = scene.contacts[y.contact];
+    return before(c, e) || (x.contact < y.contact && !before(e, c));
+  });
+  for (std::size_t k = 0; k < joined.robots.size(); ++k) joined.robots[k].joints.resize(joining.robots[k].joins.size());
+  for (std::size_t i = 0; i < joined.contacts.size(); ++i) {
+    const JoinedRobots::Joint& joint = joined.contacts[i];
+    joined.robots[joint.A].joints[joint.among_A] = joined.robots[joint.B].joints[joint.among_B] = static_cast<int>(i);
+  }
+}
+
+void use_joined(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<JoinedRobots> joined) {
+  if (joined) {
+    for (const JoinedRobots::OfRobot& r : joined->robots) make_kernels(w, *r.group, true);
+    take_memory(*joined);
+    settle(scene, w, d, *joined);
+  }
+  d.joined = std::move(joined);
+}
+
+}  // namespace
+
+void prepare_robots(const Scene& scene, Workspace& w) {
+  InLanes& in = w.lanes;
+  for (auto& [key, group] : in.groups) group.islands.clear();
+  if (!in.level) return;
+  in.islands.reserve(w.islands.size());
+  in.robots.reserve(w.islands.size());
+  in.batches.reserve(w.islands.size());
+  for (ThreadWork& thread : w.threads) {
+    thread.answers.resize(in.level->width);
+    thread.panels.reserve(in.level->width);
+    thread.joining.reserve(in.level->width);
+    thread.joining_derivatives.reserve(in.level->width);
+  }
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandWork& d = *w.islands[i];
+    const bool alone = d.island.robots.size() == 1;
+    if (!d.lanes_considered) {
+      if (alone) d.block = group_of_alone(w, d);
+      if (!alone) {
+        std::unique_ptr<JoinedRobots> joined = join_robots(w, d);
+        if (joined && joined->solves) use_joined(scene, w, d, std::move(joined));
+      }
+      d.lanes_considered = true;
+    } else if (d.joined) {
+      settle(scene, w, d, *d.joined);
+    }
+    if (!d.block) continue;
+    make_kernels(w, *d.block, !d.block->islands.empty());
+    d.block->islands.push_back(static_cast<int>(i));
+  }
+}
+
+void make_joined(const Scene& scene, Workspace& w, IslandWork& d) {
+  if (w.lanes.level && !d.joined && d.island.robots.size() > 1) use_joined(scene, w, d, join_robots(w, d));
+}
+
+}  // namespace manycontact::internal
