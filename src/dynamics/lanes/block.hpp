@@ -18,10 +18,8 @@ struct JoinedEnd {  // origin, oMi, v, a, J
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// In that memory, what comes back: the contact's force on the body, in the tree frame; the columns of J_l.
-struct EndForce {
-  static std::size_t size(std::size_t coordinates) { return 6 + 6 * coordinates; }
-};
+/// In that memory, what comes back (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
+/// by rows, D of the robot's own coordinates (JoinTerms).
 
 /// The end of a contact that stands still: in the world, its axes about its origin; on a base, its frame about the
 /// base's origin.

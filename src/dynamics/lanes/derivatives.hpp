@@ -201,6 +201,21 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   if (job.request.q) {
     const Placed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
+    next = 6;
+    for (std::size_t k = 0; k < plan_->joins(); ++k) {  // E D, D of the robot's own coordinates
+      const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
+      const int count = static_cast<int>(columns.size());
+      load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
+                  12 * count, joins_.data());
+      const S *E = joins_.data(), *D = E + 6 * count;
+      for (int i = 0; i < count; ++i)
+        for (int j = 0; j < count; ++j) {
+          S sum(0);
+          for (int e = 0; e < 6; ++e) sum += E[6 * i + e] * D[e * count + j];
+          top(columns[i], columns[j]) += sum;
+        }
+      next += MovingEnd::size(columns.size());
+    }
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       internal::contact_columns<S>(contacts_[k], contact_terms_[k].dx_dq, columns_[k], rows(k, job.q_first));
       internal::turning_columns<S>(contacts_[k], contact_terms_[k], 0, rows(k, job.q_first));

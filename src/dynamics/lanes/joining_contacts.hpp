@@ -56,12 +56,17 @@ class JoiningContactsOf {
     store_arrays(out_.data(), static_cast<int>(out_.size()),
                  side_by_side(rows, to, [](const Rows& r) { return r.terms; }));
     const Vec6<S> F_A = rows_.aMA.act_force(terms_.F), F_B = -rows_.bMA.act_force(terms_.F);
-    const int a = static_cast<int>(support_.a.size());
+    const int a = static_cast<int>(support_.a.size()), n = contact.rows(), cols = support_.cols();
     for (const bool B : {false, true}) {
       const auto end = side_by_side(rows, to, [B](const Rows& r) { return B ? r.B : r.A; });
-      store_arrays((B ? F_B : F_A).data(), 6, end);
-      for (std::size_t l = 0; l < rows.size(); ++l) to[l] += 6;
-      store_arrays(rows_.Jl.data() + (B ? 6 * a : 0), 6 * (B ? support_.cols() - a : a), end);
+      const int first = B ? a : 0, count = B ? cols - a : a, ld = JoinTerms::padded(cols);
+      const auto put = [&](const S* numbers, int many) {
+        store_arrays(numbers, many, end);
+        for (std::size_t l = 0; l < rows.size(); ++l) to[l] += many;
+      };
+      put((B ? F_B : F_A).data(), 6);
+      put(rows_.Jl.data() + 6 * first, 6 * count);
+      for (int e = 0; e < 6; ++e) put(out_.data() + 3 * n * cols + 6 * n + ((B ? 6 : 0) + e) * ld + first, count);
     }
   }
 

@@ -3,6 +3,7 @@
 #include "joined_derivatives.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -136,10 +137,10 @@ void finish_robot(const IslandWork& d, std::size_t k, const IslandDerivatives& o
     kernels.product(e.terms.W(), e.terms.rows, buffers.E.data(), 6, e.terms.rows, size, ldT, r.T.data() + e.row * ldT);
     for (int c = e.first; c < e.end; ++c)
       std::copy_n(e.terms.J + c * e.terms.rows, e.terms.rows, r.G.data() + (columns[c] - o) * ldG + e.row);
-    if (!out.request.q) return;
+    if (!out.request.q || !e.B) return;  // a force on A is moved by A alone
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
-    kernels.product(buffers.E.data(), ldT, e.terms.D(e.B), 6, size, e.terms.cols, ldD, buffers.ED.data());
-    for (int c = e.B ? 0 : e.first; c < e.end; ++c) {  // a force on A is moved by A alone
+    kernels.product(buffers.E.data(), ldT, e.terms.D(true), 6, size, e.first, ldD, buffers.ED.data());
+    for (int c = 0; c < e.first; ++c) {  // A's coordinates
       const int column = place_in_panel(r, out.q_first + columns[c]);
       for (int i = 0; i < size; ++i) r.P(i, column) += buffers.ED[i * ldD + c];
     }
@@ -158,7 +159,7 @@ void finish_sample(const IslandWork& d, std::size_t k, const IslandDerivatives& 
     next += lanes::MovingEnd::size(static_cast<std::size_t>(E.cols()));
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
     for (std::size_t s = 0; s < r.sampled.size(); ++s)
-      for (int c = 0; c < e.terms.cols; ++c) {
+      for (int c = 0; c < e.first && e.B; ++c) {
         if (out.q_first + columns[c] != d.by_robots->sample.column[r.sampled[s].in_X]) continue;
         for (int j = 0; j < E.cols(); ++j)
           for (int i = 0; i < 6; ++i)
@@ -259,6 +260,26 @@ bool sample_is_good(const Scene& scene, Workspace& w, IslandWork& d, const Align
   return error <= tolerance::kPanelRefined;
 }
 
+// -S once more and its factor, from the T_r that answers take: where the island was solved otherwise, and no product
+// goes by the one that is there. False where its pivots are not sound.
+bool factor_joining_again(double damping, JoinedRobots& joined, const JoinedDerivatives& by) {
+  const Joining& joining = *joined.joining;
+  std::fill(joined.Sx.begin(), joined.Sx.end(), 0.0);
+  for (int k = 0; k < joining.rows(); ++k) joined.Sx[joining.S.p[k + 1] - 1] = -damping;
+  for (std::size_t k = 0; k < by.robots.size(); ++k) {
+    const OfRobot& r = by.robots[k];
+    const int ldG = r.padded(), ldT = sparse::padded(r.size());
+    const int* slot = joining.robots[k].slot.data();
+    for (std::size_t j = 0; j < r.join.size(); ++j)
+      for (std::size_t i = 0; i <= j; ++i, ++slot)
+        for (int v = 0; v < r.nv; ++v) joined.Sx[*slot] -= r.G[v * ldG + i] * r.T[j * ldT + v];
+  }
+  sparse::panel_kernels().factor(joining.schedule, joined.Sx.data(), joined.L.data(), joined.D.data(),
+                                 joined.terms.data());
+  return std::all_of(joined.D.begin(), joined.D.end(), [](double d) { return d < 0 && std::isfinite(d); }) &&
+         sparse::smallest_pivot_ratio(joining.rows(), joined.D.data(), joined.terms.data()) >= tolerance::kPivotLeft;
+}
+
 // What answers need of each robot and of the joining rows, from right-hand sides in X; whether that is sound.
 bool solve_robots(const Scene& scene, SceneData& data, IslandWork& d, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
@@ -294,6 +315,8 @@ bool solve_robots(const Scene& scene, SceneData& data, IslandWork& d, bool refin
       finish_sample(d, number(l), out);
     }
   });
+  if (!joined.solves && !factor_joining_again(scene.damping, joined, by)) return false;
+  std::transform(joined.D.begin(), joined.D.end(), by.D.begin(), std::negate<>());  // of S, not -S
   joining_rhs(by, out.X);
   return sample_is_good(scene, w, d, out.X);
 }
@@ -317,7 +340,6 @@ bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& d,
   if (d.joined->serial != data.serial && !factorize_for_derivatives(scene, data, d)) return false;
   JoinedDerivatives& by = *d.by_robots;
   if (!(growth_of(*d.joined) * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
-  std::transform(d.joined->D.begin(), d.joined->D.end(), by.D.begin(), std::negate<>());  // of S, not -S
   const bool refined = d.first_error > tolerance::kRefinePanel;
   if (!solve_robots(scene, data, d, refined, out) && (refined || !solve_robots(scene, data, d, true, out)))
     return false;

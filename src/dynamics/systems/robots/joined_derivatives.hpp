@@ -10,7 +10,7 @@
 //
 // A contact that joins A and B acts on their bodies alone, by E_r: six columns of forces on robot r's body, so that
 // G_r^T = E_r W^T, and B_r = own columns + E_r D_r, where D_r, six rows, has columns of the other robot's coordinates
-// too. So K_r^-1 [E_r, own columns] is all that the lanes solve.
+// too. So K_r^-1 [E_r, columns of the robot's own coordinates] is all that the lanes solve.
 
 #include "../../workspace.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"

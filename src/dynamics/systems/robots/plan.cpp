@@ -104,10 +104,10 @@ bool before(const Contact& x, const Contact& y) {
   return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
 }
 
-ContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
+JoiningGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const Contact& contact = scene.contacts[c];
   const auto model = [&](const Attachment& at) { return scene.robots[at.robot].model.get(); };
-  ContactGroup& group =
+  JoiningGroup& group =
       w.lanes.contacts[{model(contact.A), model(contact.B), contact.type, contact.A.joint, contact.B.joint}];
   while (group.kernels.size() < w.threads.size()) {
     group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, w.supports[c]));

@@ -27,7 +27,7 @@ struct BlockGroup {
 };
 
 /// Contacts that join two robots, alike but for places and gains.
-struct ContactGroup {
+struct JoiningGroup {
   struct Key {  // what their kernels are made for
     const Model *A, *B;
     ContactType type;
@@ -41,7 +41,7 @@ struct ContactGroup {
 struct InLanes {
   const lanes::Level* level = nullptr;                                     // nullptr: nobody
   std::map<std::pair<const Model*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
-  std::map<ContactGroup::Key, ContactGroup> contacts;
+  std::map<JoiningGroup::Key, JoiningGroup> contacts;
   // scratch of a call: the islands it is about, those that stand side by side one after the other
   struct Batch {
     const BlockGroup* group;
@@ -61,11 +61,11 @@ struct JoinedRobots {
     std::size_t at;  // in `memory`
   };
   struct ContactBatch {  // likewise, of `contacts`
-    ContactGroup* group;
+    JoiningGroup* group;
     int first, count;
   };
   struct Joint {  // a contact that joins robots
-    ContactGroup* group;
+    JoiningGroup* group;
     int contact;           // of the scene
     int number;            // of the island
     int row, rows;         // the first of its joining rows, and how many
