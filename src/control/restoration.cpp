@@ -32,7 +32,7 @@ class AL::Watch : public CallbackAbstract {
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
     slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
-    last_.push_back(left);
+    if (last_.empty() || left != last_.back()) last_.push_back(left);  // else regularised more, and tried again
     const bool creeps = last_.size() > kWindow && left > kCreeping * last_[last_.size() - 1 - kWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }

@@ -9,6 +9,7 @@
 #include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/state_vector.hpp"
+#include "manycontact/control/symplectic.hpp"
 #include "manycontact/control/unicycle.hpp"
 
 namespace manycontact::python {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/state.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/rk.hpp"
@@ -116,5 +117,6 @@ MANYCONTACT_ENUMERATION(manycontact::MatrixStorage)
 MANYCONTACT_ENUMERATION(manycontact::RKType)
 MANYCONTACT_ENUMERATION(manycontact::StopReason)
 MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
+MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
 MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
 #undef MANYCONTACT_ENUMERATION

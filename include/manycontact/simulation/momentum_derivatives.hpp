@@ -28,8 +28,10 @@ namespace manycontact {
 
 /// Room for the derivatives of one scene's groups by n numbers, the first 2 nv of them the step's q and v.
 struct FreeMotionDerivatives {
+  /// groups: those of `scene`; n as above.
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 
+  /// By the n numbers.
   struct OfGroup {
     std::vector<int> robots;        // that have bodies of it
     Eigen::MatrixXd next;           // 9 x n: of C+, P+, L+; by differentiate_begin
@@ -37,7 +39,8 @@ struct FreeMotionDerivatives {
     Eigen::MatrixXd added;          // 9 x n: of C at the end and of the added u, w
   };
   std::vector<OfGroup> groups;  // as FreeGroups::groups; without room for the world's
-  struct Carried {              // by a joint, of one group, about its reference
+  /// By a joint, of one group, about its reference.
+  struct Carried {
     Inertia<double> Y;
     Vec6<double> h;
   };
