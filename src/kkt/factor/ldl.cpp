@@ -54,12 +54,6 @@ class LdlFactor final : public Factor {
            *std::max_element(of_K, of_K + ldl_.D.size());
   }
 
-  LdlRoom room(const KktMatrix& K, double growth) {
-    if (ldl_.pattern != K.pattern) ldl_.take(K.pattern, method_ == Method::kSparseLdl);
-    growth_ = growth;
-    return {ldl_.L, ldl_.D};
-  }
-
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc; }
   int nonzeros() const override { return ldl_.nonzeros(); }
@@ -73,9 +67,5 @@ class LdlFactor final : public Factor {
 }  // namespace
 
 std::unique_ptr<Factor> make_ldl_factor(Method method) { return std::make_unique<LdlFactor>(method); }
-
-LdlRoom room_for_ldl(Factor& factor, const KktMatrix& K, double growth) {
-  return static_cast<LdlFactor&>(factor).room(K, growth);
-}
 
 }  // namespace manycontact

@@ -13,13 +13,6 @@ namespace manycontact {
 /// cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
-/// Room for the L and D of such a factor by sparse-ldl, where another elimination of K in its order has found them.
-/// growth: of that.
-struct LdlRoom {
-  std::span<double> L, D;  // as K.pattern->ldl has them
-};
-LdlRoom room_for_ldl(Factor& factor, const KktMatrix& K, double growth);
-
 /// The same, damping 0, where rows of J may depend on each other: those that do are dropped
 /// (sparse/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.
 std::unique_ptr<Factor> make_dependent_rows_factor();

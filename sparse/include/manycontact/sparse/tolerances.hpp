@@ -38,7 +38,8 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 /// for more joints; rows that wait cost time. Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding of such a pivot beside all that joints gave it, times what makes it grow (factorize_bodies): 450 eps.
-/// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same.
+/// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same; and of what small
+/// pivots pass on, by pivots.hpp, schur.cpp and lanes/judge.hpp.
 inline constexpr double kRowRounding = 1e-13;
 
 /// Of an entry of J, beside the sizes of the products it is a sum of: more, and its row plainly moves that coordinate;
