@@ -69,20 +69,14 @@ namespace {
 
 double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
 double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
-std::string by(const PlacementError& e) {
-  return "out of place by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
-}
-std::string by(const VelocityError& e) {
-  return "moving by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
-}
 
-// "contact 'pin', the worst of 3, stays out of place by 0.1 m"
+// "contact 'pin', the worst of 3, stays out of place by 0.1 m". what: "out of place".
 template <class Error>
-std::string worst_in_words(const Scene& scene, const std::vector<Error>& list) {
+std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
   const Error& worst = *std::max_element(list.begin(), list.end(),
                                          [](const Error& a, const Error& b) { return size_of(a) < size_of(b); });
   const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
-  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + by(worst);
+  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
 }
 
 // ", of q most of all r/knee's, by 0.1"; empty where nothing moved by more than files round.
@@ -104,8 +98,8 @@ void make_consistent(SceneFile& file) {
                      "consistent is asked for, but " + what + ", expected contacts that can be met from this q and v");
   };
   if (found.status == Status::kFailed) refuse("a robot has no inertia there and no nearest state");
-  if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced));
-  if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving));
+  if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced, "out of place"));
+  if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);
   const std::string moved =
       most_of("q", names, difference(scene, file.q, found.q)) + most_of("v", names, found.v - file.v);

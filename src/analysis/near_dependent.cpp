@@ -1,6 +1,7 @@
 #include "manycontact/analysis/near_dependent.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -15,18 +16,41 @@ namespace {
 constexpr double kMostUnasked = 1e9;  // multiplications of one island
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// What the rows before it leave of each row of an island; empty where nobody asks or knows.
-std::vector<double> remainders(const Scene& scene, const SceneData& data, std::size_t i) {
-  const IslandReport& r = data.report.islands[i];
+// Whether an island's rows are judged: damping does not decide, it was solved, and is not too large.
+bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
-  if (scene.damping > 0 || r.status == Status::kFailed || r.nc == 0 || work > kMostUnasked) return {};
-  return internal::row_remainders(scene, data, i);
+  return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
+}
+// What row_remainders reads, of all islands at once.
+void complete_judged(const Scene& scene, const SceneData& data) {
+  const auto& islands = data.report.islands;
+  if (std::any_of(islands.begin(), islands.end(), [&](const IslandReport& r) { return judged(scene, r); }))
+    complete(scene, data);
 }
 
 std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::size_t island) {
   std::vector<int> rows;
   internal::each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
+}
+
+// Of an island, after complete.
+RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
+  RankGap out;
+  out.most_dropped = kEps;
+  if (!judged(scene, data.report.islands[island])) return out;
+  const std::vector<double> left = internal::row_remainders(scene, data, island);
+  const std::vector<int> rows = rows_of(scene, data, island);
+  out.known = !left.empty();
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    const bool kept = left[k] > tolerance::kRank;
+    if (kept && (out.kept < 0 || left[k] < out.least_kept)) out.least_kept = left[k], out.kept = rows[k];
+    if (!kept && (out.dropped < 0 || left[k] > out.most_dropped)) {
+      out.most_dropped = std::max(kEps, left[k]);
+      out.dropped = rows[k];
+    }
+  }
+  return out;
 }
 
 // Without some rows: their forces are made nothing by what they ask for. a, f: of the solve, then without them.
@@ -50,19 +74,15 @@ void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal:
 
 RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island) {
   if (data.serial == 0) throw std::logic_error("rank_gap: solve first");
-  const std::vector<double> left = remainders(scene, data, island);
-  const std::vector<int> rows = rows_of(scene, data, island);
-  RankGap out;
-  out.known = !left.empty();
-  out.most_dropped = kEps;
-  for (std::size_t k = 0; k < left.size(); ++k) {
-    const bool kept = left[k] > tolerance::kRank;
-    if (kept && (out.kept < 0 || left[k] < out.least_kept)) out.least_kept = left[k], out.kept = rows[k];
-    if (!kept && (out.dropped < 0 || left[k] > out.most_dropped)) {
-      out.most_dropped = std::max(kEps, left[k]);
-      out.dropped = rows[k];
-    }
-  }
+  complete_judged(scene, data);
+  return gap_of(scene, data, island);
+}
+
+std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data) {
+  if (data.serial == 0) throw std::logic_error("rank_gaps: solve first");
+  complete_judged(scene, data);
+  std::vector<RankGap> out;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) out.push_back(gap_of(scene, data, i));
   return out;
 }
 
@@ -72,9 +92,10 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<c
   std::vector<NearDependent> out;
   std::optional<internal::AtRest> rest;
   const Eigen::VectorXd q = at;
+  complete_judged(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
-    const std::vector<double> left = remainders(scene, data, i);
-    if (left.empty()) continue;
+    if (!judged(scene, data.report.islands[i])) continue;
+    const std::vector<double> left = internal::row_remainders(scene, data, i);
     const std::vector<int> rows = rows_of(scene, data, i);
     NearDependent found;
     found.island = i;

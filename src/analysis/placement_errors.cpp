@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/analysis/text.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "motion_of.hpp"
 
@@ -43,6 +44,13 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector
     if (e.linear >= kVelocityError || e.angular >= kVelocityError) out.push_back(e);
   });
   return out;
+}
+
+std::string in_words(const PlacementError& e) {
+  return text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
+}
+std::string in_words(const VelocityError& e) {
+  return text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
 }
 
 }  // namespace manycontact

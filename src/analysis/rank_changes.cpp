@@ -1,5 +1,6 @@
 #include "manycontact/analysis/rank_changes.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "at_rest.hpp"
@@ -45,17 +46,30 @@ class Probe {
     }
     return out;
   }
-  // Where n^T dJ[z] is largest.
-  int coordinate(std::size_t island) const {
-    const Island& of = island_of(data_, island);
-    if (static_cast<double>(of.nv) * static_cast<double>(scene_.contacts.size()) > kMostLooked) return -1;
-    int out = -1;
-    double largest = 0;
-    internal::each_coordinate(scene_, data_, island, [&](int i) {
-      const Eigen::VectorXd e = Eigen::VectorXd::Unit(scene_.nv, i);
-      const double b = std::abs(product(island, rest_.bias(q_, z_ + e) - rest_.bias(q_, z_ - e)));
-      if (b > largest) largest = b, out = i;
-    });
+  // Per island of `islands`: where n^T dJ[z] is largest. Their first coordinates at once, then their second ones, ...:
+  // islands do not touch.
+  std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
+    std::vector<std::vector<int>> of(islands.size());
+    std::size_t most = 0;
+    for (std::size_t k = 0; k < islands.size(); ++k) {
+      const double nv = island_of(data_, islands[k]).nv;
+      if (nv * static_cast<double>(scene_.contacts.size()) > kMostLooked) continue;
+      internal::each_coordinate(scene_, data_, islands[k], [&](int i) { of[k].push_back(i); });
+      most = std::max(most, of[k].size());
+    }
+    std::vector<int> out(islands.size(), -1);
+    std::vector<double> largest(islands.size(), 0);
+    for (std::size_t step = 0; step < most; ++step) {
+      Eigen::VectorXd e = Eigen::VectorXd::Zero(scene_.nv);
+      for (const std::vector<int>& own : of)
+        if (step < own.size()) e[own[step]] = 1;
+      const Eigen::VectorXd change = rest_.bias(q_, z_ + e) - rest_.bias(q_, z_ - e);
+      for (std::size_t k = 0; k < islands.size(); ++k) {
+        if (step >= of[k].size()) continue;
+        const double b = std::abs(product(islands[k], change));
+        if (b > largest[k]) largest[k] = b, out[k] = of[k][step];
+      }
+    }
     return out;
   }
 
@@ -89,7 +103,7 @@ std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const 
                                      const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("rank_changes: solve first");
   std::vector<RankChange> out;
-  std::vector<std::size_t> dependent;
+  std::vector<std::size_t> dependent, changing;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& r = data.report.islands[i];
     if (r.status != Status::kFailed && r.rank < r.nc && r.rank < r.nv) dependent.push_back(i);
@@ -107,9 +121,11 @@ std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const 
     change.rank = data.report.islands[i].rank;
     change.rows = data.report.islands[i].nc;
     change.contacts = probes[0].contacts(i);
-    change.coordinate = probes[0].coordinate(i);
     out.push_back(std::move(change));
+    changing.push_back(i);
   }
+  const std::vector<int> coordinates = probes[0].coordinates(changing);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k].coordinate = coordinates[k];
   return out;
 }
 

@@ -18,12 +18,6 @@ namespace {
 constexpr double kMostWork = 2e10;   // multiplications of one rank
 constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
 
-// J^T of some contacts of an island, of the columns they act on only, each row of J beside its own size; what is left
-// of one up to tolerance::kRank is nothing.
-struct Rows {
-  Eigen::MatrixXd Jt;
-};
-
 // The island under examination.
 struct Examined {
   const Scene& scene;
@@ -35,7 +29,9 @@ struct Examined {
   const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
 };
 
-Rows rows_of(const Examined& x, const std::vector<int>& positions) {
+// J^T of some contacts of an island, of the columns they act on only, each row of J beside its own size; what is left
+// of one up to tolerance::kRank is nothing.
+Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // of the island -> of the result
   int rows = 0;
   for (int c : positions) {
@@ -44,28 +40,27 @@ Rows rows_of(const Examined& x, const std::vector<int>& positions) {
   }
   int n = 0;
   for (auto& [from, to] : column) to = n++;
-  Rows out{Eigen::MatrixXd::Zero(n, rows)};
+  Eigen::MatrixXd Jt = Eigen::MatrixXd::Zero(n, rows);
   int row = 0;
   for (int c : positions) {
     const Eigen::MatrixXd& J = x.numbers(c).J;
     for (Eigen::Index k = 0; k < J.cols(); ++k)
-      out.Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) =
-          J.col(k).transpose();
+      Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) = J.col(k).transpose();
     for (int k = 0; k < J.rows(); ++k, ++row) {
-      const double size = std::max(row_size(x.contact(c), x.numbers(c), k), out.Jt.col(row).norm());
-      if (size > 0) out.Jt.col(row) /= size;
+      const double size = std::max(row_size(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
+      if (size > 0) Jt.col(row) /= size;
     }
   }
-  return out;
+  return Jt;
 }
 
 // What the columns of J^T before it leave of each. Gram-Schmidt, twice.
-std::vector<double> remainders_of(const Rows& x) {
+std::vector<double> remainders_of(const Eigen::MatrixXd& Jt) {
   std::vector<double> left;
-  Eigen::MatrixXd Q(x.Jt.rows(), std::min(x.Jt.rows(), x.Jt.cols()));
+  Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
   Eigen::Index rank = 0;
-  for (Eigen::Index j = 0; j < x.Jt.cols(); ++j) {
-    Eigen::VectorXd w = x.Jt.col(j);
+  for (Eigen::Index j = 0; j < Jt.cols(); ++j) {
+    Eigen::VectorXd w = Jt.col(j);
     for (int pass = 0; pass < 2; ++pass) w -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * w).eval();
     const double norm = rank < Q.cols() ? w.norm() : 0;
     if (norm > tolerance::kRank) Q.col(rank++) = w / norm;
@@ -80,7 +75,6 @@ int rank_of(const Eigen::MatrixXd& Jt, double least = tolerance::kRank) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
-int rank_of(const Rows& rows, double least = tolerance::kRank) { return rank_of(rows.Jt, least); }
 
 // Positions in the island of the contacts between each two bodies.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
@@ -163,12 +157,12 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions) {
 
 // The lightest type at the contact's own frame that has its rank: rows k, or x and z, or the first three. least: what
 // has to be left of a row that counts.
-std::string lightest(const Contact& contact, const Rows& rows, int rank, double least) {
+std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
-  const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(rows.Jt(Eigen::all, k), least); };
+  const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };
   const char* along[] = {"1d along x", "1d along y", "1d along z"};
   Eigen::Index k = 0;
-  if (rank == 1 && rows.Jt.leftCols(3).colwise().norm().maxCoeff(&k) > least) return along[k];
+  if (rank == 1 && Jt.leftCols(3).colwise().norm().maxCoeff(&k) > least) return along[k];
   if (rank == 2 && rank_of_columns({0, 2}) == rank) return "2d (x and z)";
   if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, turned so that its y is along this z,";
   if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, turned so that its y is along this x,";
@@ -204,14 +198,14 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
   std::vector<int> all(island.contacts.size());
   std::iota(all.begin(), all.end(), 0);
   for (int k : all) {
-    const Rows rows = rows_of(x, {k});
+    const Eigen::MatrixXd rows = rows_of(x, {k});
     const int rank = rank_of(rows), plain = rank_of(rows, kOnlyJust);
     if (rank < x.contact(k).rows() || plain < rank)
       out.lighter.push_back({island.contacts[k], plain, lightest(x.contact(k), rows, plain, kOnlyJust), rank - plain});
   }
   const double nv = island.nv, nc = island.nc;
   if (nv * nc * nc > kMostWork) return out;
-  const Rows rows = rows_of(x, all);
+  const Eigen::MatrixXd rows = rows_of(x, all);
   out.known = true;
   out.rank = rank_of(rows);
   for (const double left : remainders_of(rows)) out.redundant.push_back(!(left > tolerance::kRank));
@@ -219,7 +213,6 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
 }
 
 std::vector<double> internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
-  complete(scene, data);
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, shape_of(data, number)->support()};
   for (int c : island.contacts)

@@ -24,6 +24,9 @@ struct PlacementError {
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
                                              const Eigen::Ref<const Eigen::VectorXd>& q);
 
+/// "0.1 m and 0.02 rad", without what is negligible.
+std::string in_words(const PlacementError& error);
+
 /// Velocities below this are how files round their numbers [m/s, rad/s].
 constexpr double kVelocityError = 1e-6;
 
@@ -38,6 +41,9 @@ struct VelocityError {
 std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
                                            const Eigen::Ref<const Eigen::VectorXd>& q,
                                            const Eigen::Ref<const Eigen::VectorXd>& v);
+
+/// "0.5 m/s and 0.1 rad/s", likewise.
+std::string in_words(const VelocityError& error);
 
 /// What a unilateral contact with friction cannot do.
 enum class Violating { kPulls, kSlips, kTips, kTurns };

@@ -26,6 +26,8 @@ struct RankGap {       // Of an island.
 };
 /// After a solve. Dense, left out where nv nc^2 is above 1e9.
 RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island);
+/// The same of every island.
+std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data);
 
 struct NearDependent {  // Rows of an island that only just count, and what would be without them.
   std::size_t island = 0;

@@ -70,14 +70,6 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
   if (!text.empty()) wrap(out, text, 2, "beyond limits: ");
 }
 
-std::string misplaced_by(const PlacementError& e) {
-  return "by " + text::two_sizes(e.position, "m", e.angle, "rad", kPlacementError);
-}
-
-std::string moving_by(const VelocityError& e) {
-  return "by " + text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
-}
-
 std::string contradicted_by(const Contradiction& c) {
   return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
@@ -124,33 +116,41 @@ void print_some(std::ostream& out, const std::vector<std::string>& list, const s
   if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, title);
 }
 
-// The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept.
-void find_gaps(const Scene& scene, const SceneData& data, Findings& f) {
-  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
-    const RankGap gap = rank_gap(scene, data, i);
-    if (!gap.known || gap.kept < 0) continue;
-    f.rank_gap = std::min(f.rank_gap, gap.gap());
-    if (gap.dropped < 0 || gap.gap() >= kCloseGap) continue;
-    const auto& names = f.force_names;
-    f.close_rows.push_back("of " + names[static_cast<std::size_t>(gap.kept)] +
-                           ", which counts, the rows before leave " + scientific(gap.least_kept) + " of its size, of " +
-                           names[static_cast<std::size_t>(gap.dropped)] + ", which does not, " +
-                           scientific(gap.most_dropped));
-  }
-}
-
 // "loop[3], loop[4]: ..."
-std::string only_just(const Scene& scene, const std::vector<std::string>& names, const NearDependent& n) {
+std::string only_just(const Findings& f, const NearDependent& n) {
   std::vector<std::string> rows;
-  for (const int row : n.rows) rows.push_back(names[static_cast<std::size_t>(row)]);
+  for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
   const std::string count_of = rows.size() == 1 ? " counts only just: " : " count only just: ";
   std::string text = join(rows, kMostPlaces) + count_of + "the other rows leave " + scientific(n.left) + " of " +
                      (rows.size() == 1 ? "it" : "the least of them");
   if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + number(n.times) + " times the loads";
   const double rounding = 1e-9 * std::abs(n.without);
-  text += "; without, " + velocity_names(scene)[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
+  text += "; without, " + f.velocity_names[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
           number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
   return text + ". Rounded numbers of a file do this: `inspect` advises lighter contacts";
+}
+
+// The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept; and
+// the islands of which rows only just count.
+void find_gaps(const SceneFile& file, const SceneData& data, Findings& f) {
+  const std::vector<RankGap> gaps = rank_gaps(file.scene, data);
+  const auto counts = [](const RankGap& gap) { return gap.known && gap.kept >= 0; };
+  const auto close = [&](const RankGap& gap) { return counts(gap) && gap.dropped >= 0 && gap.gap() < kCloseGap; };
+  for (const RankGap& gap : gaps)
+    if (counts(gap)) f.rank_gap = std::min(f.rank_gap, gap.gap());
+  if (std::any_of(gaps.begin(), gaps.end(),
+                  [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; }))
+    f.near_dependent = near_dependent(file.scene, file.q, data);
+  if (f.near_dependent.empty() && std::none_of(gaps.begin(), gaps.end(), close)) return;
+  f.force_names = force_names(file.scene, data);
+  f.velocity_names = velocity_names(file.scene);
+  for (const NearDependent& n : f.near_dependent) f.only_just.push_back(only_just(f, n));
+  const auto name = [&f](int row) { return f.force_names[static_cast<std::size_t>(row)]; };
+  for (const RankGap& gap : gaps)
+    if (close(gap))
+      f.close_rows.push_back("of " + name(gap.kept) + ", which counts, the rows before leave " +
+                             scientific(gap.least_kept) + " of its size, of " + name(gap.dropped) +
+                             ", which does not, " + scientific(gap.most_dropped));
 }
 
 }  // namespace
@@ -165,10 +165,8 @@ Findings find(const SceneFile& file, const SceneData& data) {
   f.contradictions = contradictions(file.scene, data);
   f.weightless = weightless_joints(file.scene, data, file.q);
   f.rank_changes = rank_changes(file.scene, file.q, data);
-  f.near_dependent = near_dependent(file.scene, file.q, data);
-  f.force_names = force_names(file.scene, data);
-  for (const NearDependent& n : f.near_dependent) f.only_just.push_back(only_just(file.scene, f.force_names, n));
-  find_gaps(file.scene, data, f);
+  if (!f.rank_changes.empty()) f.velocity_names = velocity_names(file.scene);
+  find_gaps(file, data, f);
   return f;
 }
 
@@ -181,12 +179,12 @@ std::string in_words(const Scene& scene, const Violation& v) {
   return scene.contacts[v.contact].name + " " + to_string(v.kind) + " " + amount(scene, v);
 }
 
-std::string in_words(const Scene& scene, const RankChange& c) {
+std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& c) {
   std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
                      std::to_string(c.rows) + " rows here, more beside it";
   if (c.coordinate >= 0)
     text +=
-        ", where contacts hold " + velocity_names(scene)[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+        ", where contacts hold " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
   return text + (c.singular
                      ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
                      : "; rows depend on each other only while they are met: derivatives exist along motions that meet "
@@ -201,13 +199,13 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
       [&](const PlacementError& e) {
         const Contact& c = scene.contacts[e.contact];
-        return misplaced_by(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+        return "by " + in_words(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
       });
   print_contacts(
       out, scene, f.moving, "moves though held", [](const VelocityError& e) { return std::max(e.linear, e.angular); },
       [&](const VelocityError& e) {
         const Contact& c = scene.contacts[e.contact];
-        return moving_by(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
+        return "by " + in_words(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
                "; consistent=\"true\" of the scene makes velocities fit";
       });
   for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
@@ -225,7 +223,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   print_weightless(out, f.weightless);
   std::vector<std::string> changes;
   for (const RankChange& c : f.rank_changes)
-    if (c.singular) changes.push_back(in_words(scene, c));
+    if (c.singular) changes.push_back(in_words(scene, f.velocity_names, c));
   print_some(out, changes, "rank changes: ");
   print_some(out, f.only_just, "nearly dependent: ");
   print_some(out, f.close_rows, "nearly dependent: ");
@@ -261,16 +259,16 @@ Json all_in_words(const Scene& scene, const Findings& f) {
     list.back()["line"] = x.line;
   }
   for (const PlacementError& e : f.misplaced)
-    say("place", scene.contacts[e.contact].name, "out of place " + misplaced_by(e));
+    say("place", scene.contacts[e.contact].name, "out of place by " + in_words(e));
   for (const VelocityError& e : f.moving)
-    say("velocity", scene.contacts[e.contact].name, "moves though held " + moving_by(e));
+    say("velocity", scene.contacts[e.contact].name, "moves though held by " + in_words(e));
   for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
   for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
   for (const Contradiction& c : f.contradictions)
     say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
   for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
   for (const RankChange& c : f.rank_changes)
-    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, c));
+    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, f.velocity_names, c));
   for (std::size_t k = 0; k < f.near_dependent.size(); ++k)
     say("near_dependent", f.force_names[static_cast<std::size_t>(f.near_dependent[k].rows[0])], f.only_just[k]);
   for (const std::string& text : f.close_rows) say("near_dependent", "", text);
@@ -302,7 +300,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
          {"singular", c.singular},
          {"rank", c.rank},
          {"rows", c.rows},
-         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(velocity_names(scene)[c.coordinate])}});
+         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[static_cast<std::size_t>(c.coordinate)])}});
   }
   to["near_dependent"] = Json::array();
   for (const NearDependent& n : f.near_dependent) {
@@ -311,7 +309,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
     to["near_dependent"].push_back({{"rows", rows},
                                     {"left", n.left},
                                     {"times_loads", std::isfinite(n.times) ? Json(n.times) : Json(nullptr)},
-                                    {"coordinate", velocity_names(scene)[static_cast<std::size_t>(n.coordinate)]},
+                                    {"coordinate", f.velocity_names[static_cast<std::size_t>(n.coordinate)]},
                                     {"acceleration", n.acceleration},
                                     {"without", n.without}});
   }

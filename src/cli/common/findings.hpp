@@ -22,7 +22,8 @@ struct Findings {
   std::vector<Weightless> weightless;
   std::vector<RankChange> rank_changes;
   std::vector<NearDependent> near_dependent;
-  std::vector<std::string> force_names, only_just;  // of all rows; these islands in words
+  std::vector<std::string> force_names, velocity_names;  // of all, where those above need them
+  std::vector<std::string> only_just;                    // near_dependent in words
   std::vector<std::string> close_rows;  // islands, in words, where a row could as well be dropped as another kept
   double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
 
@@ -42,7 +43,7 @@ std::string in_words(const Scene& scene, const LimitPassed& limit);
 std::string in_words(const Scene& scene, const Violation& violation);
 
 /// "left, right: rank 3 of 4 rows here, more beside it, where contacts hold r/knee too, most of all; ..."
-std::string in_words(const Scene& scene, const RankChange& change);
+std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
 
 /// "To look at": a line per kind of finding, the worst first; nothing where there are none.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);

@@ -79,7 +79,10 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     out << "  none: every island failed\n";
   const auto& changes = s.findings.rank_changes;
   for (std::size_t k = 0; k < changes.size() && k < 2; ++k)
-    wrap(out, "these take the rank for constant, but it changes; " + in_words(s.file.scene, changes[k]), 2);
+    wrap(out,
+         "these take the rank for constant, but it changes; " +
+             in_words(s.file.scene, s.findings.velocity_names, changes[k]),
+         2);
   if (changes.size() > 2) out << "  and in " << changes.size() - 2 << " more islands\n";
   if (unknown > 0)
     out << "  not known (NaN) of " << unknown << (unknown == 1 ? " island" : " islands")
