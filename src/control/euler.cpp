@@ -98,25 +98,16 @@ void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen:
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calc", x, u);
   IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
-  const Eigen::Index nv = state_->get_nv();
   control_->calc(d.control, 0, u);
   differential_->calc(d.differential, x, d.control->w);
-  const Eigen::VectorXd& a = d.differential->xout;
-  d.dx.head(nv) = time_step_ * x.tail(nv) + time_step2_ * a;
-  d.dx.tail(nv) = time_step_ * a;
-  state_->integrate(x, d.dx, d.xnext);
-  d.cost = time_step_ * d.differential->cost;
-  internal::copy_values(*d.differential, with_cost_residual_, d);
+  internal::calc_semi_implicit(*state_, x, time_step_, d.differential->xout, *d.differential, with_cost_residual_, d);
 }
 
 void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelEuler::calc", x);
   IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
   differential_->calc(d.differential, x);
-  d.dx.setZero();
-  d.xnext = x;
-  d.cost = d.differential->cost;
-  internal::copy_values(*d.differential, with_cost_residual_, d);
+  internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
 }
 
 namespace {
@@ -191,9 +182,7 @@ void IntegratedActionModelEuler::quasiStatic(const DataPtr& data, VectorRef u, c
                                              std::size_t maxiter, double tol) {
   check("IntegratedActionModelEuler::quasiStatic", x, u);
   IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::quasiStatic", data);
-  differential_->quasiStatic(d.differential, d.control->w, x, maxiter, tol);
-  control_->params(d.control, 0, d.control->w);
-  u = d.control->u;
+  internal::quasi_static(*differential_, d.differential, *control_, d.control, u, x, maxiter, tol);
 }
 
 void IntegratedActionModelEuler::print(std::ostream& os) const { print_as("IntegratedActionModelEuler", os); }

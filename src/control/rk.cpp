@@ -93,10 +93,7 @@ void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x)
   check("IntegratedActionModelRK::calc", x);
   IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calc", data);
   differential_->calc(d.differential[0], x);
-  d.dx.setZero();
-  d.xnext = x;
-  d.cost = d.differential[0]->cost;
-  internal::copy_values(*d.differential[0], with_cost_residual_, d);
+  internal::calc_terminal(x, *d.differential[0], with_cost_residual_, d);
 }
 
 namespace {
@@ -198,10 +195,7 @@ void IntegratedActionModelRK::quasiStatic(const DataPtr& data, VectorRef u, cons
                                           std::size_t maxiter, double tol) {
   check("IntegratedActionModelRK::quasiStatic", x, u);
   IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::quasiStatic", data);
-  ControlParametrizationDataAbstract& control = *d.control[0];
-  differential_->quasiStatic(d.differential[0], control.w, x, maxiter, tol);
-  control_->params(d.control[0], 0, control.w);
-  u = control.u;
+  internal::quasi_static(*differential_, d.differential[0], *control_, d.control[0], u, x, maxiter, tol);
 }
 
 void IntegratedActionModelRK::print(std::ostream& os) const { print_as("IntegratedActionModelRK", os); }

@@ -70,29 +70,20 @@ SymplecticData::~IntegratedActionDataSymplectic() = default;
 void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelSymplectic::calc", x, u);
   SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
-  const Eigen::Index nv = state_->get_nv();
   control_->calc(d.control, 0, u);
   differential_->calc(d.differential, x, d.control->w);
   const DataCollector& m = dynamics_of(*d.differential);
   if (!is_of(*d.held, m)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw());
   d.held->solve_at(x, time_step_, m);
-  const Eigen::VectorXd& a = d.held->solution.a;
-  d.dx.head(nv) = time_step_ * x.tail(nv) + time_step2_ * a;
-  d.dx.tail(nv) = time_step_ * a;
-  state_->integrate(x, d.dx, d.xnext);
+  internal::calc_semi_implicit(*state_, x, time_step_, d.held->solution.a, *d.differential, with_cost_residual_, d);
   d.held->finish_step(m, d.xnext);
-  d.cost = time_step_ * d.differential->cost;
-  internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
 void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("IntegratedActionModelSymplectic::calc", x);
   SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
   differential_->calc(d.differential, x);
-  d.dx.setZero();
-  d.xnext = x;
-  d.cost = d.differential->cost;
-  internal::copy_values(*d.differential, with_cost_residual_, d);
+  internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
 }
 
 // With J1, J2 of x (+) dx, and before momentum is seen to:
@@ -134,9 +125,7 @@ void SymplecticModel::quasiStatic(const DataPtr& data, VectorRef u, const ConstV
                                   double tol) {
   check("IntegratedActionModelSymplectic::quasiStatic", x, u);
   SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::quasiStatic", data);
-  differential_->quasiStatic(d.differential, d.control->w, x, maxiter, tol);
-  control_->params(d.control, 0, d.control->w);
-  u = d.control->u;
+  internal::quasi_static(*differential_, d.differential, *control_, d.control, u, x, maxiter, tol);
 }
 
 void SymplecticModel::print(std::ostream& os) const { print_as(kIntegratedActionModelSymplectic, os); }

@@ -42,17 +42,7 @@ template <class S>
 void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
   linearise(job, robots, nullptr);
   rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // of it Psid, Psidd and Sv
-  S* to = joins_.data();
-  const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
-  for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
-    const int joint = contact(k).A.joint;
-    add(origin_numbers(robot_.kin, joint), 6);
-    add(robot_.kin.oMi[joint].R.data(), 12);
-    add(robot_.kin.v[joint].data(), 6);
-    add(robot_.kin.a[joint].data(), 6);
-    for (const Mat6X<S>* of : {&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv})
-      for (int i : plan_->supports[k].a) add(of->col(i).data(), 6);
-  }
+  collect_ends({&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv});
   double* memory[8];
   store_arrays(joins_.data(), static_cast<int>(plan_->ends_size()),
                side_by_side(robots, memory, [](const Robot& r) { return r.ends; }));

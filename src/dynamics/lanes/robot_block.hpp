@@ -4,6 +4,7 @@
 // derivatives.hpp, products with them in products.hpp.
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 
 #include "../robot_quantities.hpp"
@@ -139,6 +140,7 @@ class RobotBlock {
                double* f) const;
   // with a border
   void fetch_kept(Ahead ahead) const;
+  void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
   void store_ends(Robots robots);
   void store_schur_complement(Robots robots);
   void begin(Robots robots);
@@ -540,9 +542,9 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   }
 }
 
-/// JoinedEnd of each contact that joins the robots.
+/// Into joins_, of each contact that joins the robots: how its end's body moves, and its coordinates' columns of these.
 template <class S>
-void RobotBlock<S>::store_ends(Robots robots) {
+void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();
   const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
   for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
@@ -551,8 +553,15 @@ void RobotBlock<S>::store_ends(Robots robots) {
     add(robot_.kin.oMi[joint].R.data(), 12);
     add(robot_.kin.v[joint].data(), 6);
     add(robot_.kin.a[joint].data(), 6);
-    for (int i : plan_->supports[k].a) add(robot_.kin.J.col(i).data(), 6);
+    for (const Mat6X<S>* of : columns)
+      for (int i : plan_->supports[k].a) add(of->col(i).data(), 6);
   }
+}
+
+/// JoinedEnd of each contact that joins the robots.
+template <class S>
+void RobotBlock<S>::store_ends(Robots robots) {
+  collect_ends({&robot_.kin.J});
   double* memory[8];
   store_arrays(joins_.data(), static_cast<int>(plan_->joins_size()),
                side_by_side(robots, memory, [](const Robot& r) { return r.joins; }));
