@@ -13,6 +13,7 @@ Workspace::Workspace(const Scene& s) : scene(s) {
   contacts.reserve(s.contacts.size());
   supports.resize(s.contacts.size());
   joint_space.assign(s.contacts.size(), 0);
+  rows_state.assign(s.contacts.size(), 0);
   for (const Contact& contact : s.contacts) contacts.emplace_back(contact, ContactSupport{});
 }
 

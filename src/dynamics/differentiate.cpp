@@ -5,9 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "bodies.hpp"
 #include "steps.hpp"
-#include "systems/robots/joined_derivatives.hpp"
+#include "systems/robots/derivatives.hpp"
 #include "threads.hpp"
 
 namespace manycontact {
@@ -40,37 +39,36 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   out.u_offset.push_back(first);
 }
 
-void differentiate_island(const Scene& scene, SceneData& data, std::size_t i, IslandDerivatives& out,
-                          ThreadWork& thread) {
-  Workspace& w = *data.workspace;
-  IslandWork& d = *w.islands[i];
-  const auto none = [&out] { out.X.setConstant(std::numeric_limits<double>::quiet_NaN()); };
-  if (differentiate_by_robots(scene, data, d, out)) return;
-  if (d.in_lanes) complete_island(scene, data, d, thread);
-  if (!d.factor) return none();
-  const AtSolution at(scene, data, d.island);
+void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
   derivative_terms(scene, data, d.island, data.f);
   out.X.setZero();
-  derivative_rhs(scene, *w.linearisation, data.v, d, out);
-  const bool deficient = rank_deficient(d) && out.request.q;
-  if (deficient && !d.rows) d.rows = std::make_unique<DependentDerivatives>();
-  if (deficient && d.contradiction) add_contradiction(scene, data, d, out, thread.panel);
-  solve_panel(scene, d, out, thread.panel);
-  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (deficient && out.request.forces) least_norm_forces(scene, data, d, out);
+  derivative_rhs(scene, *data.workspace->linearisation, data.v, d, out);
 }
 
 namespace {
 
-// An island that no lane served.
-void differentiate_alone(const Scene& scene, SceneData& data, std::size_t i, ThreadWork& thread) {
-  IslandWork& d = *data.workspace->islands[i];
-  IslandDerivatives& out = data.workspace->derivatives.islands[i];
-  differentiate_island(scene, data, i, out, thread);
-  if (!d.factor) return;
-  const bool bodies = by_bodies(d), refused = bodies ? out.X.hasNaN() : out.X.size() > 0 && std::isnan(out.X(0, 0));
-  if (refused && (bodies ? climb_again(scene, data, d, thread) : climb_to_oracle(scene, data, d, thread)))
-    differentiate_island(scene, data, i, out, thread);  // another factor may do better
+// Memory, by the thread that calls, of an island's derivatives.
+void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
+                    IslandDerivatives& out) {
+  Workspace& w = *data.workspace;
+  if (d.answered == d.bodies.get() && d.answered) {
+    check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
+    make_joint_space(scene, w, d);
+  }
+  if (out.request != request || out.X.rows() != d.island.size() || out.u_offset.size() != d.island.robots.size() + 1)
+    lay_out(scene, d.island, request, out);
+  prepare_robots_derivatives(scene, d, out, w);
+  if (d.answered && !d.alone.serves(w) && !goes_by_robots(d)) w.linearisation->assign(scene, w, d.island);
+}
+
+// Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
+// by the whole K.
+void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
+                          IslandDerivatives& out) {
+  if (goes_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
+  if (!ask(scene, data, d, thread,
+           [&](IslandSystem& system) { return &system != d.robots.get() && system.differentiate(scene, data, thread, out); }))
+    out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace
@@ -81,37 +79,26 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   internal::check_unasked(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
-  Linearisation& linearisation = internal::linearisation_of(scene, data);
+  (void)internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    IslandDerivatives& out = w.derivatives.islands[i];
-    const Island& island = w.islands[i]->island;
-    out.stamp = {};
-    internal::complete_bodies(scene, data, *w.islands[i], w.threads.front());
-    internal::joint_space_terms(scene, data, *w.islands[i], "differentiate");
-    if (out.request != request || out.X.rows() != island.size() || out.u_offset.size() != island.robots.size() + 1)
-      internal::lay_out(scene, island, request, out);
-    internal::prepare_by_robots(scene, *w.islands[i], out, w);
-    if (!internal::goes_by_robots(data, *w.islands[i])) linearisation.assign(scene, w, *w.islands[i]);
+    w.derivatives.islands[i].stamp = {};
+    internal::prepare_island(scene, data, *w.islands[i], request, w.derivatives.islands[i]);
   }
   const internal::OneBlasOfThreads one_blas_thread(w);
-  internal::differentiate_in_lanes(scene, data);
+  internal::differentiate_alone(scene, data);
+  const auto alone = [&](std::size_t i) { return w.islands[i]->alone.serves(w); };
+  const auto by_robots = [&](std::size_t i) { return internal::goes_by_robots(*w.islands[i]); };
+  const auto of_island = [&](std::size_t i, ThreadWork& thread) {
+    internal::differentiate_island(scene, data, *w.islands[i], thread, w.derivatives.islands[i]);
+  };
   for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (internal::goes_by_robots(data, *w.islands[i])) internal::differentiate_alone(scene, data, i, w.threads.front());
+    if (by_robots(i)) of_island(i, w.threads.front());
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.islands[i]->served_in_lanes() && !internal::goes_by_robots(data, *w.islands[i]))
-      internal::differentiate_alone(scene, data, i, thread);
+    if (!alone(i) && !by_robots(i)) of_island(i, thread);
   });
-  bool all_linearised = true;
-  for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    all_linearised =
-        all_linearised && !w.islands[i]->served_in_lanes() && !internal::goes_by_robots(data, *w.islands[i]);
-    w.derivatives.islands[i].stamp = {&w.current, data.serial};
-  }
-  w.kinematics_known = std::all_of(w.islands.begin(), w.islands.end(),
-                                   [](const auto& d) { return !d->in_lanes || (d->joined && d->joined->terms_known); });
+  for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
   w.derivatives_serial = data.serial;
-  w.linearised_serial = all_linearised ? data.serial : 0;
   return w.derivatives;
 }
 
@@ -125,11 +112,12 @@ namespace {
 
 void release(IslandWork& d) {
   d.derivatives = {};
-  d.by_robots.reset();
-  if (d.joined && !d.joined->solves) d.joined.reset();  // made for derivatives
-  d.rows.reset();
-  d.all.reset();
-  for (Factor* factor : {d.chosen.get(), d.safe.get(), d.dense.get()})
+  if (d.robots && !d.robots->solves)
+    d.robots.reset();  // made for derivatives
+  else if (d.robots)
+    d.robots->derivatives.reset();
+  d.matrix.rows.reset();
+  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.safe.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }
 

@@ -5,30 +5,27 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "bodies.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "steps.hpp"
-#include "systems/robots/joined_derivatives.hpp"
+#include "systems/robots/derivatives.hpp"
 
 namespace manycontact {
 
 IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
-    : shape(std::move(s)), choice(choose(*shape, options)) {
+    : shape(std::move(s)), choice(choose(*shape, options)), matrix(*this) {
   if (choice.method == Method::kSparseBodies) {
-    bodies = std::make_unique<BodyForm>(shape, lanes::level_of(options.lanes));
+    bodies = std::make_unique<BodiesSystem>(*this, lanes::level_of(options.lanes));
     return;
   }
-  K.reset(shape->pattern(choice.order));
-  v.resize(K.size());
+  matrix.K.reset(shape->pattern(choice.order));
+  matrix.v.resize(matrix.K.size());
 }
-
-IslandWork::~IslandWork() = default;
 
 namespace {
 
 // Back to the shelf of its shape, for the next island that has it.
 void shelve(Workspace& w, std::unique_ptr<IslandWork> island) {
-  island->was_dependent = false;  // that was another island
+  island->matrix.was_dependent = false;  // that was another island
   w.shelves[island->shape.get()].push_back(std::move(island));
 }
 
@@ -44,7 +41,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island&
 // The island's robots and contacts, of which it has as many as any of its shape.
 void settle(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
   std::swap(d.island, island);
-  if (!internal::has_bodies(d)) internal::make_joint_space(scene, w, d);
+  if (!d.bodies) internal::make_joint_space(scene, w, d);
 }
 
 // Robots of islands with a contact that was switched, at either end.

@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "bodies.hpp"
 #include "manycontact/sparse/least_norm.hpp"
 #include "steps.hpp"
 
@@ -24,10 +23,10 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   std::vector<Eigen::Triplet<double>> A;  // [B J^T]
   for (int u = 0; u < nu; ++u)
     for (Eigen::SparseMatrix<double>::InnerIterator it(B, u); it; ++it) A.emplace_back(it.row(), u, it.value());
-  w.kinematics_known = true;
+  ++w.state;
   for (const auto& d : w.islands) {
     const Island& island = d->island;
-    if (internal::has_bodies(*d)) internal::check_joint_space(*d, "quasi_static", "");
+    if (d->bodies) internal::check_joint_space(*d, "quasi_static", "");
     internal::make_joint_space(scene, w, *d);
     internal::evaluate(scene, q, rest, w, island);
     const bool usable = internal::check_input(scene, q, rest, rest, island) == Reason::kNone;

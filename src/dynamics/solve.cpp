@@ -4,10 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_wanted.hpp"
-#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "steps.hpp"
 #include "threads.hpp"
@@ -36,19 +34,6 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
 
 namespace {
 
-// Residuals relative to the terms they are left of; those of the contacts at least to gravity, or a scene at rest would
-// have rounding compared with rounding.
-void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors& s, IslandReport& report) {
-  double r[2] = {0, 0}, scale[2] = {0, scene.gravity.norm()};  // dynamics rows, contact rows
-  for (int k = 0; k < p.size(); ++k) {
-    const int row = p.perm[k] >= p.nv;
-    r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k]));
-    scale[row] = std::max(scale[row], s.scale[k]);
-  }
-  report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
-  report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
-}
-
 void fail(const Scene& scene, SceneData& data, const Island& island, IslandReport& report) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   report.status = Status::kFailed;
@@ -59,53 +44,26 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// Kinematics, terms and their memory for the ladder; false where the input cannot be used.
-bool ready_for_ladder(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data, IslandWork& d,
-                      IslandReport& report) {
-  if (has_bodies(d)) make_joint_space(scene, *data.workspace, d);
-  evaluate(scene, q, v, *data.workspace, d.island);
-  report.reason = check_input(scene, q, v, data.tau, d.island);
-  return report.reason == Reason::kNone;
-}
-
-// What the ladder found, in the scene's coordinates.
-void take_answer(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
-  const KktPattern& p = *d.K.pattern;
-  scatter(scene, data.f_offset, p, d.island, d.v.x.data(), data.a, data.f);  // x = [a; -f]
-  each_force_block(scene, data.f_offset, d.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
-  report_residuals(scene, p, d.v, report);
-  report.backward_error = rank_deficient(d) ? sparse::componentwise_backward_error(d.v.r, d.v.scale) : d.last_error;
-}
-
-void solve_in_joint_space(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                          FactorScratch& scratch, IslandWork& d, IslandReport& report) {
-  if (!ready_for_ladder(scene, q, v, data, d, report)) return fail(scene, data, d.island, report);
-  if (!climb_ladder(scene, data, scratch, d, report)) {
-    d.factor = nullptr;
-    return fail(scene, data, d.island, report);
-  }
-  take_answer(scene, data, d, report);
-}
-
-// By sparse-bodies, or in joint space; there also what sparse-bodies refused, unless it is too large.
-void solve_island(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data,
-                  FactorScratch& scratch, IslandWork& d, IslandReport& report) {
+// An island of any robots: by robots, by bodies, by the whole K.
+void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
-  d.factor = nullptr;
-  if (has_bodies(d)) {
-    report.reason = check_input(scene, q, v, data.tau, d.island);
-    if (report.reason != Reason::kNone) return fail(scene, data, d.island, report);
-    if (solve_by_bodies(scene, data, d, report)) return;
-    if (joint_space_size(*d.shape) > kMostJointSpace) return fail(scene, data, d.island, report);
-    const Reason refused = report.reason;
-    solve_in_joint_space(scene, q, v, data, scratch, d, report);
-    if (report.reason == Reason::kNone) report.reason = refused;
-    return;
-  }
-  solve_in_joint_space(scene, q, v, data, scratch, d, report);
+  const auto solve_by = [&](IslandSystem* system) {
+    if (!system || !system->solve(scene, data, thread, report)) return false;
+    d.answered = system;
+    return true;
+  };
+  if (!d.bodies) evaluate_at_solution(scene, data, d);  // to be looked at even where the input is refused
+  report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
+  if (report.reason != Reason::kNone || solve_by(d.bodies.get())) return;
+  const Reason refused = report.reason;  // by sparse-bodies
+  if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
 }  // namespace
+
+void forget_states(SceneData& data) {
+  for (const auto& island : data.workspace->islands) island->matrix.was_dependent = false;
+}
 
 void reset(IslandReport& report, const Island& island) {
   std::vector<int> memory = std::move(report.dependent_rows);
@@ -120,17 +78,16 @@ namespace {
 
 // The islands whose rows depend on each other as in the solve before. Of the others nothing is left behind: a state's
 // answer does not depend on the states before it.
-void solve_dependent(const Scene& scene, const ConstVector& q, const ConstVector& v, SceneData& data) {
+void solve_dependent(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->was_dependent; })) return;
+  if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->matrix.was_dependent; })) return;
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
-    IslandReport& report = data.report.islands[i];
-    if (!d.was_dependent) return;
-    reset(report, d.island);
-    d.factor = nullptr;
-    d.was_dependent = ready_for_ladder(scene, q, v, data, d, report);
-    if (d.was_dependent && still_dependent(scene, data, thread.scratch, d, report)) take_answer(scene, data, d, report);
+    if (!d.matrix.was_dependent) return;
+    d.matrix.was_dependent = false;
+    if (check_input(scene, w.q, data.v, data.tau, d.island) != Reason::kNone) return;
+    reset(data.report.islands[i], d.island);
+    if (d.matrix.solve_as_dependent(scene, data, thread, data.report.islands[i])) d.answered = &d.matrix;
   });
 }
 
@@ -158,22 +115,24 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
   data.report.method = data.options.method;
   w.q = q;
-  w.kinematics_known = false;
-  for (const auto& d : w.islands) d->factorizations = 0;
+  ++w.state;  // also where the solve before ended with an exception, after its number was given
+  for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);
-  ++w.solves;  // what fails on the way may have left its number behind
-  solve_dependent(scene, q, v, data);
+  solve_dependent(scene, data);
   solve_alone(scene, data);
-  solve_joined(scene, data);
-  const auto left = [](const IslandWork& d) { return !d.in_lanes && !d.was_dependent; };
+  for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
+    if (const auto& d = w.islands[i];
+        d->robots && !d->answered && d->robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
+      d->answered = d->robots.get();
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
-    if (left(d)) solve_island(scene, q, v, data, thread.scratch, d, data.report.islands[i]);
+    if (d.answered) return;
+    solve_island(scene, data, thread, d, data.report.islands[i]);
+    if (!d.answered) fail(scene, data, d.island, data.report.islands[i]);
   });
-  w.kinematics_known = std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->in_lanes; });
   summarise(data.report);
   w.wanted = nullptr;
-  data.serial = w.current = w.solves;
+  data.serial = w.current = w.state;
   return data.report;
 }
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "derivative_columns.hpp"
+#include "derivatives/columns.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "steps.hpp"
 
@@ -19,7 +19,6 @@ StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene
 
 void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
-  if (!w.kinematics_known) throw std::logic_error("static_torque: robots were solved in lanes, call complete first");
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
@@ -27,9 +26,7 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
   s.tau.setZero();  // as the velocity
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    if (!w.robots[r].known)
-      throw std::logic_error(
-          "static_torque: sparse-bodies solved without the bodies' tree frames, differentiate first");
+    if (w.robots[r].state != w.state) throw std::logic_error("static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: call complete first");
     s.kin[r] = w.robots[r].kin;
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);

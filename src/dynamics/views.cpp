@@ -13,26 +13,22 @@ const Workspace& prepared(const SceneData& data) {
   return *data.workspace;
 }
 
-const Workspace& solved(const SceneData& data) {
-  const Workspace& w = prepared(data);
-  if (!w.kinematics_known)
-    throw std::logic_error(data.serial == 0
-                               ? "views of a scene's data: solve first"
-                               : "views of a scene's data: its robots stood in lanes, call complete first");
-  return w;
+[[noreturn]] void not_there(const SceneData& data) {
+  throw std::logic_error(data.serial == 0 ? "views of a scene's data: solve first"
+                                          : "views of a scene's data: robots were solved in lanes, or by sparse-bodies, "
+                                            "which leave the answer alone: call complete first");
 }
 
-// Not known where sparse-bodies answered, which has them in other frames.
-const RobotData& in_joint_space(const SceneData& data, int robot) {
-  const RobotData& r = solved(data).robots.at(robot);
-  if (!r.known)
-    throw std::logic_error("views of a scene's data: sparse-bodies solved without them, ask for sparse-ldl");
+const RobotData& robot_at_state(const SceneData& data, int robot) {
+  const Workspace& w = prepared(data);
+  const RobotData& r = w.robots.at(robot);
+  if (r.state != w.state) not_there(data);
   return r;
 }
 
-const Linearisation& linearised(const SceneData& data) {
-  const Workspace& w = solved(data);
-  if (w.derivatives_serial == 0 || w.derivatives_serial != data.serial || w.linearised_serial != data.serial)
+const Linearisation& linearised(const SceneData& data, int contact) {
+  const Workspace& w = prepared(data);
+  if (data.serial == 0 || w.derivatives_serial != data.serial || w.linearisation->state.at(contact) != w.state)
     throw std::logic_error("views of a scene's derivatives: call differentiate first, without lanes (Options::lanes)");
   return *w.linearisation;
 }
@@ -53,18 +49,23 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
 int factorizations_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->factorizations; }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
 const KktMatrix& matrix_of(const SceneData& data, std::size_t i) {
-  const KktMatrix& K = solved(data).islands.at(i)->K;
-  if (!K.pattern) throw std::logic_error("views of a scene's data: sparse-bodies solved without K, ask for sparse-ldl");
-  return K;
+  const Workspace& w = prepared(data);
+  const MatrixSystem& matrix = w.islands.at(i)->matrix;
+  if (matrix.state != w.state) not_there(data);
+  return matrix.K;
 }
 
-const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return in_joint_space(data, robot).kin; }
+const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return robot_at_state(data, robot).kin; }
 std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
-  return in_joint_space(data, robot).Yc;
+  return robot_at_state(data, robot).Yc;
 }
-std::span<const double> inertia_of(const SceneData& data, int robot) { return in_joint_space(data, robot).M; }
-const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return in_joint_space(data, robot).h; }
-const ContactData<double>& contact_of(const SceneData& data, int contact) { return solved(data).contacts.at(contact); }
+std::span<const double> inertia_of(const SceneData& data, int robot) { return robot_at_state(data, robot).M; }
+const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return robot_at_state(data, robot).h; }
+const ContactData<double>& contact_of(const SceneData& data, int contact) {
+  const Workspace& w = prepared(data);
+  if (w.rows_state.at(contact) != w.state) not_there(data);
+  return w.contacts[contact];
+}
 const ContactSupport& support_of(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (!w.joint_space.at(contact))
@@ -73,10 +74,10 @@ const ContactSupport& support_of(const SceneData& data, int contact) {
 }
 
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact) {
-  return linearised(data).contacts.at(contact);
+  return linearised(data, contact).contacts[contact];
 }
 const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact) {
-  return linearised(data).derivatives.at(contact);
+  return linearised(data, contact).derivatives[contact];
 }
 
 void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -86,6 +87,7 @@ void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
   internal::check_size("update_kinematics", "v", v.size(), scene.nv);
   internal::give_up_solution(data);
   Workspace& w = *data.workspace;
+  ++w.state;
   for (int i = 0; i < scene.nrobots(); ++i) {
     const Robot& robot = scene.robots[i];
     const Model& model = *robot.model;
@@ -95,9 +97,8 @@ void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
     r.Yc = r.kin.Y;
     for (int k = model.njoints() - 1; k > 0; --k)
       if (const int parent = model.joints[k].parent; parent >= 0) r.Yc[parent] += r.Yc[k];
-    r.known = true;
+    r.state = w.state;
   }
-  w.kinematics_known = true;
 }
 
 }  // namespace manycontact

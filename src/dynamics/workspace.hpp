@@ -5,16 +5,16 @@
 #include <span>
 #include <unordered_map>
 
-#include "linearisation.hpp"
+#include "derivatives/linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/kkt/factor/factors.hpp"
-#include "manycontact/kkt/factor/refined.hpp"
 #include "parallel.hpp"
 #include "robot_quantities.hpp"
 #include "scene_identity.hpp"
+#include "systems/bodies/bodies.hpp"
+#include "systems/matrix/matrix.hpp"
 #include "systems/robots/robots.hpp"
 
 namespace manycontact {
@@ -23,61 +23,30 @@ namespace manycontact {
 /// kin.a: bias accelerations, but while an AtSolution lives.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
-  bool known = false;     // of the last q, v: not where sparse-bodies answered
-  std::vector<double> M;  // packed inertia (algorithm/crba.hpp); empty until make_joint_space
+  std::uint64_t state = 0;  // that all of it is of
+  std::vector<double> M;    // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
-
-/// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
-struct DependentDerivatives {
-  std::vector<Kinematics<double>> kin;  // per robot of the island, moving with y
-  Eigen::VectorXd f, x, y;              // nc, size, nv
-  Eigen::VectorXd with;                 // forces of the scene, and what the contacts contradict each other by
-  IslandDerivatives::Panel D, kept;     // nc x nv, size x nv
-  IslandDerivatives with_rho;           // nv columns
-};
-
-struct BodyForm;
-struct JoinedDerivatives;
 
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
 /// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
   IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
-  ~IslandWork();
 
   std::shared_ptr<IslandShape> shape;
   Choice choice;
+  Island island;  // by prepare
 
-  // by prepare
-  Island island;
-  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J
+  // what it is solved by, in this order; a null pointer: not by that
+  AloneSystem alone;                      // of one robot
+  std::unique_ptr<RobotsSystem> robots;   // of several; by prepare, and for derivatives alone by differentiate
+  std::unique_ptr<BodiesSystem> bodies;   // where sparse-bodies was chosen
+  MatrixSystem matrix;
 
-  bool lanes_considered = false;
-  BlockGroup* block = nullptr;           // of one robot: where that stands in lanes; nullptr: it does not
-  std::unique_ptr<JoinedRobots> joined;  // of several: where they go robot by robot in lanes
+  bool planned = false;              // whether it can stand in lanes; by prepare
+  IslandSystem* answered = nullptr;  // the last solve; nullptr: none did
+  int factorizations = 0;            // of K, whole or robot by robot, since that began
 
-  // by solve; with sparse-bodies `bodies`, and the rest only where that refuses
-  std::unique_ptr<BodyForm> bodies;
-  KktMatrix K;
-  KktVectors v;
-  std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, what the ladder falls back to
-  Factor* factor = nullptr;                     // the one that answered; null: none did
-  bool in_lanes = false;                        // answered in a lane: all of this is another state's until `complete`
-  bool panel_is_safe = false;                   // and its derivatives may come from there too
-  bool refine_panel = false;                    // refined once
-  bool served_in_lanes() const { return in_lanes && panel_is_safe; }
-  int factorizations = 0;      // of K, whole or robot by robot, since the solve began
-  double first_error = 0;      // backward error before refinement
-  double last_error = 0;       // and after it
-  bool contradiction = false;  // the contacts contradict each other: least squares
-  bool was_dependent = false;  // the last solve found rows dependent
-  std::vector<int> dependent;  // scratch: rows of J
-
-  // by differentiate, jvp, vjp
-  IslandDerivatives derivatives;                 // while on the shelf; else in Workspace::derivatives
-  std::unique_ptr<JoinedDerivatives> by_robots;  // where few rows join its robots
-  std::unique_ptr<DependentDerivatives> rows;    // where contact rows are dependent
-  std::unique_ptr<IslandDerivatives> all;        // jvp, vjp with dependent rows: everything
+  IslandDerivatives derivatives;  // while on the shelf; else in Workspace::derivatives
 };
 
 /// Scratch of jvp and vjp.
@@ -86,11 +55,11 @@ struct ProductWork {
     std::vector<BodyVariation> body;               // njoints: tangents, or adjoints
     std::vector<Vec6<double>> u;                   // njoints: virtual velocities
     std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
-    std::vector<double> w;                         // nv: change of the torques, or the vector behind u
+    std::vector<double> w;                         // nv: change of the torques
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  Eigen::VectorXd a, f;  // of the scene, all contacts active: a system's vectors where robots are joined
+  Eigen::VectorXd a, y;  // of the scene, all contacts active: right-hand sides and solutions x = [a; y]
 };
 
 /// Scratch of prepare.
@@ -106,7 +75,7 @@ struct ThreadWork {
   int number = 0;  // of the thread
   FactorScratch scratch;
   PanelWork panel;
-  IslandReport spare_report;  // of islands that are completed
+  IslandReport spare_report;  // of factorizations that nobody asked for
   // as many as fit side by side
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
@@ -123,7 +92,7 @@ struct Workspace {
   explicit Workspace(const Scene& scene);
 
   SceneIdentity scene;        // the scene these data belong to
-  std::uint64_t solves = 0;   // begun so far
+  std::uint64_t state = 0;    // number of the state at hand: of solves and other evaluations begun so far
   std::uint64_t current = 0;  // serial of the solution at hand, 0: none. What stamps point to
 
   // by prepare, for `active` and `options`
@@ -143,11 +112,11 @@ struct Workspace {
   InLanes lanes;
 
   // by evaluate, update_kinematics
-  bool kinematics_known = false;  // of all robots, at one q and v; false while any stands in a lane
   std::vector<RobotData> robots;
   std::vector<char> joint_space;              // per contact: it has memory for the joint-space K
   std::vector<ContactSupport> supports;       // per contact; constant once there
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
+  std::vector<std::uint64_t> rows_state;      // per contact: the state these are of
 
   const double* wanted = nullptr;  // rows of f: accelerations asked for, while they are solved for
   bool asked = false;              // the solution at hand is of such
@@ -159,7 +128,6 @@ struct Workspace {
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::uint64_t derivatives_serial = 0;  // the solution they belong to
-  std::uint64_t linearised_serial = 0;   // the solution all of `linearisation` belongs to
   std::unique_ptr<ProductWork> products;
 };
 

@@ -6,11 +6,13 @@
 
 namespace manycontact {
 
+bool AloneSystem::serves(const Workspace& work) const { return state == work.state && panel_is_safe; }
+
 namespace internal {
 
 namespace {
 
-void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+void take_answer(const Workspace& w, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   report.method = Method::kSparseLdl;
   report.order = d.choice.order;
@@ -19,11 +21,11 @@ void report_answer(const lanes::Answer& answer, IslandWork& d, IslandReport& rep
   report.residual_dynamics = answer.residual_dynamics;
   report.residual_contact = answer.residual_contact;
   report.backward_error = answer.backward_error;
-  d.factor = nullptr;
+  d.answered = &d.alone;
   d.factorizations = 1;
-  d.in_lanes = true;
-  d.panel_is_safe = answer.panel_is_safe;
-  d.refine_panel = answer.refine_panel;
+  d.alone.state = w.state;
+  d.alone.panel_is_safe = answer.panel_is_safe;
+  d.alone.refine_panel = answer.refine_panel;
 }
 
 // The islands that `wanted` holds for into w.lanes, in batches of as many as stand side by side.
@@ -64,34 +66,35 @@ void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use)
   });
 }
 
-bool served(const IslandWork& d) { return d.served_in_lanes(); }
+auto served_by(const Workspace& w) {
+  return [&w](const IslandWork& d) { return d.alone.serves(w); };
+}
 
 }  // namespace
 
 void solve_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  for (std::unique_ptr<IslandWork>& d : w.islands) d->in_lanes = false;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,         w.solves, w.q.data(),    data.v.data(), data.tau.data(),
+  const lanes::Job job{scene,         w.state, w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
   // Not those answered already, nor those whose rows are certain to depend on each other.
   const auto wanted = [&scene](const IslandWork& d) {
-    return !d.was_dependent && (scene.damping > 0 || d.island.nc <= d.island.nv);
+    return !d.answered && (scene.damping > 0 || d.island.nc <= d.island.nv);
   };
   each_in_lanes(scene, w, wanted, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
     kernel.solve(job, robots, {thread.answers.data(), robots.size()});
     for (std::size_t k = 0; k < robots.size(); ++k)
       if (thread.answers[k].sound)
-        report_answer(thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+        take_answer(w, thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
   });
 }
 
-void differentiate_in_lanes(const Scene& scene, SceneData& data) {
+void differentiate_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool past_caches = bytes > kCached;
-  each_in_lanes(scene, w, served, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
+  each_in_lanes(scene, w, served_by(w), [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
     const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
     const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                    data.a.data(), data.f.data(), data.f_offset, first.request,
@@ -100,27 +103,27 @@ void differentiate_in_lanes(const Scene& scene, SceneData& data) {
     thread.panels.clear();
     for (int i : numbers) {
       IslandDerivatives& out = w.derivatives.islands[i];
-      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->refine_panel, {}});
+      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
     }
     kernel.differentiate(job, robots, nullptr, thread.panels);
   });
 }
 
-void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
                   double* df) {
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
-  each_in_lanes(scene, w, served,
+  each_in_lanes(scene, w, served_by(w),
                 [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.jvp(job, robots); });
 }
 
-void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
+void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
                   double* wu) {
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
-  each_in_lanes(scene, w, served,
+  each_in_lanes(scene, w, served_by(w),
                 [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.vjp(job, robots); });
 }
 

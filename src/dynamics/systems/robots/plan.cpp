@@ -117,15 +117,15 @@ JoiningGroup& group_of(const Scene& scene, Workspace& w, int c) {
 }
 
 // As predicted_cost_ldl. Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
-double cost_joined(const JoinedRobots& joined, int width) {
+double cost_joined(const RobotsSystem& system, int width) {
   const double together = 1 + 0.15 * width;
   double cost =
-      17.0 * joined.joining->rows() + 7.0 * joined.joining->symbolic.nonzeros() + joined.joining->symbolic.flops;
-  for (std::size_t k = 0; k < joined.order.size();) {
-    const BlockGroup* group = joined.robots[joined.order[k]].group;
+      17.0 * system.interface->rows() + 7.0 * system.interface->symbolic.nonzeros() + system.interface->symbolic.flops;
+  for (std::size_t k = 0; k < system.order.size();) {
+    const BlockGroup* group = system.robots[system.order[k]].group;
     std::size_t count = 1;
-    while (count < static_cast<std::size_t>(width) && k + count < joined.order.size() &&
-           joined.robots[joined.order[k + count]].group == group)
+    while (count < static_cast<std::size_t>(width) && k + count < system.order.size() &&
+           system.robots[system.order[k + count]].group == group)
       ++count;
     cost += (count == 1 ? 1 : together) * predicted_cost_ldl(*group->plan->pattern);
     k += count;
@@ -133,84 +133,84 @@ double cost_joined(const JoinedRobots& joined, int width) {
   return cost;
 }
 
-// nullptr: an island's robots or joining rows have no place in lanes.
-std::unique_ptr<JoinedRobots> join_robots(Workspace& w, IslandWork& d) {
+// nullptr: an island's robots or interface rows have no place in lanes.
+std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   if (!can_be_joined(d, w.options)) return nullptr;
-  auto joined = std::make_unique<JoinedRobots>();
-  joined->joining = std::make_shared<const Joining>(*d.shape);
-  const Joining& joining = *joined->joining;
-  bool fits = joining.schedule.compiled;
+  auto out = std::make_unique<RobotsSystem>(d);
+  out->interface = std::make_shared<const Interface>(*d.shape);
+  const Interface& interface = *out->interface;
+  bool fits = interface.schedule.compiled;
   for (std::size_t k = 0; k < d.island.robots.size() && fits; ++k) {
-    const Joining::OfRobot& r = joining.robots[k];
+    const Interface::OfRobot& r = interface.robots[k];
     const std::shared_ptr<const KktPattern> inner =
-        w.shapes.find(d.shape->scene(), alone(*d.shape, joining, k))->pattern(d.choice.order);
+        w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(d.choice.order);
     BlockGroup& group =
         group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, d.choice.order);
     fits = group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargest;
-    joined->robots.push_back({&group, {}, 0, {}});
-    joined->order.push_back(static_cast<int>(k));
+    out->robots.push_back({&group, {}, 0, {}});
+    out->order.push_back(static_cast<int>(k));
   }
   if (!fits) return nullptr;
-  std::stable_sort(joined->order.begin(), joined->order.end(),
-                   [&](int x, int y) { return std::less<>()(joined->robots[x].group, joined->robots[y].group); });
+  std::stable_sort(out->order.begin(), out->order.end(),
+                   [&](int x, int y) { return std::less<>()(out->robots[x].group, out->robots[y].group); });
   const double cost = predicted_cost_ldl(*d.shape->pattern(d.choice.order));
-  joined->solves =
-      d.choice.method == Method::kSparseLdl && cost_joined(*joined, w.lanes.level->width) < tolerance::kCheaper * cost;
-  return joined;
+  out->solves =
+      d.choice.method == Method::kSparseLdl && cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost;
+  return out;
 }
 
-void take_memory(JoinedRobots& joined) {
-  const std::size_t rows = joined.joining->row.size(), robots = joined.robots.size();
-  joined.Sx.resize(joined.joining->S.nonzeros());
-  joined.L.resize(joined.joining->symbolic.nonzeros());
+void take_memory(RobotsSystem& system) {
+  const std::size_t rows = system.interface->row.size(), robots = system.robots.size();
+  system.Sx.resize(system.interface->S.nonzeros());
+  system.L.resize(system.interface->symbolic.nonzeros());
   for (std::vector<double>* x :
-       {&joined.D, &joined.terms, &joined.b, &joined.y, &joined.r, &joined.scale, &joined.step})
+       {&system.D, &system.terms, &system.b, &system.y, &system.r, &system.scale, &system.step})
     x->resize(rows);
-  joined.members.resize(robots);
-  for (std::size_t k = 0; k < robots; ++k) joined.robots[joined.order[k]].member = static_cast<int>(k);
-  joined.batches.reserve(robots);
-  joined.contact_batches.reserve(rows);
+  system.members.resize(robots);
+  for (std::size_t k = 0; k < robots; ++k) system.robots[system.order[k]].member = static_cast<int>(k);
+  system.batches.reserve(robots);
+  system.contact_batches.reserve(rows);
 }
 
 // Which of the scene's contacts they are.
-void settle(const Scene& scene, Workspace& w, const IslandWork& d, JoinedRobots& joined) {
-  const Joining& joining = *joined.joining;
+void settle(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem& system) {
+  const Interface& interface = *system.interface;
   const auto among = [&](int robot, std::size_t contact) {
-    const std::vector<int>& joins = joining.robots[robot].joins;
+    const std::vector<int>& joins = interface.robots[robot].joins;
     return static_cast<int>(std::find(joins.begin(), joins.end(), static_cast<int>(contact)) - joins.begin());
   };
-  joined.contacts.clear();
+  system.contacts.clear();
   for (std::size_t c = 0, row = 0; c < d.island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[d.island.contacts[c]];
     if (!joins_two(contact)) continue;
     const int a = local_robot(d.island, contact.A.robot), b = local_robot(d.island, contact.B.robot);
-    joined.contacts.push_back({&group_of(scene, w, d.island.contacts[c]), d.island.contacts[c], static_cast<int>(c),
+    system.contacts.push_back({&group_of(scene, w, d.island.contacts[c]), d.island.contacts[c], static_cast<int>(c),
                                static_cast<int>(row), contact.rows(), a, b, among(a, c), among(b, c), 0, 0});
     row += contact.rows();
   }
-  for (std::size_t k = 0; k < joined.robots.size(); ++k) {
-    joined.robots[k].contacts.clear();
-    for (int c : joining.robots[k].contacts) joined.robots[k].contacts.push_back(d.island.contacts[c]);
+  for (std::size_t k = 0; k < system.robots.size(); ++k) {
+    system.robots[k].contacts.clear();
+    for (int c : interface.robots[k].contacts) system.robots[k].contacts.push_back(d.island.contacts[c]);
   }
-  std::sort(joined.contacts.begin(), joined.contacts.end(), [&](const auto& x, const auto& y) {
+  std::sort(system.contacts.begin(), system.contacts.end(), [&](const auto& x, const auto& y) {
     if (x.group != y.group) return std::less<>()(x.group, y.group);
     const Contact &c = scene.contacts[x.contact], &e = scene.contacts[y.contact];
     return before(c, e) || (x.contact < y.contact && !before(e, c));
   });
-  for (std::size_t k = 0; k < joined.robots.size(); ++k) joined.robots[k].joints.resize(joining.robots[k].joins.size());
-  for (std::size_t i = 0; i < joined.contacts.size(); ++i) {
-    const JoinedRobots::Joint& joint = joined.contacts[i];
-    joined.robots[joint.A].joints[joint.among_A] = joined.robots[joint.B].joints[joint.among_B] = static_cast<int>(i);
+  for (std::size_t k = 0; k < system.robots.size(); ++k) system.robots[k].joints.resize(interface.robots[k].joins.size());
+  for (std::size_t i = 0; i < system.contacts.size(); ++i) {
+    const RobotsSystem::Joint& joint = system.contacts[i];
+    system.robots[joint.A].joints[joint.among_A] = system.robots[joint.B].joints[joint.among_B] = static_cast<int>(i);
   }
 }
 
-void use_joined(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<JoinedRobots> joined) {
-  if (joined) {
-    for (const JoinedRobots::OfRobot& r : joined->robots) make_kernels(w, *r.group, true);
-    take_memory(*joined);
-    settle(scene, w, d, *joined);
+void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> system) {
+  if (system) {
+    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, true);
+    take_memory(*system);
+    settle(scene, w, d, *system);
   }
-  d.joined = std::move(joined);
+  d.robots = std::move(system);
 }
 
 }  // namespace
@@ -231,24 +231,24 @@ void prepare_robots(const Scene& scene, Workspace& w) {
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
     const bool alone = d.island.robots.size() == 1;
-    if (!d.lanes_considered) {
-      if (alone) d.block = group_of_alone(w, d);
+    if (!d.planned) {
+      if (alone) d.alone.group = group_of_alone(w, d);
       if (!alone) {
-        std::unique_ptr<JoinedRobots> joined = join_robots(w, d);
-        if (joined && joined->solves) use_joined(scene, w, d, std::move(joined));
+        std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
+        if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
       }
-      d.lanes_considered = true;
-    } else if (d.joined) {
-      settle(scene, w, d, *d.joined);
+      d.planned = true;
+    } else if (d.robots) {
+      settle(scene, w, d, *d.robots);
     }
-    if (!d.block) continue;
-    make_kernels(w, *d.block, !d.block->islands.empty());
-    d.block->islands.push_back(static_cast<int>(i));
+    if (!d.alone.group) continue;
+    make_kernels(w, *d.alone.group, !d.alone.group->islands.empty());
+    d.alone.group->islands.push_back(static_cast<int>(i));
   }
 }
 
-void make_joined(const Scene& scene, Workspace& w, IslandWork& d) {
-  if (w.lanes.level && !d.joined && d.island.robots.size() > 1) use_joined(scene, w, d, join_robots(w, d));
+void make_robots(const Scene& scene, Workspace& w, IslandWork& d) {
+  if (w.lanes.level && !d.robots && d.island.robots.size() > 1) use_robots(scene, w, d, join_robots(w, d));
 }
 
 }  // namespace manycontact::internal

@@ -1,6 +1,6 @@
 #pragma once
 // Islands solved by sparse-ldl robot by robot, in lanes: of one robot, or of several that few rows join. In the
-// notation of joining.hpp, with b = [b_1; ...; b_n; c]:
+// notation of interface.hpp, with b = [b_1; ...; b_n; c]:
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
@@ -11,13 +11,16 @@
 #include <map>
 
 #include "../../lanes/lanes.hpp"
-#include "joining.hpp"
+#include "../system.hpp"
+#include "interface.hpp"
 #include "manycontact/sparse/memory.hpp"
 
 namespace manycontact {
 
-struct IslandWork;
-struct ThreadWork;
+struct RobotsDerivatives;
+struct SceneData;
+struct Workspace;
+struct IslandReport;
 
 /// Robots of one plan. It stays when they are gone, for contact sets to come.
 struct BlockGroup {
@@ -52,8 +55,36 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// Of an island of several robots, where that is possible.
-struct JoinedRobots {
+/// An island of one robot that stands in lanes beside others like it: batch by batch, all of a scene's by one call (the
+/// functions of `alone.cpp` below). What these leave, the whole K does.
+struct AloneSystem final : IslandSystem {
+  BlockGroup* group = nullptr;  // nullptr: it does not stand in lanes; by prepare
+  std::uint64_t state = 0;      // of the last answer that came from a lane
+  bool panel_is_safe = false;   // whether derivatives may come from there too
+  bool refine_panel = false;    // and are refined once
+
+  /// Whether derivatives of the solution at hand and products with them come from a lane.
+  bool serves(const Workspace& work) const;
+};
+
+/// An island of several robots.
+class RobotsSystem final : public IslandSystem {
+ public:
+  explicit RobotsSystem(IslandWork& island);
+  ~RobotsSystem() override;
+
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
+  bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
+  bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
+  bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
+
+  /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
+  /// these are not sound.
+  bool factorize(const lanes::Job& job, SceneData& data);
+  /// Growth of K's entries in these factors, as Factor has it.
+  double growth() const;
+
+  IslandWork& of;
   using Robot = lanes::RobotBlocks::Robot;
   struct Batch {  // robots side by side: numbers of `order`
     BlockGroup* group;
@@ -68,7 +99,7 @@ struct JoinedRobots {
     JoiningGroup* group;
     int contact;           // of the scene
     int number;            // of the island
-    int row, rows;         // the first of its joining rows, and how many
+    int row, rows;         // the first of its interface rows, and how many
     int A, B;              // robots of the island
     int among_A, among_B;  // their joins
     double smallest_row, motion;
@@ -80,7 +111,7 @@ struct JoinedRobots {
     std::vector<int> joints = {};  // of `contacts`: those that join it, in the order of its joins
   };
 
-  std::shared_ptr<const Joining> joining;
+  std::shared_ptr<const Interface> interface;
   bool solves = false;     // it is the island's first way: predicted to be cheaper than its factor
   std::vector<int> order;  // robots of the island, group by group
   std::vector<OfRobot> robots;
@@ -89,57 +120,46 @@ struct JoinedRobots {
   std::vector<Robot> members;   // as `order`; filled by solve
   Robot& member(std::size_t robot) { return members[robots[robot].member]; }
   const Robot& member(std::size_t robot) const { return members[robots[robot].member]; }
-  // by factorize_joined
+  // by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t serial = 0;                  // of the solution that all of this is of
-  bool terms_known = false;                  // robots and contacts are evaluated at the solution, too
+  std::uint64_t state = 0;                   // that all of this is of
+  bool sound = false;                        // and whether it can be used
+  double first_error = 0;                    // backward error of the answer before refinement
   bool back = false;                         // the way the last step took through the batches
   sparse::LargeMemory memory;                // of the batches and their robots
   std::vector<double> Sx, L, D, terms;       // -S and its factor, in its order
-  std::vector<double> b, y, r, scale, step;  // of the joining rows
+  std::vector<double> b, y, r, scale, step;  // of the interface rows
+  std::unique_ptr<RobotsDerivatives> derivatives;  // made when first needed
 };
-
-struct SceneData;
-struct Workspace;
-struct IslandReport;
 
 namespace internal {
 
 /// Sorts the islands at hand into groups, makes what those of several robots need where that is cheaper than their
 /// factor, and settles it on the islands. Allocates nothing for a contact set met before.
 void prepare_robots(const Scene& scene, Workspace& work);
-/// island.joined, settled, where that is possible; made when first asked for.
-void make_joined(const Scene& scene, Workspace& work, IslandWork& island);
+/// island.robots, settled, where that is possible; made when first asked for.
+void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands of one robot, and those of several, at w.q, data.v, data.tau. Those that come out unsound are
-/// left as they were.
+/// Solves the islands that stand in lanes alone, at w.q, data.v, data.tau, but for those answered already.
 void solve_alone(const Scene& scene, SceneData& data);
-void solve_joined(const Scene& scene, SceneData& data);
+/// Derivatives of those that AloneSystem::serves into w.derivatives, and products with them. Vectors in the scene's
+/// coordinates, as in jvp.hpp.
+void differentiate_alone(const Scene& scene, SceneData& data);
+void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+               double* df);
+void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
+               double* wu);
 
-/// Derivatives of robots alone whose answer came from a lane into w.derivatives, and products with them, where that is
-/// safe (IslandWork::served_in_lanes). Vectors in the scene's coordinates, as in jvp.hpp.
-void differentiate_in_lanes(const Scene& scene, SceneData& data);
-void jvp_in_lanes(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
-                  double* df);
-void vjp_in_lanes(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-                  double* wu);
+/// Makes island.robots->derivatives for `out`, which is laid out, where robot by robot is predicted to be cheaper than
+/// by the factor of the whole K.
+void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
+/// Whether it is; but for that the way may turn out not to be sound.
+bool goes_by_robots(const IslandWork& island);
 
-/// Whether the answer of an island of several robots is from there: products go by it, after complete_joined too.
-bool solved_joined(const SceneData& data, const IslandWork& d);
-/// The factors of an island's robots and of the joining rows, and the right-hand side; false where these are not sound.
-bool factorize_joined(const lanes::Job& job, SceneData& data, IslandWork& d);
-/// Growth of K's entries in these factors, as Factor has it.
-double growth_of(const JoinedRobots& joined);
-/// [a; -f] <- K^-1 [a; -f] of such an island, refined once, in the scene's coordinates.
-void solve_once_refined_joined(const Scene& scene, SceneData& data, IslandWork& d, Eigen::VectorXd& a,
-                               Eigen::VectorXd& f);
-/// The componentwise backward error (sparse/refine.hpp) of the joining rows, of their b and y and the robots' borders;
+/// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots' borders;
 /// NaN where any is.
-double joining_error(double damping, JoinedRobots& joined);
-
-/// Kinematics and contact rows of these islands, at w.q, data.v.
-void evaluate_joined(const Scene& scene, const SceneData& data);
+double interface_error(double damping, RobotsSystem& robots);
 
 }  // namespace internal
 

@@ -4,7 +4,7 @@
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/kkt/island.hpp"
-#include "robot_quantities.hpp"
+#include "../robot_quantities.hpp"
 
 namespace manycontact::internal {
 

@@ -1,13 +1,13 @@
 // jvp and vjp of an island solved by sparse-bodies: as jvp.cpp, each body in its body frame, and the accelerations'
 // and forces' changes left to the body-space system, which has them as unknowns.
 
+#include "../../steps.hpp"
 #include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/contact/products.hpp"
-#include "steps.hpp"
 
-namespace manycontact::internal {
+namespace manycontact {
 
 namespace {
 
@@ -28,41 +28,42 @@ V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
   return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);
 }
 
-int node_of(const BodyForm& form, const Island& island, const Attachment& at) {
+int node_of(const BodiesSystem& form, const Attachment& at) {
   return at.robot < 0 || at.joint < 0
              ? -1
-             : form.factor.system.pattern->node_offset[local_robot(island, at.robot)] + at.joint;
+             : form.factor.system.pattern->node_offset[local_robot(form.of.island, at.robot)] + at.joint;
 }
 
 // use(node, its robot's kinematics, its joint) for each node.
 template <class Use>
-void each_node(const BodyForm& form, Use&& use) {
+void each_node(const BodiesSystem& form, Use&& use) {
   const std::vector<int>& offset = form.factor.system.pattern->node_offset;
   for (std::size_t k = 0; k < form.kin.size(); ++k)
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
 }
 
 // Memory, and the contacts at the solution's accelerations.
-void begin_products(const Scene& scene, const IslandWork& d, BodyForm& form) {
+void begin_products(const Scene& scene, BodiesSystem& form) {
+  const Island& island = form.of.island;
   const BodyPattern& p = *form.factor.system.pattern;
   form.body.resize(p.nodes);
   form.products.resize(p);
   if (form.contacts.empty())
-    for (int c : d.island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
+    for (int c : island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
   const V6 none = V6::Zero();
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[d.island.contacts[k]];
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
     const auto a = [&](const Attachment& at) -> const V6& {
-      const int node = node_of(form, d.island, at);
+      const int node = node_of(form, at);
       return node < 0 ? none : form.solution.x.motion[node];
     };
-    body_rows(scene, contact, kinematics_at(form, d.island, contact.A), kinematics_at(form, d.island, contact.B),
-              a(contact.A), a(contact.B), form.contacts[k]);
+    body_rows(scene, contact, internal::kinematics_at(form, contact.A), internal::kinematics_at(form, contact.B), a(contact.A),
+              a(contact.B), form.contacts[k]);
   }
 }
 
 // Displacements and velocities along (dq, dv), and what these do to the equations: d(S qdd + c), d(Y a + p), S^T f.
-void tangent_bodies(BodyForm& form, const double* dq, const double* dv) {
+void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
   const BodySystem& s = form.factor.system;
   const BodyVectors& x = form.solution.x;
   BodyVectors& b = form.products.b;
@@ -92,25 +93,26 @@ void tangent_bodies(BodyForm& form, const double* dq, const double* dv) {
   });
 }
 
-void tangent_contacts(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
+void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& form) {
+  const Island& island = form.of.island;
   BodyVectors& b = form.products.b;
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const int c = d.island.contacts[k];
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const ContactData<double>& rows = form.contacts[k];
-    const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
+    const int A = node_of(form, contact.A), B = node_of(form, contact.B);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
     contact_tangent<double>(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
                             data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
     if (A >= 0) b.force[A] -= rows.aMA.act_force(dF);
     if (B >= 0) b.force[B] += rows.bMA.act_force(dF);
-    b.rows.segment(d.island.row_offset[k], contact.rows()) = -dr2;
+    b.rows.segment(island.row_offset[k], contact.rows()) = -dr2;
   }
 }
 
 // The gradients of the bodies' own equations, with u, l in products.x.
-void adjoint_bodies(BodyForm& form) {
+void adjoint_bodies(BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
     const Inertia<double>& Y = s.Y[i];
@@ -122,23 +124,24 @@ void adjoint_bodies(BodyForm& form) {
   });
 }
 
-void adjoint_contacts(const Scene& scene, const SceneData& data, const IslandWork& d, BodyForm& form) {
+void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& form) {
+  const Island& island = form.of.island;
   const BodyVectors& x = form.products.x;
   const V6 none = V6::Zero();
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const int c = d.island.contacts[k];
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
-    const int A = node_of(form, d.island, contact.A), B = node_of(form, d.island, contact.B);
+    const int A = node_of(form, contact.A), B = node_of(form, contact.B);
     BodyVariation nobody = kRest;
     contact_adjoint<double>(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
                             data.f.segment(data.f_offset[c], contact.rows()),
-                            x.rows.segment(d.island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
+                            x.rows.segment(island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
                             B < 0 ? nobody : form.body[B]);
   }
 }
 
 // From gradients per body to gradients per coordinate, as algorithm/rnea_products.hpp's pull_back.
-void pull_back_bodies(BodyForm& form, double* wq, double* wv) {
+void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
   const BodyVectors &x = form.solution.x, &l = form.products.x;
@@ -168,58 +171,60 @@ void pull_back_bodies(BodyForm& form, double* wq, double* wv) {
 
 }  // namespace
 
-void jvp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const ConstVector& dq, const ConstVector& dv,
-                   const ConstVector& du, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
-  BodyForm& form = *d.bodies;
-  BodySolve& w = form.products;
-  begin_products(scene, d, form);
+bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
+  if (!make_current(scene, data)) return false;
+  const Island& island = of.island;
+  BodySolve& w = products;
+  begin_products(scene, *this);
   BodyVectors& in = w.dx;  // dq, dv of the island, until dx is needed
   BodyVectors& in2 = w.residual.r;
-  each_velocity_block(scene, d.island, [&](int from, int to, int n) {
-    in.joints.segment(to, n) = dq.segment(from, n);
-    in2.joints.segment(to, n) = dv.segment(from, n);
+  each_velocity_block(scene, island, [&](int from, int to, int n) {
+    in.joints.segment(to, n) = p.dq.segment(from, n);
+    in2.joints.segment(to, n) = p.dv.segment(from, n);
   });
-  tangent_bodies(form, in.joints.data(), in2.joints.data());
-  tangent_contacts(scene, data, d, form);
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    const int o = d.island.dof_offset[k];
-    for (int i = 0; i < robot.model->nu(); ++i) w.b.joints[o + robot.model->actuated[i]] += du[robot.idx_u + i];
+  tangent_bodies(*this, in.joints.data(), in2.joints.data());
+  tangent_contacts(scene, data, *this);
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[island.robots[k]];
+    const int o = island.dof_offset[k];
+    for (int i = 0; i < robot.model->nu(); ++i) w.b.joints[o + robot.model->actuated[i]] += p.du[robot.idx_u + i];
     for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      w.b.joints[o + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * dv[robot.idx_v + i];
+      w.b.joints[o + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * p.dv[robot.idx_v + i];
   }
-  (void)solve_refined(form.factor.system, form.factor.ldl, w, 1);
-  each_velocity_block(scene, d.island,
-                      [&](int to, int from, int n) { da.segment(to, n) = w.x.joints.segment(from, n); });
-  each_force_block(scene, data.f_offset, d.island,
-                   [&](int to, int from, int n) { df.segment(to, n) = -w.x.rows.segment(from, n); });
+  (void)solve_refined(factor.system, factor.ldl, w, 1);
+  each_velocity_block(scene, island,
+                      [&](int to, int from, int n) { p.da.segment(to, n) = w.x.joints.segment(from, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int to, int from, int n) { p.df.segment(to, n) = -w.x.rows.segment(from, n); });
+  return true;
 }
 
-void vjp_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, const ConstVector& wa, const ConstVector& wf,
-                   Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
-  BodyForm& form = *d.bodies;
-  BodySolve& w = form.products;
-  begin_products(scene, d, form);
+bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
+  if (!make_current(scene, data)) return false;
+  const Island& island = of.island;
+  BodySolve& w = products;
+  begin_products(scene, *this);
   w.b.set_zero();
-  each_velocity_block(scene, d.island,
-                      [&](int from, int to, int n) { w.b.joints.segment(to, n) = wa.segment(from, n); });
-  each_force_block(scene, data.f_offset, d.island,
-                   [&](int from, int to, int n) { w.b.rows.segment(to, n) = -wf.segment(from, n); });
-  (void)solve_refined(form.factor.system, form.factor.ldl, w, 1);
-  adjoint_bodies(form);
-  adjoint_contacts(scene, data, d, form);
-  pull_back_bodies(form, w.dx.joints.data(), w.residual.r.joints.data());
-  each_velocity_block(scene, d.island, [&](int to, int from, int n) {
-    wq.segment(to, n) = w.dx.joints.segment(from, n);
-    wv.segment(to, n) = w.residual.r.joints.segment(from, n);
+  each_velocity_block(scene, island,
+                      [&](int from, int to, int n) { w.b.joints.segment(to, n) = p.wa.segment(from, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int from, int to, int n) { w.b.rows.segment(to, n) = -p.wf.segment(from, n); });
+  (void)solve_refined(factor.system, factor.ldl, w, 1);
+  adjoint_bodies(*this);
+  adjoint_contacts(scene, data, *this);
+  pull_back_bodies(*this, w.dx.joints.data(), w.residual.r.joints.data());
+  each_velocity_block(scene, island, [&](int to, int from, int n) {
+    p.wq.segment(to, n) = w.dx.joints.segment(from, n);
+    p.wv.segment(to, n) = w.residual.r.joints.segment(from, n);
   });
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    const double* l = w.x.joints.data() + d.island.dof_offset[k];
-    for (int i = 0; i < robot.model->nu(); ++i) wu[robot.idx_u + i] = l[robot.model->actuated[i]];
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[island.robots[k]];
+    const double* l = w.x.joints.data() + island.dof_offset[k];
+    for (int i = 0; i < robot.model->nu(); ++i) p.wu[robot.idx_u + i] = l[robot.model->actuated[i]];
     for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * l[i];
+      p.wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * l[i];
   }
+  return true;
 }
 
-}  // namespace manycontact::internal
+}  // namespace manycontact

@@ -2,7 +2,7 @@
 
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
+#include "../steps.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {
@@ -20,7 +20,7 @@ struct System {
 
 template <class S>
 System<S> assemble_system(const Scene& scene, const TruthTerms<S>& t, const IslandWork& d, const VecX<S>& u) {
-  const KktPattern& p = *d.K.pattern;
+  const KktPattern& p = *d.matrix.K.pattern;
   System<S> s{p.K, std::vector<S>(p.K.nonzeros(), S(0)), std::vector<S>(p.size(), S(0)), {}, {}};
   const int* slot = p.M_slot.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
@@ -68,14 +68,14 @@ S backward_error(System<S>& s) {
 // Whether x was found. Each step ends with a residual, so x gains one step more than that needs: by the condition of K
 // it is the less accurate of the two.
 template <class S>
-bool refine_island(IslandWork& d, System<S>& s) {
+bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());
   const double small = tolerance::kTruthRounding * static_cast<double>(std::numeric_limits<S>::epsilon());
   const sparse::Refinement refinement = sparse::refine(
       tolerance::kTruthSteps, 0, [&] { return static_cast<double>(backward_error(s)); },
       [&] {
         for (std::size_t k = 0; k < dx.size(); ++k) dx[k] = static_cast<double>(s.r[k]);
-        d.factor->solve(dx.data());
+        factor.solve(dx.data());
         for (std::size_t k = 0; k < dx.size(); ++k) s.x[k] += S(dx[k]);  // x += K^-1 r
       });
   return refinement.backward_error < small;
@@ -87,7 +87,6 @@ template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
   internal::check_unasked(scene, data, "refine_truth");
-  internal::complete(scene, data);
   const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
   const S nan = std::numeric_limits<S>::quiet_NaN();
   Truth<S> out;
@@ -98,10 +97,12 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
     out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
   for (const auto& island : data.workspace->islands) {
     IslandWork& d = *island;
-    if (d.factor && d.factor->method() == Method::kSparseLdl && !internal::rank_deficient(d)) {
+    const bool by_matrix = d.answered && d.answered != d.bodies.get() &&
+                           d.matrix.make_current(scene, data, data.workspace->threads.front());
+    if (by_matrix && d.matrix.factor->method() == Method::kSparseLdl && !d.matrix.deficient()) {
       System<S> s = assemble_system(scene, terms, d, u);
-      if (refine_island(d, s)) {
-        const KktPattern& p = *d.K.pattern;
+      if (refine_island(*d.matrix.factor, s)) {
+        const KktPattern& p = *d.matrix.K.pattern;
         for (int k = 0; k < d.island.nc; ++k) s.x[p.iperm[d.island.nv + k]] *= -1;  // x = [a; -f]
         internal::scatter(scene, data.f_offset, p, d.island, s.x.data(), out.a, out.f);
         out.rank.push_back(d.island.nc);

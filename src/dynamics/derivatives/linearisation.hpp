@@ -11,7 +11,6 @@
 namespace manycontact {
 
 struct Workspace;
-struct IslandWork;
 
 /// Robots of one model take turns in the places of a pool, the islands of a thread being linearised one after the
 /// other, so that these stay in the cache.
@@ -31,12 +30,11 @@ struct Linearisation {
 
   std::vector<ContactData<double>> contacts;    // per contact, at the solution; by AtSolution
   std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms
+  std::vector<std::uint64_t> state;             // per contact: Workspace::state that these are of
 
   /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
   /// By the thread that calls, before others come to these islands. Joint-space terms of the island must be there.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
-  /// The same where it has an answer that no lane serves.
-  void assign(const Scene& scene, const Workspace& work, const IslandWork& island);
 
  private:
   std::vector<int> model;  // per robot: number of its model

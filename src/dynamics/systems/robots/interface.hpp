@@ -3,10 +3,10 @@
 //
 //     [ K_1             G_1^T    ]
 //     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
-//     [           K_n   G_n^T    ]    G_r: what the joining rows have of its velocities,
+//     [           K_n   G_n^T    ]    G_r: what the interface rows have of its velocities,
 //     [ G_1  ...  G_n   -delta I ]
 //
-// and the robots' elimination leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I on the joining rows: few, and coupled
+// and the robots' elimination leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I on the interface rows: few, and coupled
 // only where a robot is joined by both.
 
 #include <vector>
@@ -17,19 +17,19 @@
 namespace manycontact {
 
 /// Of an island's shape; constant.
-struct Joining {
-  explicit Joining(const IslandShape& shape);
+struct Interface {
+  explicit Interface(const IslandShape& shape);
 
   struct OfRobot {
     std::vector<int> contacts;    // of the island: those on this robot alone
     std::vector<int> joins;       // and those that join it to another
     std::vector<int> neighbours;  // robots of the island at their other ends
-    std::vector<int> joining;     // per row of G_r: the joining row
+    std::vector<int> joining;     // per row of G_r: the interface row
     std::vector<int> slot;        // of the upper triangle of G_r K_r^-1 G_r^T, by columns, in S
   };
   std::vector<OfRobot> robots;
-  std::vector<int> row;          // per joining row: the island's row
-  std::vector<int> perm, place;  // perm[k]: joining row eliminated k-th from S; place its inverse
+  std::vector<int> row;          // per interface row: the island's row
+  std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
   sparse::UpperCsc S;            // its pattern, in that order
   sparse::LdlSymbolic symbolic;
   sparse::LdlSchedule schedule;
@@ -44,6 +44,6 @@ inline const Attachment& end_on(const Contact& contact, int robot) {
 }
 
 /// The robot alone, of the shape's scene, with the contacts on it alone.
-Island alone(const IslandShape& shape, const Joining& joining, std::size_t robot);
+Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot);
 
 }  // namespace manycontact

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "../../steps.hpp"
 #include "bodies.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
 
 namespace manycontact::internal {
 
@@ -16,8 +16,8 @@ using V6 = Vec6<double>;
 
 // use(node of the part, robot of the island, its joint) for each.
 template <class Use>
-void each_joint(const IslandWork& d, const BodyPart& part, Use&& use) {
-  const std::vector<int>& offset = d.bodies->factor.system.pattern->node_offset;
+void each_joint(const BodiesSystem& bodies, const BodyPart& part, Use&& use) {
+  const std::vector<int>& offset = bodies.factor.system.pattern->node_offset;
   std::size_t robot = 0;
   for (int i = 0; i < part.pattern->nodes; ++i) {
     while (robot + 1 < offset.size() && offset[robot + 1] <= part.node[i]) ++robot;
@@ -26,27 +26,27 @@ void each_joint(const IslandWork& d, const BodyPart& part, Use&& use) {
 }
 
 // The equations of a part, its bases moved as the body above is.
-void evaluate_part(const Scene& scene, const SceneData& data, const IslandWork& d, const BodyPart& part,
-                   BodyForm::Slot& slot) {
+void evaluate_part(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodyPart& part,
+                   BodiesSystem::Slot& slot) {
   BodySystem& s = slot.system;
   BodyVectors& b = slot.solution.b;
   slot.part = &part;
   s.S.setZero();  // alike parts may have joints of other types
-  each_joint(d, part, [&](int i, std::size_t robot, int joint) {
-    evaluate_node(scene, data, d, robot, joint, i, s.pattern->first_dof[i], s, b);
-    if (s.pattern->parent[i] < 0 && part.above >= 0) b.motion[i] += motion_at(d.bodies->held[part.above].a, s.r[i]);
+  each_joint(bodies, part, [&](int i, std::size_t robot, int joint) {
+    evaluate_node(scene, data, bodies, robot, joint, i, s.pattern->first_dof[i], s, b);
+    if (s.pattern->parent[i] < 0 && part.above >= 0) b.motion[i] += motion_at(bodies.held[part.above].a, s.r[i]);
   });
   int first = 0;
   for (int k : part.contact) {
-    const int contact = d.island.contacts[k], rows = scene.contacts[contact].rows();
-    evaluate_rows(scene, data, d, k, first, s, b);
+    const int contact = bodies.of.island.contacts[k], rows = scene.contacts[contact].rows();
+    evaluate_rows(scene, data, bodies, k, first, s, b);
     for (int i = 0; i < rows; ++i) slot.row[first + i] = data.f_offset[contact] + i;
     first += rows;
   }
 }
 
 // What a held body's rows say, and give where something pulls at it. False: they depend on each other, or nearly.
-bool hold_body(const BodyForm::Slot& slot, const BodyCut& cut, HeldBody& held) {
+bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
   if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
   V6 g;
   for (int k = 0; k < 6; ++k) {
@@ -58,12 +58,12 @@ bool hold_body(const BodyForm::Slot& slot, const BodyCut& cut, HeldBody& held) {
 }
 
 // Accelerations and forces of a part.
-void put_part(const Scene& scene, SceneData& data, const IslandWork& d, const BodyForm::Slot& slot) {
+void put_part(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
   const BodyPart& part = *slot.part;
   const BodyPattern& p = *part.pattern;
   const BodyVectors& x = slot.solution.x;
-  each_joint(d, part, [&](int i, std::size_t k, int joint) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
+  each_joint(bodies, part, [&](int i, std::size_t k, int joint) {
+    const Robot& robot = scene.robots[bodies.of.island.robots[k]];
     const int to = robot.idx_v + robot.model->joints[joint].idx_v;
     data.a.segment(to, p.ndof[i]) = x.joints.segment(p.first_dof[i], p.ndof[i]);
   });
@@ -72,7 +72,7 @@ void put_part(const Scene& scene, SceneData& data, const IslandWork& d, const Bo
 
 // How a part pulls at the body that it hangs on. Returns what of that the body's rows do not hold, beside the terms it
 // is a sum of.
-double pull_of(const BodyForm::Slot& slot, const BodyHold& hold, V6& pull) {
+double pull_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& pull) {
   const BodyPattern& p = *slot.part->pattern;
   V6 size = V6::Zero();
   pull.setZero();
@@ -86,22 +86,22 @@ double pull_of(const BodyForm::Slot& slot, const BodyHold& hold, V6& pull) {
 }
 
 // The parts in a shape's slots, side by side where they are sound so. False where one has no sound answer.
-bool solve_filled(const Scene& scene, SceneData& data, IslandWork& d, BodyForm::Shape& shape, BodyAnswer& answer) {
-  BodyForm& form = *d.bodies;
+bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
+                  BodyAnswer& answer) {
   shape.side_by_side.clear();
   for (std::size_t k = 0; k < shape.filled; ++k)
     shape.side_by_side.push_back({&shape.slots[k].system, &shape.slots[k].solution, false, 0, {}});
   if (shape.lanes && shape.filled > 0) shape.lanes->solve(shape.side_by_side);
   for (std::size_t k = 0; k < shape.filled; ++k) {
-    BodyForm::Slot& slot = shape.slots[k];
+    BodiesSystem::Slot& slot = shape.slots[k];
     auto& [system, solution, sound, factor_nonzeros, refinement] = shape.side_by_side[k];
     if (!sound) {
       if (factorize_and_solve(*system, shape.ldl, *solution, refinement) != Reason::kNone) return false;
       factor_nonzeros = nonzeros(*shape.pattern, shape.ldl);
     }
-    put_part(scene, data, d, slot);
+    put_part(scene, data, bodies, slot);
     if (const int above = slot.part->above; above >= 0) {
-      const double left = pull_of(slot, form.held[above].hold, form.pull[above]);
+      const double left = pull_of(slot, bodies.held[above].hold, bodies.pull[above]);
       if (!(left <= tolerance::kConverged)) return false;
       refinement.backward_error = std::max(refinement.backward_error, left);
     }
@@ -113,29 +113,24 @@ bool solve_filled(const Scene& scene, SceneData& data, IslandWork& d, BodyForm::
 
 }  // namespace
 
-bool solve_in_parts(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
-  BodyForm& form = *d.bodies;
-  if (form.shapes.empty() || scene.damping > 0) return false;
-  form.in_parts = false;
-  for (BodyForm::Shape& shape : form.shapes) shape.filled = 0;
-  begin_evaluation(scene, data, d);
-  BodyAnswer answer;
-  for (const BodyPart& part : form.parts->parts) {
-    BodyForm::Shape& shape = form.shapes[part.shape];
-    BodyForm::Slot& slot = shape.slots[shape.filled++];
-    evaluate_part(scene, data, d, part, slot);
+bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodyAnswer& answer) {
+  if (bodies.shapes.empty() || scene.damping > 0) return false;
+  for (BodiesSystem::Shape& shape : bodies.shapes) shape.filled = 0;
+  begin_evaluation(scene, data, bodies);
+  for (const BodyPart& part : bodies.parts->parts) {
+    BodiesSystem::Shape& shape = bodies.shapes[part.shape];
+    BodiesSystem::Slot& slot = shape.slots[shape.filled++];
+    evaluate_part(scene, data, bodies, part, slot);
     for (int c = part.first_cut; c < part.end_cut; ++c)
-      if (!hold_body(slot, form.parts->cuts[c], form.held[c])) return false;
-    if (shape.filled == shape.slots.size() && !solve_filled(scene, data, d, shape, answer)) return false;
+      if (!hold_body(slot, bodies.parts->cuts[c], bodies.held[c])) return false;
+    if (shape.filled == shape.slots.size() && !solve_filled(scene, data, bodies, shape, answer)) return false;
   }
-  for (BodyForm::Shape& shape : form.shapes)
-    if (!solve_filled(scene, data, d, shape, answer)) return false;
-  for (std::size_t c = 0; c < form.held.size(); ++c) {
-    const V6 y = forces_of(form.held[c].hold, form.pull[c]);
-    for (int k = 0; k < 6; ++k) data.f[form.held[c].row[k]] += y[k];  // f = -y
+  for (BodiesSystem::Shape& shape : bodies.shapes)
+    if (!solve_filled(scene, data, bodies, shape, answer)) return false;
+  for (std::size_t c = 0; c < bodies.held.size(); ++c) {
+    const V6 y = forces_of(bodies.held[c].hold, bodies.pull[c]);
+    for (int k = 0; k < 6; ++k) data.f[bodies.held[c].row[k]] += y[k];  // f = -y
   }
-  form.in_parts = true;
-  report_bodies(scene, answer, d, report);
   return true;
 }
 

@@ -1,4 +1,4 @@
-#include "joining.hpp"
+#include "interface.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -10,8 +10,8 @@ namespace manycontact {
 namespace {
 
 // Each contact to the robot it is on, or to the two that it joins.
-void share_out(const Scene& scene, const Island& island, Joining& j) {
-  std::vector<int> first(island.contacts.size());  // joining row of a contact
+void share_out(const Scene& scene, const Island& island, Interface& j) {
+  std::vector<int> first(island.contacts.size());  // interface row of a contact
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     const int number = static_cast<int>(c);
@@ -21,7 +21,7 @@ void share_out(const Scene& scene, const Island& island, Joining& j) {
     }
     const int a = local_robot(island, contact.A.robot), b = local_robot(island, contact.B.robot);
     for (const auto& [at, other] : {std::pair(a, b), std::pair(b, a)}) {
-      Joining::OfRobot& r = j.robots[at];
+      Interface::OfRobot& r = j.robots[at];
       r.joins.push_back(number);
       if (std::find(r.neighbours.begin(), r.neighbours.end(), other) == r.neighbours.end())
         r.neighbours.push_back(other);
@@ -30,7 +30,7 @@ void share_out(const Scene& scene, const Island& island, Joining& j) {
     for (int i = 0; i < contact.rows(); ++i) j.row.push_back(island.nv + island.row_offset[c] + i);
   }
   for (std::size_t k = 0; k < j.robots.size(); ++k) {
-    Joining::OfRobot& r = j.robots[k];
+    Interface::OfRobot& r = j.robots[k];
     const auto place = [&](int c) {  // alike robots have theirs in one order
       const Contact& contact = scene.contacts[island.contacts[c]];
       return std::tuple(contact.type, end_on(contact, island.robots[k]).joint, c);
@@ -41,37 +41,37 @@ void share_out(const Scene& scene, const Island& island, Joining& j) {
   }
 }
 
-void analyze_joining(Joining& joining) {
+void analyze_interface(Interface& interface) {
   std::vector<std::pair<int, int>> entries;
-  const auto each_entry = [&joining](auto&& use) {
-    for (Joining::OfRobot& r : joining.robots)
+  const auto each_entry = [&interface](auto&& use) {
+    for (Interface::OfRobot& r : interface.robots)
       for (std::size_t j = 0; j < r.joining.size(); ++j)
         for (std::size_t i = 0; i <= j; ++i) use(r, r.joining[i], r.joining[j]);
   };
-  each_entry([&](Joining::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
-  const sparse::UpperCsc pattern = sparse::make_pattern(joining.rows(), std::move(entries));
-  joining.perm = sparse::camd_order(pattern, {});
-  joining.place = sparse::inverse(joining.perm);
-  joining.S = sparse::permute(pattern, joining.place);
-  joining.symbolic = sparse::ldl_analyze(joining.S);
-  joining.schedule = sparse::compile_ldl(joining.S, joining.symbolic);
-  const std::vector<int>& at = joining.place;
-  each_entry([&](Joining::OfRobot& r, int i, int j) {
-    r.slot.push_back(joining.S.slot(std::min(at[i], at[j]), std::max(at[i], at[j])));
+  each_entry([&](Interface::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
+  const sparse::UpperCsc pattern = sparse::make_pattern(interface.rows(), std::move(entries));
+  interface.perm = sparse::camd_order(pattern, {});
+  interface.place = sparse::inverse(interface.perm);
+  interface.S = sparse::permute(pattern, interface.place);
+  interface.symbolic = sparse::ldl_analyze(interface.S);
+  interface.schedule = sparse::compile_ldl(interface.S, interface.symbolic);
+  const std::vector<int>& at = interface.place;
+  each_entry([&](Interface::OfRobot& r, int i, int j) {
+    r.slot.push_back(interface.S.slot(std::min(at[i], at[j]), std::max(at[i], at[j])));
   });
 }
 
 }  // namespace
 
-Joining::Joining(const IslandShape& shape) : robots(shape.island().robots.size()) {
+Interface::Interface(const IslandShape& shape) : robots(shape.island().robots.size()) {
   share_out(shape.scene(), shape.island(), *this);
-  analyze_joining(*this);
+  analyze_interface(*this);
 }
 
-Island alone(const IslandShape& shape, const Joining& joining, std::size_t robot) {
+Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
   Island out;
   out.robots = {shape.island().robots[robot]};
-  for (int c : joining.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
+  for (int c : interface.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
   number_island(shape.scene(), out);
   return out;
 }

@@ -10,20 +10,20 @@
 #include <cmath>
 #include <limits>
 
+#include "../../steps.hpp"
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
 
-namespace manycontact::internal {
+namespace manycontact {
 
 namespace {
 
 using V6 = Vec6<double>;
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
-std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const IslandWork& d) {
-  const BodyForm& form = *d.bodies;
+std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const BodiesSystem& form) {
+  const Island& island = form.of.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
@@ -37,20 +37,20 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   }
   for (std::size_t k = 0, i = 0; k < form.kin.size(); ++k)
     for (const V6& v : form.kin[k].v) {
-      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = inertia_size(form.factor.system.Y[i]);
+      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = internal::inertia_size(form.factor.system.Y[i]);
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }
   for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + rounding(left.joint_scale[k]));
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[d.island.contacts[k]];
-    const ContactData<double>& rows = work.contacts[d.island.contacts[k]];
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const ContactData<double>& rows = work.contacts[island.contacts[k]];
     const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
     const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
     const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
     const double answered = v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
     for (int i = 0; i < contact.rows(); ++i) {
-      const int row = d.island.row_offset[k] + i;
+      const int row = island.row_offset[k] + i;
       w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + answered));
     }
   }
@@ -58,7 +58,7 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
 }
 
 // |A^-1| w over the joints' or the rows' unknowns: the 1-norm of diag(w) A^-T restricted to these columns.
-double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
+double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
   BodySolve& v = form.products;
@@ -97,25 +97,37 @@ double bound(BodyForm& form, const std::vector<double>& w, bool of_rows) {
 
 }  // namespace
 
-void bound_by_bodies(const Scene& scene, const SceneData& data, IslandWork& d, IslandReport& report) {
-  BodyForm& form = *d.bodies;
-  const BodyVectors& x = form.solution.x;
-  (void)backward_error(form.factor.system, form.solution.b, x, form.solution.residual);
-  const std::vector<double> w = uncertainty(scene, *data.workspace, d);
-  double da = 0,
-         df = 0;  // where parts answered: how far that is from the whole system's answer, whose error is bounded
-  each_velocity_block(scene, d.island, [&](int from, int to, int n) {
+bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
+  if (!make_current(scene, data)) return false;
+  const BodyVectors& x = solution.x;
+  (void)backward_error(factor.system, solution.b, x, solution.residual);
+  const std::vector<double> w = uncertainty(scene, *data.workspace, *this);
+  // where parts answered: how far that is from the whole system's answer, whose error is bounded
+  double da = 0, df = 0;
+  each_velocity_block(scene, of.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());
   });
-  each_force_block(scene, data.f_offset, d.island, [&](int from, int to, int n) {
+  each_force_block(scene, data.f_offset, of.island, [&](int from, int to, int n) {
     df = std::max(df, (data.f.segment(from, n) + x.rows.segment(to, n)).cwiseAbs().maxCoeff());
   });
   const auto relative = [](double error, const Eigen::VectorXd& y) {
     return y.size() == 0 || error == 0 ? 0 : error / y.cwiseAbs().maxCoeff();
   };
-  report.error_acceleration = relative(bound(form, w, false) + da, x.joints);
-  report.error_forces = x.rows.size() == 0 ? 0 : relative(bound(form, w, true) + df, x.rows);
+  report.error_acceleration = relative(bound(*this, w, false) + da, x.joints);
+  report.error_forces = x.rows.size() == 0 ? 0 : relative(bound(*this, w, true) + df, x.rows);
+  return true;
 }
+
+bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, IslandReport& report) {
+  if (!make_current(scene, data)) return false;
+  report.condition =
+      sparse::inverse_norm_1(of.island.size(),
+                             [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
+      internal::inverse_norm(of.island.size(), factor);
+  return true;
+}
+
+namespace internal {
 
 void multiply_bodies(const BodySystem& s, double* x) {
   const BodyPattern& p = *s.pattern;
@@ -138,4 +150,6 @@ void multiply_bodies(const BodySystem& s, double* x) {
   }
 }
 
-}  // namespace manycontact::internal
+}  // namespace internal
+
+}  // namespace manycontact

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include "../../steps.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
-BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape, const lanes::Level* level)
-    : parts(&shape->body_parts()), factor(shape->bodies()) {
-  for (const Robot& robot : shape->scene().robots) kin.emplace_back(*robot.model);
+BodiesSystem::BodiesSystem(IslandWork& island, const lanes::Level* level)
+    : of(island), parts(&island.shape->body_parts()), factor(island.shape->bodies()) {
+  for (const Robot& robot : island.shape->scene().robots) kin.emplace_back(*robot.model);
   if (parts->cuts.empty()) return;
   held.resize(parts->cuts.size());
   pull.resize(parts->cuts.size());
@@ -21,7 +20,7 @@ BodyForm::BodyForm(const std::shared_ptr<IslandShape>& shape, const lanes::Level
     if (part.shape == static_cast<int>(shapes.size())) shapes.emplace_back(part.pattern, level);
 }
 
-BodyForm::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::Level* level) : pattern(std::move(of)) {
+BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::Level* level) : pattern(std::move(of)) {
   ldl.resize(*pattern);
   if (level && lanes::PartPlan::fits(*pattern)) {
     auto plan = std::make_shared<const lanes::PartPlan>(pattern);
@@ -44,13 +43,13 @@ using V6 = Vec6<double>;
 
 }  // namespace
 
-void evaluate_node(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t k, int joint, int at,
+void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t k, int joint, int at,
                    int dof, BodySystem& s, BodyVectors& b) {
-  const Robot& robot = scene.robots[d.island.robots[k]];
+  const Robot& robot = scene.robots[bodies.of.island.robots[k]];
   const Model& model = *robot.model;
   const Joint& of = model.joints[joint];
   body_kinematics<double>(model, robot.base, joint, data.workspace->q.segment(robot.idx_q, model.nq),
-                          data.v.segment(robot.idx_v, model.nv), d.bodies->kin[k],
+                          data.v.segment(robot.idx_v, model.nv), bodies.kin[k],
                           {&s.r[at], s.S.col(dof).data(), &s.Y[at], &b.motion[at], &b.force[at]});
   for (int i = 0; i < of.nv(); ++i) {
     s.armature[dof + i] = model.armature[of.idx_v + i];
@@ -60,14 +59,14 @@ void evaluate_node(const Scene& scene, const SceneData& data, const IslandWork& 
 }
 
 // The rows' forces on their bodies, and what is left of them where bodies do not accelerate.
-void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& d, std::size_t k, int first,
+void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
-  const int c = d.island.contacts[k];
+  const int c = bodies.of.island.contacts[k];
   const Contact& contact = scene.contacts[c];
   ContactData<double>& rows = data.workspace->contacts[c];
-  body_rows(scene, contact, kinematics_at(*d.bodies, d.island, contact.A),
-            kinematics_at(*d.bodies, d.island, contact.B), none, none, rows);
+  body_rows(scene, contact, kinematics_at(bodies, contact.A), kinematics_at(bodies, contact.B), none, none, rows);
+  data.workspace->rows_state[c] = data.workspace->state;
   rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
   rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < contact.rows(); ++i) {
@@ -80,20 +79,20 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const IslandWork& 
 
 namespace {
 
-void evaluate_bodies(const Scene& scene, const SceneData& data, IslandWork& d) {
-  BodyForm& form = *d.bodies;
-  form.factor.make_room();
-  form.solution.resize(*form.factor.system.pattern);
-  BodySystem& s = form.factor.system;
+void evaluate_bodies(const Scene& scene, const SceneData& data, BodiesSystem& bodies) {
+  const Island& island = bodies.of.island;
+  bodies.factor.make_room();
+  bodies.solution.resize(*bodies.factor.system.pattern);
+  BodySystem& s = bodies.factor.system;
   s.delta = scene.damping;
-  begin_evaluation(scene, data, d);
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+  begin_evaluation(scene, data, bodies);
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const int o = s.pattern->node_offset[k];
-    for (int i = 0; i < scene.robots[d.island.robots[k]].model->njoints(); ++i)
-      evaluate_node(scene, data, d, k, i, o + i, s.pattern->first_dof[o + i], s, form.solution.b);
+    for (int i = 0; i < scene.robots[island.robots[k]].model->njoints(); ++i)
+      evaluate_node(scene, data, bodies, k, i, o + i, s.pattern->first_dof[o + i], s, bodies.solution.b);
   }
-  for (std::size_t k = 0; k < d.island.contacts.size(); ++k)
-    evaluate_rows(scene, data, d, k, d.island.row_offset[k], s, form.solution.b);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k)
+    evaluate_rows(scene, data, bodies, k, island.row_offset[k], s, bodies.solution.b);
 }
 
 bool all_finite(const BodyVectors& x) {
@@ -102,12 +101,13 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// kNone: the factor and form.solution are sound.
-Reason solve_whole(const Scene& scene, const SceneData& data, IslandWork& d, sparse::Refinement& refinement) {
-  BodyForm& form = *d.bodies;
-  evaluate_bodies(scene, data, d);
-  form.in_parts = false;
-  return factorize_and_solve(form.factor.system, form.factor.ldl, form.solution, refinement);
+// kNone: the factor and the solution are sound.
+Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
+  evaluate_bodies(scene, data, bodies);
+  const Reason reason = factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.solution, refinement);
+  bodies.state = data.workspace->state;
+  bodies.sound = reason == Reason::kNone;
+  return reason;
 }
 
 // Whether a row moves no coordinate by more than rounding: its E_kk is then noise, and has nothing to cancel with.
@@ -131,12 +131,13 @@ bool has_vanishing_row(const BodySystem& s) {
 
 }  // namespace
 
-void begin_evaluation(const Scene& scene, const SceneData& data, IslandWork& d) {
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[d.island.robots[k]];
-    data.workspace->robots[d.island.robots[k]].known = false;
+void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies) {
+  const Island& island = bodies.of.island;
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[island.robots[k]];
+    data.workspace->robots[island.robots[k]].state = 0;
     place_trees<double>(*robot.model, robot.base, data.workspace->q.segment(robot.idx_q, robot.model->nq),
-                        d.bodies->kin[k]);
+                        bodies.kin[k]);
   }
 }
 
@@ -158,10 +159,9 @@ void BodyAnswer::add(int factor_nonzeros, const BodyResidual& left, const sparse
   take(contact, left.contact), take(contact_scale, left.contact_scale);
 }
 
-void report_bodies(const Scene& scene, const BodyAnswer& x, IslandWork& d, IslandReport& report) {
-  d.factor = &d.bodies->factor;
-  d.first_error = x.refinement.first;
-  d.contradiction = d.was_dependent = false;
+namespace {
+
+void report_answer(const Scene& scene, const BodyAnswer& x, IslandReport& report) {
   report.method = Method::kSparseBodies;
   report.reason = Reason::kNone;
   report.factor_nonzeros = x.nonzeros;
@@ -171,73 +171,51 @@ void report_bodies(const Scene& scene, const BodyAnswer& x, IslandWork& d, Islan
   report.residual_contact = x.contact == 0 ? 0 : x.contact / std::max(x.contact_scale, scene.gravity.norm());
 }
 
-const BodyKinematics<double>* kinematics_at(const BodyForm& form, const Island& island, const Attachment& at) {
-  return moves(at) ? &form.kin[local_robot(island, at.robot)] : nullptr;
+}  // namespace
+
+const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at) {
+  return moves(at) ? &bodies.kin[local_robot(bodies.of.island, at.robot)] : nullptr;
 }
 
-bool solve_by_bodies(const Scene& scene, SceneData& data, IslandWork& d, IslandReport& report) {
-  BodyForm& form = *d.bodies;
-  if (solve_in_parts(scene, data, d, report)) return true;
+}  // namespace internal
+
+bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
+  internal::BodyAnswer in_parts, whole;
+  if (internal::solve_in_parts(scene, data, *this, in_parts)) {
+    internal::report_answer(scene, in_parts, report);
+    return true;
+  }
   report.method = Method::kSparseBodies;
   sparse::Refinement refinement;
-  report.reason = solve_whole(scene, data, d, refinement);
-  if (report.reason != Reason::kNone) return false;
-  BodyAnswer answer;
-  answer.add(form.factor.nonzeros(), form.solution.residual, refinement);
-  report_bodies(scene, answer, d, report);
-  const BodyVectors& x = form.solution.x;
-  each_velocity_block(scene, d.island,
+  report.reason = internal::solve_whole(scene, data, *this, refinement);
+  if (!sound) return false;
+  whole.add(factor.nonzeros(), solution.residual, refinement);
+  internal::report_answer(scene, whole, report);
+  const BodyVectors& x = solution.x;
+  each_velocity_block(scene, of.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });
-  each_force_block(scene, data.f_offset, d.island,
+  each_force_block(scene, data.f_offset, of.island,
                    [&](int to, int from, int n) { data.f.segment(to, n) = -x.rows.segment(from, n); });
   return true;
 }
 
-void complete_bodies(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread) {
-  if (!by_bodies(d) || !d.bodies->in_parts) return;
+bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
   sparse::Refinement refinement;
-  if (solve_whole(scene, data, d, refinement) == Reason::kNone) {
-    d.first_error = refinement.first;
-    return;
-  }
-  d.factor = nullptr;
-  if (joint_space_size(*d.shape) > kMostJointSpace) return;
-  make_joint_space(scene, *data.workspace, d);
-  evaluate(scene, data.workspace->q, data.v, *data.workspace, d.island);
-  factorize_again(scene, data, d, thread);
+  if (state != data.workspace->state) (void)internal::solve_whole(scene, data, *this, refinement);
+  return sound;
 }
 
-void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
-  d.M.clear();
-  d.J.clear();
-  for (int r : d.island.robots) {
-    if (w.robots[r].M.empty()) w.robots[r].M.resize(packed_size(*scene.robots[r].model));
-    d.M.emplace_back(w.robots[r].M);
-  }
-  for (int c : d.island.contacts) {
-    if (!w.joint_space[c]) {
-      w.supports[c] = contact_support(scene, scene.contacts[c]);
-      w.contacts[c] = ContactData<double>(scene.contacts[c], w.supports[c]);
-      w.joint_space[c] = 1;
-    }
-    const Eigen::MatrixXd& J = w.contacts[c].J;
-    d.J.emplace_back(J.data(), static_cast<std::size_t>(J.size()));
-  }
+bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
+  if (!make_current(scene, data)) return false;
+  internal::evaluate_at_solution(scene, data, of);
+  internal::right_hand_sides(scene, data, of, out);
+  std::vector<char>& nonzero = thread.panel.nonzero;
+  if (nonzero.size() < static_cast<std::size_t>(of.island.size())) nonzero.resize(of.island.size());
+  std::fill_n(nonzero.begin(), of.island.size(), 1);
+  const int cols = static_cast<int>(out.X.cols());
+  if (out.cols > 0) factor.solve_panel(out.X.data(), cols, 0, cols, nonzero.data());
+  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
+  return !out.X.hasNaN();
 }
-
-void check_joint_space(const IslandWork& d, const char* function, const char* instead) {
-  if (joint_space_size(*d.shape) > kMostJointSpace)
-    throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +
-                            " velocities are too many" + instead);
-}
-
-void joint_space_terms(const Scene& scene, const SceneData& data, IslandWork& d, const char* function) {
-  if (!by_bodies(d) || data.workspace->robots[d.island.robots.front()].known) return;
-  check_joint_space(d, function, ", ask for products (jvp, vjp)");
-  make_joint_space(scene, *data.workspace, d);
-  evaluate(scene, data.workspace->q, data.v, *data.workspace, d.island);
-}
-
-}  // namespace internal
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
-#include "derivative_columns.hpp"
+#include "../steps.hpp"
+#include "columns.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "steps.hpp"
 
 // The right-hand sides -dr of an island's derivatives, written into its panel.
 

@@ -1,10 +1,10 @@
 #pragma once
-// Derivatives of an island robot by robot, of which joining.hpp has the matrices, by the factors that solved it.
+// Derivatives of an island robot by robot, of which interface.hpp has the matrices, by the factors that solved it.
 // With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the answer to K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// Forces come out with their own sign, -X; so -Y stands in the joining rows of the panel, and the products take it
+// Forces come out with their own sign, -X; so -Y stands in the interface rows of the panel, and the products take it
 // there. A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows
 // join the robot, in place of a solve with the island's factor.
 //
@@ -18,10 +18,10 @@
 namespace manycontact {
 
 /// Of an island's shape, and for one request at a time.
-struct JoinedDerivatives {
+struct RobotsDerivatives {
   static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
 
-  explicit JoinedDerivatives(const IslandShape& shape, const JoinedRobots& joined);
+  explicit RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system);
 
   struct Columns {  // A block of columns of X, and where it stands in a robot's panel.
     int in_X, in_P, count;
@@ -29,7 +29,7 @@ struct JoinedDerivatives {
   struct OfRobot {
     int nv = 0;
     std::vector<int> row, join;          // per row of K_r and of G_r: the island's row; constant
-    std::vector<int> neighbours, joins;  // as Joining has them
+    std::vector<int> neighbours, joins;  // as Interface has them
     std::vector<double> ends;            // of the contacts that join it: MovingEnd, then EndForce
     // for the request
     int q_first = 0, v_first = 0, u_first = 0, own = 0;  // of the panel: as lanes::DerivativeJob has them
@@ -44,7 +44,7 @@ struct JoinedDerivatives {
     std::vector<double> T;     // T_r^T where accelerations come out, -T_r^T where forces do; by rows of G_r, padded
     std::vector<double> B;     // sampled columns of B_r, one after the other
     std::vector<double> x;     // one of the answer; zeros behind it
-    std::vector<double> left;  // of each, in the joining rows: the robot's part of the residual, and of its size
+    std::vector<double> left;  // of each, in the interface rows: the robot's part of the residual, and of its size
     double error = 0;          // of these columns, in the robot's rows: the largest backward error
 
     int size() const { return static_cast<int>(row.size()); }
@@ -58,12 +58,12 @@ struct JoinedDerivatives {
 
   std::vector<double> terms;    // lanes::JoinTerms of the contacts that join robots, one after the other
   std::vector<std::size_t> at;  // per contact that joins robots: where, in `terms`
-  std::vector<int> eliminated;  // per joining row, in the order of S: the island's row
+  std::vector<int> eliminated;  // per interface row, in the order of S: the island's row
   std::vector<double> D;        // of S
   struct Sample {               // a column of each robot's, to be judged with the island's K
     std::vector<int> column;    // of X
     AlignedPanel X;
-    std::vector<double> b;  // of the joining rows, column after column
+    std::vector<double> b;  // of the interface rows, column after column
   } sample;
   struct Buffers {              // of a thread
     std::vector<double> work;   // of a solve with S
@@ -72,22 +72,5 @@ struct JoinedDerivatives {
   };
   std::vector<Buffers> buffers;
 };
-
-namespace internal {
-
-/// Makes island.by_robots for `out`, which is laid out, where robot by robot is predicted to be cheaper than by the
-/// factor at hand.
-void prepare_by_robots(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
-/// Whether it is; but for that the way may turn out not to be sound.
-inline bool goes_by_robots(const SceneData& data, const IslandWork& d) {
-  if (!d.by_robots || !d.by_robots->cheaper) return false;
-  return d.joined->solves ? d.joined->serial == data.serial : d.factor && d.factor == d.chosen.get();
-}
-
-/// All of an island's derivatives into `out`, robot by robot. False where that is not sound: then X is not known, and
-/// another way has to answer.
-bool differentiate_by_robots(const Scene& scene, SceneData& data, IslandWork& island, IslandDerivatives& out);
-
-}  // namespace internal
 
 }  // namespace manycontact

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "bodies.hpp"
+#include "../../steps.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
+#include "matrix.hpp"
 
 namespace manycontact::internal {
 
@@ -39,31 +39,33 @@ constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 
 // Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
 // refined: once, by a factor that does.
-void solve_blocks(const Scene& scene, IslandWork& d, IslandDerivatives& out, bool refined, std::vector<char>& nonzero) {
+void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined,
+                  std::vector<char>& nonzero) {
+  const Island& island = m.of.island;
   const int ld = static_cast<int>(out.X.cols());
   const auto solve = [&](int first, int cols) {
     if (refined)
-      d.factor->solve_panel_refined(d.K, out.X.data(), ld, first, cols, nonzero.data());
+      m.factor->solve_panel_refined(m.K, out.X.data(), ld, first, cols, nonzero.data());
     else
-      d.factor->solve_panel(out.X.data(), ld, first, cols, nonzero.data());
+      m.factor->solve_panel(out.X.data(), ld, first, cols, nonzero.data());
   };
-  if (d.island.robots.size() == 1 || by_bodies(d)) {
-    std::fill_n(nonzero.begin(), d.island.size(), 1);
+  if (island.robots.size() == 1) {
+    std::fill_n(nonzero.begin(), island.size(), 1);
     return solve(0, ld);
   }
-  Reach reach{scene, d.island, d.K.pattern->iperm.data(), nonzero};
+  Reach reach{scene, island, m.K.pattern->iperm.data(), nonzero};
   for (int begin = 0; begin < out.cols; begin += kChunk) {
     const int end = std::min(begin + kChunk, ld);
     reach.none();
-    for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
-      const int nv = scene.robots[d.island.robots[k]].model->nv;
+    for (std::size_t k = 0; k < island.robots.size(); ++k) {
+      const int nv = scene.robots[island.robots[k]].model->nv;
       const auto block = [&](bool wanted, int first, int cols, bool contacts, bool bodies) {
         if (!wanted || first >= end || first + cols <= begin) return;
         reach.robot(k);
         if (contacts) reach.contacts(k, bodies);
       };
-      block(out.request.q, out.q_first + d.island.dof_offset[k], nv, true, true);
-      block(out.request.v, out.v_first + d.island.dof_offset[k], nv, true, false);
+      block(out.request.q, out.q_first + island.dof_offset[k], nv, true, true);
+      block(out.request.v, out.v_first + island.dof_offset[k], nv, true, false);
       block(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k], false, false);
     }
     solve(begin, end - begin);
@@ -77,22 +79,22 @@ void reserve(std::vector<T>& memory, std::size_t size) {
 
 }  // namespace
 
-void solve_panel(const Scene& scene, IslandWork& d, IslandDerivatives& out, PanelWork& work) {
-  if (out.cols == 0 || d.island.size() == 0) return;
+void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
+  if (out.cols == 0 || m.of.island.size() == 0) return;
   // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
-  reserve(work.nonzero, d.island.size());
+  reserve(work.nonzero, m.of.island.size());
   reserve(work.B, out.X.size());
   reserve(work.R, out.X.size());
-  const bool judged = !d.factor->panel_is_like_solve() ||
-                      d.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
+  const bool judged = !m.factor->panel_is_like_solve() ||
+                      m.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
   const bool refine =
-      d.factor->own_refinements() == 0 &&
-      (judged || (d.first_error > tolerance::kRefinePanel && !(d.factor->panel_error(d.K) <= tolerance::kRefinePanel)));
-  const bool at_once = refine && !judged && d.factor->refines_panels();
+      m.factor->own_refinements() == 0 &&
+      (judged || (m.first_error > tolerance::kRefinePanel && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
+  const bool at_once = refine && !judged && m.factor->refines_panels();
   if (refine && !at_once) std::copy_n(out.X.data(), out.X.size(), work.B.data());
-  solve_blocks(scene, d, out, at_once, work.nonzero);
+  solve_blocks(scene, m, out, at_once, work.nonzero);
   if (!refine || at_once) return;
-  const double left = refine_panel(*d.factor, d.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
+  const double left = refine_panel(*m.factor, m.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
   if (!(left <= tolerance::kConverged)) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 

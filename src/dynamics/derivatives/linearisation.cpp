@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "steps.hpp"
-#include "threads.hpp"
+#include "../steps.hpp"
 
 namespace manycontact {
 
@@ -21,6 +20,7 @@ Linearisation::Linearisation(const Scene& scene) {
   for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport{});
   derivatives.resize(scene.contacts.size());
   ready.assign(scene.contacts.size(), 0);
+  state.assign(scene.contacts.size(), 0);
 }
 
 void Linearisation::assign(const Scene& scene, const Workspace& w, const Island& island) {
@@ -47,10 +47,6 @@ void Linearisation::assign(const Scene& scene, const Workspace& w, const Island&
     }
     place[r] = places[k];
   }
-}
-
-void Linearisation::assign(const Scene& scene, const Workspace& w, const IslandWork& d) {
-  if (!d.served_in_lanes() && (d.in_lanes || d.factor)) assign(scene, w, d.island);
 }
 
 AtSolution::AtSolution(const Scene& scene, SceneData& data, const Island& island)
@@ -99,6 +95,7 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
     const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
                                 f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
+    lin.state[c] = w.state;
   }
 }
 

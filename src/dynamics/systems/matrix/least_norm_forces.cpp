@@ -1,5 +1,6 @@
+#include "../../steps.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
+#include "matrix.hpp"
 
 // With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
 // space. Differentiated at constant rank, P df = P dJ y with y = J^+ f; dJ y is the derivative of J(q) y at constant y,
@@ -13,20 +14,20 @@ using V6 = Vec6<double>;
 
 // w.y with J y = w.f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.) Refined on K, as every
 // solve is, unless the oracle has decomposed J itself.
-void any_motion(const IslandWork& d, DependentDerivatives& w) {
-  const int* iperm = d.K.pattern->iperm.data();
+void any_motion(const MatrixSystem& m, DependentDerivatives& w) {
+  const int* iperm = m.K.pattern->iperm.data();
   thread_local KktVectors v;  // memory
-  v.resize(d.island.size());
+  v.resize(m.of.island.size());
   std::fill(v.b.begin(), v.b.end(), 0.0);
-  for (int k = 0; k < d.island.nc; ++k) v.b[iperm[d.island.nv + k]] = w.f[k];
-  if (d.factor->own_refinements() > 0) {
+  for (int k = 0; k < m.of.island.nc; ++k) v.b[iperm[m.of.island.nv + k]] = w.f[k];
+  if (m.factor->own_refinements() > 0) {
     v.x = v.b;
-    d.factor->some_motion(v.x.data());
+    m.factor->some_motion(v.x.data());
   } else {
-    solve_refined(*d.factor, d.K, v, tolerance::kRefinementSteps);
+    solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
   }
-  w.y.resize(d.island.nv);
-  for (int k = 0; k < d.island.nv; ++k) w.y[k] = v.x[iperm[k]];
+  w.y.resize(m.of.island.nv);
+  for (int k = 0; k < m.of.island.nv; ++k) w.y[k] = v.x[iperm[k]];
 }
 
 // w.D = d(J(q) y)/dq, nc x nv.
@@ -82,34 +83,34 @@ void take_forces(const Scene& scene, const SceneData& data, const Island& island
 
 }  // namespace
 
-void least_norm_forces(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out) {
-  DependentDerivatives& w = *d.rows;
-  take_forces(scene, data, d.island, w.f);
-  any_motion(d, w);
-  jacobian_rate(scene, *data.workspace, d, w);
-  w.kept.setZero(d.island.size(), d.island.nv);
-  w.kept.bottomRows(d.island.nc) = w.D;
-  d.factor->project_out_panel(w.kept.data(), d.island.nv, d.island.nv);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(d.island.nc);  // += P D
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out) {
+  DependentDerivatives& w = *m.rows;
+  take_forces(scene, data, m.of.island, w.f);
+  any_motion(m, w);
+  jacobian_rate(scene, *data.workspace, m.of, w);
+  w.kept.setZero(m.of.island.size(), m.of.island.nv);
+  w.kept.bottomRows(m.of.island.nc) = w.D;
+  m.factor->project_out_panel(w.kept.data(), m.of.island.nv, m.of.island.nv);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(m.of.island.nc);  // += P D
 }
 
-void add_contradiction(const Scene& scene, SceneData& data, IslandWork& d, IslandDerivatives& out, PanelWork& work) {
+void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
   // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is
   // what a force rho would add to -dr1.
-  DependentDerivatives& w = *d.rows;
+  DependentDerivatives& w = *m.rows;
   const Linearisation& lin = *data.workspace->linearisation;
   IslandDerivatives& rho = w.with_rho;
-  if (rho.X.rows() != d.island.size()) lay_out(scene, d.island, {true, false, false, false}, rho);
+  if (rho.X.rows() != m.of.island.size()) lay_out(scene, m.of.island, {true, false, false, false}, rho);
   w.with = data.f;
-  for (int c : d.island.contacts)
+  for (int c : m.of.island.contacts)
     w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
-  derivative_terms(scene, data, d.island, w.with);
+  derivative_terms(scene, data, m.of.island, w.with);
   rho.X.setZero();
-  derivative_rhs(scene, lin, data.v, d, rho);
-  derivative_terms(scene, data, d.island, data.f);
+  derivative_rhs(scene, lin, data.v, m.of, rho);
+  derivative_terms(scene, data, m.of.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
   rho.X.bottomRows(rho.nc).setZero();
-  solve_panel(scene, d, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
+  solve_panel(scene, m, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
   out.X.block(out.nv, out.q_first, out.nc, out.nv) -= rho.X.block(rho.nv, 0, rho.nc, rho.nv);
 }
 

@@ -2,30 +2,29 @@
 
 #include <algorithm>
 
-#include "../../bodies.hpp"
 #include "../../steps.hpp"
-#include "joined_derivatives.hpp"
+#include "derivatives.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
-JoinedDerivatives::JoinedDerivatives(const IslandShape& shape, const JoinedRobots& joined)
-    : robots(joined.robots.size()) {
+RobotsDerivatives::RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system)
+    : robots(system.robots.size()) {
   const Scene& scene = shape.scene();
   const Island& island = shape.island();
-  const Joining& joining = *joined.joining;
+  const Interface& interface = *system.interface;
   for (std::size_t k = 0; k < robots.size(); ++k) {
     OfRobot& r = robots[k];
-    const Joining::OfRobot& of = joining.robots[k];
+    const Interface::OfRobot& of = interface.robots[k];
     r.nv = scene.robots[k].model->nv;
     r.neighbours = of.neighbours, r.joins = of.joins;
     for (int i = 0; i < r.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
     for (int c : of.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
         r.row.push_back(island.nv + island.row_offset[c] + i);
-    for (int row : of.joining) r.join.push_back(joining.row[row]);
+    for (int row : of.joining) r.join.push_back(interface.row[row]);
   }
-  for (int k : joining.perm) eliminated.push_back(joining.row[k]);
+  for (int k : interface.perm) eliminated.push_back(interface.row[k]);
 }
 
 namespace internal {
@@ -40,20 +39,20 @@ double cost_at_once(const IslandWork& d, double ld) {
 
 // The same robot by robot. Those of a product run faster than those of a sparse solve; the panels of the robots are
 // filled and read once more. Measured on rings and on a beam between two humanoids.
-double cost_by_robots(const JoinedRobots& joined, const JoinedDerivatives& by, double ld) {
+double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   constexpr double kProduct = 0.4, kPanels = 1.3;
-  double cost = ld * 2.0 * joined.joining->symbolic.nonzeros();
+  double cost = ld * 2.0 * system.interface->symbolic.nonzeros();
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
-    const JoinedDerivatives::OfRobot& r = by.robots[k];
-    const KktPattern& p = *joined.robots[k].group->plan->inner;
+    const RobotsDerivatives::OfRobot& r = by.robots[k];
+    const KktPattern& p = *system.robots[k].group->plan->inner;
     cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
     cost += kProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
   }
   return kPanels * cost;
 }
 
-void lay_out_columns(const Island& island, const IslandDerivatives& out, std::size_t k, JoinedDerivatives& by) {
-  JoinedDerivatives::OfRobot& r = by.robots[k];
+void lay_out_columns(const Island& island, const IslandDerivatives& out, std::size_t k, RobotsDerivatives& by) {
+  RobotsDerivatives::OfRobot& r = by.robots[k];
   r.columns.clear();
   int at = static_cast<int>(6 * r.joins.size());
   const auto add = [&](bool wanted, int first, int count) {
@@ -74,29 +73,29 @@ void lay_out_columns(const Island& island, const IslandDerivatives& out, std::si
 
 // Columns of robots' own, of q, v and u by turns; each meets the factors of all of them. Sixteen at most: they are
 // judged one after the other.
-void choose_sample(JoinedDerivatives& by) {
+void choose_sample(RobotsDerivatives& by) {
   by.sample.column.clear();
-  for (JoinedDerivatives::OfRobot& r : by.robots) r.sampled.clear();
+  for (RobotsDerivatives::OfRobot& r : by.robots) r.sampled.clear();
   const std::size_t step = (by.robots.size() + 15) / 16;
   for (std::size_t k = 0; k < by.robots.size(); k += step) {
-    const std::vector<JoinedDerivatives::Columns>& columns = by.robots[k].columns;
+    const std::vector<RobotsDerivatives::Columns>& columns = by.robots[k].columns;
     if (columns.empty()) continue;
-    const JoinedDerivatives::Columns& block = columns[k / step % columns.size()];
+    const RobotsDerivatives::Columns& block = columns[k / step % columns.size()];
     const int column = block.in_X + static_cast<int>(7 * k) % block.count;
-    for (JoinedDerivatives::OfRobot& r : by.robots)
-      for (const JoinedDerivatives::Columns& c : r.columns)
+    for (RobotsDerivatives::OfRobot& r : by.robots)
+      for (const RobotsDerivatives::Columns& c : r.columns)
         if (c.in_X <= column && column < c.in_X + c.count)
           r.sampled.push_back({static_cast<int>(by.sample.column.size()), c.in_P + column - c.in_X, 1});
     by.sample.column.push_back(column);
   }
 }
 
-void take_memory(const IslandWork& d, std::size_t threads, JoinedDerivatives& by) {
-  const JoinedRobots& joined = *d.joined;
-  const std::size_t rows = joined.joining->row.size(), n = d.island.size();
+void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by) {
+  const RobotsSystem& system = *d.robots;
+  const std::size_t rows = system.interface->row.size(), n = d.island.size();
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
-    JoinedDerivatives::OfRobot& r = by.robots[k];
-    r.ends.resize(joined.robots[k].group->plan->ends_size());
+    RobotsDerivatives::OfRobot& r = by.robots[k];
+    r.ends.resize(system.robots[k].group->plan->ends_size());
     r.P.resize(r.size(), r.ld);
     r.P.setZero();
     r.G.assign(static_cast<std::size_t>(r.nv) * r.padded(), 0.0);
@@ -110,10 +109,10 @@ void take_memory(const IslandWork& d, std::size_t threads, JoinedDerivatives& by
       if (r.sampled[s].in_P < r.own) r.copied.push_back({r.sampled[s].in_P, r.B.data() + s * r.size()});
   }
   int largest = 0;
-  for (const JoinedDerivatives::OfRobot& r : by.robots) largest = std::max(largest, r.size());
+  for (const RobotsDerivatives::OfRobot& r : by.robots) largest = std::max(largest, r.size());
   by.at.resize(d.island.contacts.size());
   std::size_t size = 0, most = 0;
-  for (const JoinedRobots::Joint& joint : joined.contacts) {
+  for (const RobotsSystem::Joint& joint : system.contacts) {
     const int cols = static_cast<int>(d.shape->support().columns[joint.number].size());
     by.at[joint.number] = size;
     size += lanes::JoinTerms::size(joint.rows, cols);
@@ -123,8 +122,8 @@ void take_memory(const IslandWork& d, std::size_t threads, JoinedDerivatives& by
   by.terms.resize(size);
   by.D.resize(rows);
   by.buffers.resize(threads);
-  for (JoinedDerivatives::Buffers& b : by.buffers) {
-    b.work.resize(sparse::panel_kernels().work_size(joined.joining->schedule));
+  for (RobotsDerivatives::Buffers& b : by.buffers) {
+    b.work.resize(sparse::panel_kernels().work_size(system.interface->schedule));
     b.nonzero.resize(rows);
     b.ED.resize(most);
     b.E.resize(6 * static_cast<std::size_t>(sparse::padded(largest)));
@@ -136,21 +135,21 @@ void take_memory(const IslandWork& d, std::size_t threads, JoinedDerivatives& by
 
 }  // namespace
 
-void prepare_by_robots(const Scene& scene, IslandWork& d, const IslandDerivatives& out, Workspace& w) {
-  if (d.island.robots.size() == 1 || has_bodies(d) || w.options.order) return;
+void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandDerivatives& out, Workspace& w) {
+  if (d.island.robots.size() == 1 || d.bodies || w.options.order) return;
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
-  if (!d.by_robots) {
-    make_joined(scene, w, d);
-    if (!d.joined) return;
-    d.by_robots = std::make_unique<JoinedDerivatives>(*d.shape, *d.joined);
+  make_robots(scene, w, d);
+  if (!d.robots) return;
+  if (!d.robots->derivatives) {
+    d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);
   }
-  JoinedDerivatives& by = *d.by_robots;
+  RobotsDerivatives& by = *d.robots->derivatives;
   if (by.laid_out && by.request == out.request) return;
   by.laid_out = false;  // should memory run out
   for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, out, k, by);
   choose_sample(by);
   const double ld = static_cast<double>(out.X.cols());
-  by.cheaper = out.cols > 0 && cost_by_robots(*d.joined, by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
+  by.cheaper = out.cols > 0 && cost_by_robots(*d.robots, by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
   if (by.cheaper) take_memory(d, w.threads.size(), by);
   by.request = out.request;
   by.laid_out = true;

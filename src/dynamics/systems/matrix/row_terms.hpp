@@ -1,7 +1,7 @@
 #pragma once
 // What a contact's a0 is computed from: the scale by which its rounding is judged.
 
-#include "workspace.hpp"
+#include "../../workspace.hpp"
 
 namespace manycontact::internal {
 

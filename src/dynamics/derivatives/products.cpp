@@ -1,0 +1,115 @@
+#include "products.hpp"
+
+#include "../steps.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/contact/products.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+using V6 = Vec6<double>;
+const BodyVariation kRest{V6::Zero(), V6::Zero(), V6::Zero(), V6::Zero()};
+
+const BodyVariation& body(const ProductWork& pd, const Attachment& at) {
+  return at.robot < 0 || at.joint < 0 ? kRest : pd.robots[at.robot].body[at.joint];
+}
+
+}  // namespace
+
+void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& t,
+                        ProductWork& pd) {
+  const Workspace& w = *data.workspace;
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    ProductWork::OfRobot& p = pd.robots[r];
+    tangent_motions(*robot.model, w.robots[r].kin, data.a.data() + robot.idx_v, t.dq.data() + robot.idx_v,
+                    t.dv.data() + robot.idx_v, p.body);
+    std::fill(p.fext.begin(), p.fext.end(), V6(V6::Zero()));
+    std::fill(p.dfext.begin(), p.dfext.end(), V6(V6::Zero()));
+  }
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const ContactData<double>& rows = w.linearisation->contacts[c];
+    const auto f = data.f.segment(data.f_offset[c], contact.rows());
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
+    V6 dF;
+    contact_tangent<double>(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
+    const V6 F = rows.W.transpose() * f;
+    if (contact.A.joint >= 0) {
+      pd.robots[contact.A.robot].fext[contact.A.joint] += rows.aMA.act_force(F);
+      pd.robots[contact.A.robot].dfext[contact.A.joint] += rows.aMA.act_force(dF);
+    }
+    if (contact.B.robot >= 0 && contact.B.joint >= 0) {
+      pd.robots[contact.B.robot].fext[contact.B.joint] -= rows.bMA.act_force(F);
+      pd.robots[contact.B.robot].dfext[contact.B.joint] -= rows.bMA.act_force(dF);
+    }
+    pd.y.segment(data.f_offset[c], contact.rows()) = -dr2;
+  }
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    ProductWork::OfRobot& p = pd.robots[r];
+    const RobotData& rd = w.robots[r];
+    tangent_torques(model, rd.kin, p.body, p.fext, p.dfext, p.f, p.df, p.w.data());
+    double* b = pd.a.data() + robot.idx_v;
+    for (int i = 0; i < model.nv; ++i) b[i] = -p.w[i];
+    for (int i = 0; has_friction(model) && i < model.nv; ++i)
+      b[i] -= friction_slope(model, i, data.v[robot.idx_v + i]) * t.dv[robot.idx_v + i];
+    for (int i = 0; i < model.nu(); ++i) b[model.actuated[i]] += t.du[robot.idx_u + i];
+  }
+}
+
+void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& pd,
+                  const TangentProduct& t) {
+  each_velocity_block(scene, island, [&](int at, int, int n) { t.da.segment(at, n) = pd.a.segment(at, n); });
+  each_force_block(scene, data.f_offset, island, [&](int at, int, int n) { t.df.segment(at, n) = -pd.y.segment(at, n); });
+}
+
+void adjoint_right_side(const Scene& scene, const SceneData& data, const Island& island, const AdjointProduct& t,
+                        ProductWork& pd) {
+  each_velocity_block(scene, island, [&](int at, int, int n) { pd.a.segment(at, n) = t.wa.segment(at, n); });
+  each_force_block(scene, data.f_offset, island, [&](int at, int, int n) { pd.y.segment(at, n) = -t.wf.segment(at, n); });
+}
+
+void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& pd,
+                      const AdjointProduct& t) {
+  const Workspace& w = *data.workspace;
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    const Model& model = *robot.model;
+    ProductWork::OfRobot& p = pd.robots[r];
+    const RobotData& rd = w.robots[r];
+    const double* l = pd.a.data() + robot.idx_v;
+    for (int i = 0; i < model.nu(); ++i) t.wu[robot.idx_u + i] = l[model.actuated[i]];
+    virtual_velocities(model, rd.kin, l, p.u);
+    std::fill(p.body.begin(), p.body.end(), kRest);
+    add_body_adjoints(model, rd.kin, p.u, p.body);
+  }
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const auto l = pd.y.segment(data.f_offset[c], contact.rows());
+    BodyVariation nobody = kRest;
+    const auto of = [&](const Attachment& at) -> BodyVariation& {
+      return at.robot < 0 || at.joint < 0 ? nobody : pd.robots[at.robot].body[at.joint];
+    };
+    const auto u = [&](const Attachment& at) {
+      return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
+    };
+    contact_adjoint<double>(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
+                            data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
+  }
+  for (int r : island.robots) {
+    const Robot& robot = scene.robots[r];
+    ProductWork::OfRobot& p = pd.robots[r];
+    pull_back(*robot.model, w.robots[r].kin, data.a.data() + robot.idx_v, p.u, p.body, t.wq.data() + robot.idx_v,
+              t.wv.data() + robot.idx_v);
+    t.wq.segment(robot.idx_v, robot.model->nv) *= -1;  // w = -(dr)^T l
+    t.wv.segment(robot.idx_v, robot.model->nv) *= -1;
+    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
+      t.wv[robot.idx_v + i] -=
+          friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * pd.a[robot.idx_v + i];
+  }
+}
+
+}  // namespace manycontact::internal

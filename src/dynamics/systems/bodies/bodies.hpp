@@ -1,0 +1,100 @@
+#pragma once
+// An island solved by sparse-bodies (kkt/bodies): whole, or part by part where held bodies cut its trees.
+
+#include "../../lanes/lanes.hpp"
+#include "../../lanes/parts.hpp"
+#include "../system.hpp"
+#include "manycontact/algorithm/body_kinematics.hpp"
+#include "manycontact/algorithm/rnea_products.hpp"
+#include "manycontact/kkt/bodies/factor.hpp"
+
+namespace manycontact {
+
+/// A body whose rows say how it accelerates: what hangs below is solved beside its own part, not after it.
+struct HeldBody {
+  Vec6<double> a;
+  BodyHold hold;
+  int row[6];  // of its rows among the scene's forces
+};
+
+class BodiesSystem final : public IslandSystem {
+ public:
+  /// level: of the instructions for parts in lanes, nullptr: parts stand alone.
+  BodiesSystem(IslandWork& island, const lanes::Level* level);
+
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
+  bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
+  bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
+  bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
+  bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
+  bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
+
+  /// The whole system and its solution at the state at hand, where parts answered. False where that has no sound pivots.
+  bool make_current(const Scene&, const SceneData&);
+
+  IslandWork& of;
+  std::vector<BodyKinematics<double>> kin;  // per robot of the island; by solve
+  // part by part, where held bodies cut the trees; alike parts share what they are solved by
+  const BodyParts* parts;
+  struct Slot {
+    const BodyPart* part = nullptr;  // the one at hand
+    BodySystem system;
+    BodySolve solution;
+    std::vector<int> row;  // per row: its number among the scene's forces
+  };
+  struct Shape {
+    Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
+    std::shared_ptr<const BodyPattern> pattern;
+    BodyLdl ldl;                          // of a part alone
+    std::unique_ptr<lanes::Parts> lanes;  // null: its parts stand alone
+    std::vector<Slot> slots;              // as many as stand side by side
+    std::size_t filled = 0;
+    std::vector<lanes::Parts::Part> side_by_side;  // one per slot that is filled
+  };
+  std::vector<Shape> shapes;
+  std::vector<HeldBody> held;      // per cut
+  std::vector<Vec6<double>> pull;  // per cut: of what hangs below
+  // as a whole
+  std::uint64_t state = 0;  // that factor and solution are of
+  bool sound = false;       // and whether they can be used
+  BodyFactor factor;
+  BodySolve solution;
+
+  // by jvp, vjp; made when first needed
+  std::vector<ContactData<double>> contacts;  // per contact of the island, at the solution
+  std::vector<BodyVariation> body;            // per node
+  BodySolve products;
+};
+
+namespace internal {
+
+/// What is reported of systems solved: the worst and the largest of all.
+struct BodyAnswer {
+  sparse::Refinement refinement;
+  int nonzeros = 0;
+  double dynamics = 0, dynamics_scale = 0, contact = 0, contact_scale = 0;
+  void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
+};
+
+/// Part by part; false where the island is one part, or one has no sound answer.
+bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
+
+/// The pieces of both: a robot's node, a contact's rows, in equations numbered from node `at`, coordinate `dof` and row
+/// `first` on.
+void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t robot, int joint,
+                   int at, int dof, BodySystem& system, BodyVectors& b);
+void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t contact,
+                   int first, BodySystem& system, BodyVectors& b);
+/// Before the first node: where the bases are; no joint-space terms are known.
+void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies);
+/// After the last: x of `solve`, refined. kNone: it is sound.
+Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& solve, sparse::Refinement& refinement);
+
+/// Of an attachment's robot; nullptr where its body cannot move.
+const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
+/// x <- K x, in the island's order, by a recursion.
+void multiply_bodies(const BodySystem& system, double* x);
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "../../steps.hpp"
+#include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "matrix.hpp"
+#include "row_terms.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using Apply = std::function<void(double*)>;
+
+// x <- K^-1 x (or K's generalised inverse) by the factor at hand.
+Apply inverse(MatrixSystem& m) {
+  return [&m](double* x) { m.factor->solve(x); };
+}
+
+// Sizes of the linear and the angular part of a motion or a force: a body that only slides has no lever, and its
+// turning is not to count with the lever of where it stands.
+struct TwistSize {
+  double linear = 0, angular = 0;
+  double of(const TwistSize& motion) const { return linear * motion.linear + angular * motion.angular; }
+  void take(const Vec6<double>& x) {
+    linear = std::max(linear, x.head<3>().cwiseAbs().maxCoeff());
+    angular = std::max(angular, x.tail<3>().cwiseAbs().maxCoeff());
+  }
+};
+
+// Of an inertia: what it was computed from, where that is more than what is left.
+struct InertiaSize {
+  double m = 0, h = 0, I = 0;
+  InertiaSize() = default;
+  InertiaSize(const Inertia<double>& Y, double lever)
+      : m(std::abs(Y.m)),
+        h(std::max(Y.h.cwiseAbs().maxCoeff(), m * lever)),
+        I(std::max(Y.I.cwiseAbs().maxCoeff(), m * lever * lever)) {}
+  InertiaSize& operator+=(const InertiaSize& o) { return m += o.m, h += o.h, I += o.I, *this; }
+  TwistSize operator*(const TwistSize& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
+};
+
+// Of a motion subspace's column, its lever included.
+TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
+  TwistSize out;
+  out.take(kin.J.col(k));
+  out.linear = std::max(out.linear, out.angular * kin.oMi[joint].p.cwiseAbs().maxCoeff());
+  return out;
+}
+
+// What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about
+// the tree frame's origin.
+void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
+  const std::size_t n = model.joints.size();
+  std::vector<TwistSize> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
+  std::vector<InertiaSize> Yc(n);
+  for (int i = 0; i < model.njoints(); ++i) {
+    if (const int parent = model.joints[i].parent; parent >= 0)
+      v[i] = v[parent], acceleration[i] = acceleration[parent];
+    v[i].take(r.kin.v[i]);
+    acceleration[i].take(r.kin.a[i]);
+    Yc[i] = InertiaSize(r.kin.Y[i], r.kin.oMi[i].p.cwiseAbs().maxCoeff());
+    const TwistSize l = Yc[i] * v[i];  // f = Y a + v x* Y v
+    force[i] = Yc[i] * acceleration[i];
+    force[i].linear += v[i].angular * l.linear;
+    force[i].angular += v[i].angular * l.angular + v[i].linear * l.linear;
+  }
+  std::fill_n(w, model.nv, 0.0);
+  for (int i = model.njoints() - 1; i >= 0; --i) {
+    const Joint& joint = model.joints[i];
+    for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
+      const TwistSize s = size_of_column(r.kin, i, k), F = Yc[i] * s;
+      w[k] += force[i].of(s);
+      for (int j = k; j >= 0; j = model.dof_parent[j]) {
+        const double entry = F.of(size_of_column(r.kin, model.dof_joint[j], j));
+        w[k] += entry * std::abs(a[j]);
+        if (j != k) w[j] += entry * std::abs(a[k]);
+      }
+    }
+    if (joint.parent < 0) continue;
+    Yc[joint.parent] += Yc[i];
+    force[joint.parent].linear += force[i].linear;
+    force[joint.parent].angular += force[i].angular;
+  }
+}
+
+// The same of a contact's rows (of_row: the terms of a0), and what its J leaves in the rows of the coordinates: J's
+// entries are as good as the motions they are picked from.
+void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
+                      double f, double& of_row, std::vector<double>& w) {
+  const double size = motion_size(c, d);
+  for (int column : columns) {
+    of_row += size * std::abs(a[column]);
+    w[column] += size * f;
+  }
+}
+
+// c eps: of a sum down the deepest tree.
+double rounding(const Scene& scene, const MatrixSystem& m) {
+  int depth = 0;
+  for (int r : m.of.island.robots)
+    for (int i : scene.robots[r].model->dof_depth) depth = std::max(depth, i);
+  return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
+}
+
+// |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
+// contacts contradict each other by is no error of least squares.
+std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+  const KktVectors& s = m.v;
+  const int* iperm = m.K.pattern->iperm.data();
+  std::vector<double> w(m.of.island.size(), 0.0), a(m.of.island.nv);  // in the island's order
+  for (int k = 0; k < m.of.island.nv; ++k) a[k] = s.x[iperm[k]];
+  for (std::size_t k = 0; k < m.of.island.robots.size(); ++k) {
+    const int r = m.of.island.robots[k], o = m.of.island.dof_offset[k];
+    inertia_rounding(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
+  }
+  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[m.of.island.contacts[k]];
+    const int first = m.of.island.nv + m.of.island.row_offset[k];
+    double f = 0;
+    for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
+    double of_row = internal::row_terms(scene, work, m.of.island.contacts[k]);
+    contact_rounding(contact, work.contacts[m.of.island.contacts[k]], a.data(), m.of.shape->support().columns[k], f, of_row,
+                     w);
+    for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
+  }
+  const double c = rounding(scene, m);
+  const bool deficient = m.deficient();
+  std::vector<double> out(w.size());
+  for (std::size_t k = 0; k < w.size(); ++k) {
+    const int at = iperm[k];
+    const double left = deficient ? s.r[at] - s.null_part[at] : s.r[at];
+    out[at] = std::abs(left) + c * (s.scale[at] + w[k]);
+  }
+  return out;
+}
+
+// max over the rows kept of |K^-1| w: the 1-norm of diag(w) K^-1 restricted to their columns.
+double bound(const Apply& solve, const std::vector<double>& w, const std::vector<char>& kept) {
+  const int n = static_cast<int>(w.size());
+  const auto mask = [&](double* x) {
+    for (int k = 0; k < n; ++k) x[k] *= kept[k];
+  };
+  const auto scale = [&](double* x) {
+    for (int k = 0; k < n; ++k) x[k] *= w[k];
+  };
+  return tolerance::kNormEstimate *
+         sparse::norm_1_estimate(
+             n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
+}
+
+// Where rows depend on others, rounding of J turns the null space of J^T too, and the forces of least norm with it: by
+// P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
+// |P| |dJ| |y|, J y = f.
+double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
+  const int* iperm = m.K.pattern->iperm.data();
+  const int n = m.of.island.size();
+  std::vector<double> y(n, 0.0), w(n, 0.0), part(n);
+  for (int k = m.of.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
+  m.factor->some_motion(y.data());
+  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
+    const int c = m.of.island.contacts[k], rows = scene.contacts[c].rows();
+    double moved = 0;
+    for (int column : m.of.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
+    const double of_row = rounding(scene, m) * motion_size(scene.contacts[c], work.contacts[c]) * moved;
+    for (int i = 0; i < rows; ++i) w[iperm[m.of.island.nv + m.of.island.row_offset[k] + i]] = of_row;
+  }
+  const std::vector<char> kept(n, 1);
+  return bound(
+      [&](double* x) {
+        for (int k = 0; k < m.of.island.nv; ++k) x[iperm[k]] = 0;
+        std::fill(part.begin(), part.end(), 0.0);
+        m.factor->project_out(x, part.data());
+        std::copy(part.begin(), part.end(), x);
+      },
+      w, kept);
+}
+
+// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (the same
+// equation). |dJ^T r| in elimination order.
+std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+  const int* iperm = m.K.pattern->iperm.data();
+  std::vector<double> w(m.of.island.size(), 0.0);
+  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
+    const int c = m.of.island.contacts[k];
+    double missed = 0;
+    for (int i = 0; i < scene.contacts[c].rows(); ++i)
+      missed += std::abs(m.v.null_part[iperm[m.of.island.nv + m.of.island.row_offset[k] + i]]);
+    const double of_column = rounding(scene, m) * motion_size(scene.contacts[c], work.contacts[c]) * missed;
+    for (int column : m.of.shape->support().columns[k]) w[iperm[column]] += of_column;
+  }
+  return w;
+}
+
+// What projecting the forces to those of least norm may have made of them.
+double projected_forces(const MatrixSystem& m) {
+  double f = 0;
+  for (int k = m.of.island.nv; k < m.of.island.size(); ++k) f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[k]]));
+  return m.factor->projector_error() * f;
+}
+
+// By how much the answer given (a, f) differs from x = [a; -f], which the whole K gave since:
+// the bounds are x's.
+std::pair<double, double> moved(const SceneData& data, const Scene& scene, const MatrixSystem& m) {
+  const int* iperm = m.K.pattern->iperm.data();
+  double a = 0, f = 0;
+  each_velocity_block(scene, m.of.island, [&](int given, int own, int n) {
+    for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[given + i] - m.v.x[iperm[own + i]]));
+  });
+  each_force_block(scene, data.f_offset, m.of.island, [&](int given, int own, int n) {
+    for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[given + i] + m.v.x[iperm[m.of.island.nv + own + i]]));
+  });
+  return {a, f};
+}
+
+}  // namespace
+
+bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
+  const std::vector<double> w = uncertainty(scene, *data.workspace, *this);
+  const int* iperm = K.pattern->iperm.data();
+  const auto [moved_a, moved_f] = moved(data, scene, *this);
+  std::vector<char> kept(w.size());
+  const bool contradicts = deficient() && contradiction;
+  const std::vector<double> turned =
+      contradicts ? turned_contradiction(scene, *data.workspace, *this) : std::vector<double>();
+  const auto twice = [this](double* x) { factor->solve(x), factor->solve(x); };
+  const auto relative = [&](int first, int count, double more) {
+    double size = 0;
+    std::fill(kept.begin(), kept.end(), 0);
+    for (int k = first; k < first + count; ++k) {
+      kept[iperm[k]] = 1;
+      size = std::max(size, std::abs(v.x[iperm[k]]));
+    }
+    const double error =
+        count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
+    return error == 0 ? 0 : error / size;
+  };
+  report.error_acceleration = relative(0, of.island.nv, moved_a);
+  double more = moved_f;
+  if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
+  report.error_forces = relative(of.island.nv, of.island.nc, more);
+  return true;
+}
+
+bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {
+  std::vector<double> sums(of.island.size());
+  report.condition = sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(of.island.size(), *factor);
+  return true;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,93 @@
+// The joint-space terms of an island, and its K.
+
+#include <stdexcept>
+
+#include "../../steps.hpp"
+#include "matrix.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+void evaluate_robot(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, int i) {
+  const Robot& robot = scene.robots[i];
+  const Model& model = *robot.model;
+  RobotData& r = w.robots[i];
+  evaluate_bias<double>(model, robot.base, q.segment(robot.idx_q, model.nq), v.segment(robot.idx_v, model.nv),
+                        scene.gravity, r);
+  evaluate_inertia<double>(model, r, nullptr, r.M.data());
+  r.state = w.state;
+}
+
+void evaluate_contact(const Scene& scene, Workspace& w, int c) {
+  const Contact& contact = scene.contacts[c];
+  contact_rows<double>(scene, contact, w.supports[c], w.robots[contact.A.robot].kin,
+                       contact.B.robot < 0 ? nullptr : &w.robots[contact.B.robot].kin, w.contacts[c]);
+  w.rows_state[c] = w.state;
+}
+
+}  // namespace
+
+void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
+  d.matrix.M.clear();
+  d.matrix.J.clear();
+  for (int r : d.island.robots) {
+    if (w.robots[r].M.empty()) w.robots[r].M.resize(packed_size(*scene.robots[r].model));
+    d.matrix.M.emplace_back(w.robots[r].M);
+  }
+  for (int c : d.island.contacts) {
+    if (!w.joint_space[c]) {
+      w.supports[c] = contact_support(scene, scene.contacts[c]);
+      w.contacts[c] = ContactData<double>(scene.contacts[c], w.supports[c]);
+      w.joint_space[c] = 1;
+    }
+    const Eigen::MatrixXd& J = w.contacts[c].J;
+    d.matrix.J.emplace_back(J.data(), static_cast<std::size_t>(J.size()));
+  }
+}
+
+void check_joint_space(const IslandWork& d, const char* function, const char* instead) {
+  if (joint_space_size(*d.shape) > kMostJointSpace)
+    throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +
+                            " velocities are too many" + instead);
+}
+
+void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, const Island& island) {
+  for (int r : island.robots) evaluate_robot(scene, q, v, w, r);
+  for (int c : island.contacts) evaluate_contact(scene, w, c);
+}
+
+void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d) {
+  Workspace& w = *data.workspace;
+  if (w.robots[d.island.robots.front()].state == w.state) return;
+  if (d.bodies) make_joint_space(scene, w, d);
+  evaluate(scene, w.q, data.v, w, d.island);
+}
+
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
+  const Workspace& w = *data.workspace;
+  const IslandWork& d = m.of;
+  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(order);
+  if (m.K.pattern != pattern) m.K.reset(pattern);
+  if (m.v.b.size() != static_cast<std::size_t>(m.K.size())) m.v.resize(m.K.size());
+  manycontact::assemble(m.M, m.J, damping, m.K);
+  m.K.row_size = 0;
+  for (int c : d.island.contacts) m.K.row_size = std::max(m.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
+
+  const int* iperm = pattern->iperm.data();  // b = [tau - h; wanted - a0]
+  double* b = m.v.b.data();
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[d.island.robots[k]];
+    const Eigen::VectorXd& h = w.robots[d.island.robots[k]].h;
+    const int* to = iperm + d.island.dof_offset[k];
+    for (int i = 0; i < robot.model->nv; ++i) b[to[i]] = data.tau[robot.idx_v + i] - h[i];
+  }
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    const int c = d.island.contacts[k];
+    const auto& a0 = w.contacts[c].a0;
+    const int* to = iperm + d.island.nv + d.island.row_offset[k];
+    for (int i = 0; i < a0.size(); ++i) b[to[i]] = wanted_in(data, c, i) - a0[i];
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,220 @@
+// An island's whole K factorized by the first way that is sound, from the one chosen down to the oracle.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "../../steps.hpp"
+#include "manycontact/contact/row_size.hpp"
+#include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "row_terms.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+enum class Way { kChosen, kDependentRows, kDense };
+
+struct Attempt {
+  Way way;
+  Order order;
+  double damping;
+};
+
+Factor& factor_of(MatrixSystem& m, Way way) {
+  const auto made = [](std::unique_ptr<Factor>& factor, auto&& make) -> Factor& {
+    if (!factor) factor = make();
+    return *factor;
+  };
+  if (way == Way::kDependentRows) return made(m.safe, make_dependent_rows_factor);
+  if (way == Way::kDense) return made(m.dense, make_dense_factor);
+  return made(m.chosen, [&m] { return make_factor(m.of.choice.method, m.of.shape); });
+}
+
+// What the rows of the island's J are judged beside.
+void row_sizes(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
+  size.resize(island.nc);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const int c = island.contacts[k];
+    for (int i = 0; i < scene.contacts[c].rows(); ++i)
+      size[island.row_offset[k] + i] = row_size(scene.contacts[c], w.contacts[c], i);
+  }
+}
+
+// Whether a row of the island's J is nothing but rounding beside the contacts' motions: no pivot shows that.
+bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
+  for (std::size_t c = 0; c < m.J.size(); ++c) {
+    const Eigen::Index rows = scene.contacts[m.of.island.contacts[c]].rows();
+    const Eigen::Map<const Eigen::MatrixXd> J(m.J[c].data(), rows, static_cast<Eigen::Index>(m.J[c].size()) / rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double largest = J.cols() > 0 ? J.row(i).cwiseAbs().maxCoeff() : 0;
+      if (!(largest > tolerance::kRank * size[m.of.island.row_offset[c] + i])) return true;
+    }
+  }
+  return false;
+}
+
+// The largest term that the contacts' a0 are computed from. Of the bodies' velocities and accelerations as the tree has
+// them, about its base: at the contact they may cancel.
+double drift_size(const Scene& scene, const Workspace& w, const Island& island) {
+  double largest = 0;
+  const auto moving = [&](const Attachment& at) {
+    if (at.robot < 0 || at.joint < 0) return;
+    const Kinematics<double>& kin = w.robots[at.robot].kin;
+    const double v = kin.v[at.joint].cwiseAbs().maxCoeff();
+    largest = std::max({largest, kin.a[at.joint].cwiseAbs().maxCoeff(), v * v});
+  };
+  for (int c : island.contacts) {
+    moving(scene.contacts[c].A), moving(scene.contacts[c].B);
+    // A place in the world that was left out, or computed, is as good as its own digits, however far away it is.
+    const Contact& contact = scene.contacts[c];
+    const double far = contact.B.robot < 0 ? contact.B.placement.p.cwiseAbs().maxCoeff() : 0;
+    largest = std::max({largest, row_terms(scene, w, c), std::abs(contact.alpha) * far});
+  }
+  return largest;
+}
+
+// |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the null space of J^T: what dependent rows cannot
+// agree on, which is all that exact arithmetic leaves of J a + a0. (What rounding leaves there beside it was judged as
+// a residual.) It may still be rounding of the terms of drift_size: that is no contradiction.
+// Derivatives take note of what is left above rounding alone (of_rows: kDriftRounding, too).
+bool contradictory(const KktPattern& p, const KktVectors& v, double drift, double of_rows) {
+  double left = 0, Ja = 0, a0 = 0;
+  for (int k = p.nv; k < p.size(); ++k) {
+    const int at = p.iperm[k];
+    left = sparse::larger_or_nan(left, std::abs(v.null_part[at]));
+    Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
+    a0 = std::max(a0, std::abs(v.b[at]));
+  }
+  return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+}
+
+// report.dependent_rows, numbered as data.f has them.
+void name_dependent_rows(const SceneData& data, MatrixSystem& m, IslandReport& report) {
+  const Island& island = m.of.island;
+  m.factor->dependent_rows(m.dependent);
+  report.dependent_rows.clear();
+  for (int row : m.dependent) {
+    const auto c =
+        std::upper_bound(island.row_offset.begin(), island.row_offset.end(), row) - island.row_offset.begin() - 1;
+    report.dependent_rows.push_back(data.f_offset[island.contacts[c]] + row - island.row_offset[c]);
+  }
+  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
+}
+
+bool all_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
+}
+
+// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is whole.
+Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
+               IslandReport& report) {
+  assemble(scene, data, by.order, by.damping, m);
+  m.state = data.workspace->state;
+  Factor& factor = factor_of(m, by.way);
+  report.method = factor.method();
+  report.order = by.order;
+  row_sizes(scene, *data.workspace, m.of.island, scratch.row_size);
+  if (by.way == Way::kChosen && by.damping == 0 && has_vanishing_row(scene, m, scratch.row_size))
+    return Reason::kSmallPivot;
+  ++m.of.factorizations;
+  if (const Reason reason = factor.factorize(m.K, scratch); reason != Reason::kNone) return reason;
+  const int own = factor.own_refinements();
+  const sparse::Refinement refinement = solve_refined(factor, m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
+  report.factor_nonzeros = factor.nonzeros();
+  report.refinement_steps = own + refinement.steps;
+  if (!all_finite(m.v.x))
+    return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
+  // the oracle's answer is the best there is
+  const double most = by.way == Way::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
+  if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
+
+  m.factor = &factor;
+  m.first_error = refinement.first;
+  m.last_error = refinement.backward_error;
+  report.rank = factor.rank();
+  report.status = Status::kOk;
+  m.contradiction = false;
+  if (m.deficient()) {
+    const double drift = drift_size(scene, *data.workspace, m.of.island);
+    m.contradiction = contradictory(*m.K.pattern, m.v, drift, tolerance::kDriftRounding);
+    const bool told = contradictory(*m.K.pattern, m.v, drift, tolerance::kContradiction);
+    report.status = told ? Status::kInconsistent : Status::kRedundant;
+    name_dependent_rows(data, m, report);
+  }
+  return Reason::kNone;
+}
+
+// From the chosen way down: leaf-to-root, dropping rows that depend on others, or where damping makes K regular in
+// every order by the same method; the oracle.
+struct Attempts {
+  std::array<Attempt, 3> list;
+  int count = 0;
+  void add(const Attempt& attempt) { list[count++] = attempt; }
+};
+Attempts fallbacks_of(const Choice& choice, double damping) {
+  Attempts out;
+  const auto [method, order] = choice;
+  if (method != Method::kDense) out.add({Way::kChosen, order, damping});
+  if (method == Method::kDenseSchur) return out;  // the baseline stands alone
+  if (method != Method::kDense && damping == 0) out.add({Way::kDependentRows, Order::kLeafToRoot, 0});
+  if (has_order(method) && damping > 0 && order != Order::kLeafToRoot)
+    out.add({Way::kChosen, Order::kLeafToRoot, damping});
+  out.add({Way::kDense, order, damping});
+  return out;
+}
+
+constexpr Attempt kByDependentRows{Way::kDependentRows, Order::kLeafToRoot, 0};
+
+}  // namespace
+
+bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
+                             IslandReport& report) {
+  if (scene.damping > 0 || attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone ||
+      !m.deficient()) {
+    m.factor = nullptr;
+    report.status = Status::kOk;
+    return false;
+  }
+  report.changed_order = m.of.choice.order != kByDependentRows.order;
+  report.reason = Reason::kSmallPivot;
+  return true;
+}
+
+bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
+                        IslandReport& report) {
+  const auto [method, order] = m.of.choice;
+  const Attempts attempts = fallbacks_of(m.of.choice, scene.damping);
+  Reason first = Reason::kNone, last = Reason::kNone;
+  m.factor = nullptr;
+  for (int k = 0; k < attempts.count; ++k) {
+    const Attempt& by = attempts.list[k];
+    last = attempt(scene, data, scratch, by, m, report);
+    if (k == 0) first = last;
+    if (last != Reason::kNone) continue;
+    report.reason = by.way == Way::kDependentRows && m.deficient() ? Reason::kSmallPivot : first;
+    report.changed_order = by.way != Way::kDense && by.order != order;
+    return true;
+  }
+  report.reason = last;
+  if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
+  // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
+  if (attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
+  report.status = Status::kRegularised;
+  report.reason = Reason::kDampingLost;
+  return true;
+}
+
+bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
+  constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
+  const auto [method, order] = m.of.choice;
+  if (m.factor == m.dense.get() || method == Method::kDenseSchur || m.of.island.size() > kLargest) return false;
+  const Attempt oracle{Way::kDense, order, scene.damping};
+  if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
+  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // the factor there was
+  return false;
+}
+
+}  // namespace manycontact::internal

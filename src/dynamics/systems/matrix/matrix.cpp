@@ -1,0 +1,166 @@
+#include "matrix.hpp"
+
+#include <limits>
+
+#include "../../derivatives/products.hpp"
+#include "../../steps.hpp"
+#include "manycontact/sparse/largest.hpp"
+
+namespace manycontact {
+
+bool MatrixSystem::deficient() const { return factor && factor->rank() < of.island.nc; }
+
+namespace {
+
+// Residuals relative to the terms they are left of; those of the contacts at least to gravity, or a scene at rest would
+// have rounding compared with rounding.
+void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors& s, IslandReport& report) {
+  double r[2] = {0, 0}, scale[2] = {0, scene.gravity.norm()};  // dynamics rows, contact rows
+  for (int k = 0; k < p.size(); ++k) {
+    const int row = p.perm[k] >= p.nv;
+    r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k]));
+    scale[row] = std::max(scale[row], s.scale[k]);
+  }
+  report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
+  report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
+}
+
+// x = [a; -f], in the scene's coordinates, and what is left of K x = b.
+void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, IslandReport& report) {
+  const KktPattern& p = *m.K.pattern;
+  internal::scatter(scene, data.f_offset, p, m.of.island, m.v.x.data(), data.a, data.f);
+  each_force_block(scene, data.f_offset, m.of.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
+  report_residuals(scene, p, m.v, report);
+  report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
+}
+
+}  // namespace
+
+bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
+  if (of.bodies && joint_space_size(*of.shape) > kMostJointSpace) return false;
+  internal::evaluate_at_solution(scene, data, of);
+  const bool answered = internal::solve_by_fallbacks(scene, data, thread.scratch, *this, report);
+  was_dependent = answered && scene.damping == 0 && factor == safe.get() && deficient();
+  if (answered) take_answer(scene, data, *this, report);
+  return answered;
+}
+
+bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
+  internal::evaluate_at_solution(scene, data, of);
+  was_dependent = internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
+  if (was_dependent) take_answer(scene, data, *this, report);
+  return was_dependent;
+}
+
+bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
+  if (state == data.workspace->state) return factor;
+  factor = nullptr;
+  if (of.bodies && joint_space_size(*of.shape) > kMostJointSpace) return false;
+  internal::evaluate_at_solution(scene, data, of);
+  if (!internal::solve_by_fallbacks(scene, data, thread.scratch, *this, thread.spare_report)) factor = nullptr;
+  return factor;
+}
+
+namespace {
+
+// Whether the panel could be believed.
+bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
+                        IslandDerivatives& out) {
+  const AtSolution at(scene, data, m.of.island);
+  internal::right_hand_sides(scene, data, m.of, out);
+  const bool deficient = m.deficient() && out.request.q;
+  if (deficient && !m.rows) m.rows = std::make_unique<DependentDerivatives>();
+  if (deficient && m.contradiction) internal::add_contradiction(scene, data, m, out, thread.panel);
+  internal::solve_panel(scene, m, out, thread.panel);
+  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
+  if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, out);
+  return out.X.size() == 0 || !std::isnan(out.X(0, 0));
+}
+
+// All derivatives of an island whose rows depend: products with them are formed.
+const IslandDerivatives* formed(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m) {
+  if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
+  IslandDerivatives& all = m.rows->all;
+  if (all.u_offset.empty()) internal::lay_out(scene, m.of.island, {}, all);
+  return differentiate_once(scene, data, thread, m, all) ? &all : nullptr;
+}
+
+bool formed_jvp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const TangentProduct& p) {
+  const IslandDerivatives* D = formed(scene, data, thread, m);
+  if (!D) return false;
+  const Island& island = m.of.island;
+  Eigen::VectorXd &in = thread.formed.columns, &out = thread.formed.rows;
+  internal::remake(in, D->cols);
+  internal::remake(out, island.size());
+  each_velocity_block(scene, island, [&](int from, int to, int n) {
+    in.segment(D->q_first + to, n) = p.dq.segment(from, n);
+    in.segment(D->v_first + to, n) = p.dv.segment(from, n);
+  });
+  each_torque_block(scene, island,
+                    [&](int from, int to, int n) { in.segment(D->u_first + to, n) = p.du.segment(from, n); });
+  out.noalias() = D->X.leftCols(D->cols) * in;
+  each_velocity_block(scene, island, [&](int to, int from, int n) { p.da.segment(to, n) = out.segment(from, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int to, int from, int n) { p.df.segment(to, n) = out.segment(D->nv + from, n); });
+  return true;
+}
+
+bool formed_vjp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const AdjointProduct& p) {
+  const IslandDerivatives* D = formed(scene, data, thread, m);
+  if (!D) return false;
+  const Island& island = m.of.island;
+  Eigen::VectorXd &out = thread.formed.columns, &in = thread.formed.rows;
+  internal::remake(in, island.size());
+  internal::remake(out, D->cols);
+  each_velocity_block(scene, island, [&](int from, int to, int n) { in.segment(to, n) = p.wa.segment(from, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int from, int to, int n) { in.segment(D->nv + to, n) = p.wf.segment(from, n); });
+  out.noalias() = D->X.leftCols(D->cols).transpose() * in;
+  each_velocity_block(scene, island, [&](int to, int from, int n) {
+    p.wq.segment(to, n) = out.segment(D->q_first + from, n);
+    p.wv.segment(to, n) = out.segment(D->v_first + from, n);
+  });
+  each_torque_block(scene, island,
+                    [&](int to, int from, int n) { p.wu.segment(to, n) = out.segment(D->u_first + from, n); });
+  return true;
+}
+
+// [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
+void solve_once_refined(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
+                        ProductWork& work) {
+  const KktPattern& p = *m.K.pattern;
+  thread.v.resize(m.K.size());
+  internal::gather(scene, data.f_offset, p, m.of.island, work.a, work.y, thread.v.b.data());
+  (void)solve_refined(*m.factor, m.K, thread.v, 1);
+  internal::scatter(scene, data.f_offset, p, m.of.island, thread.v.x.data(), work.a, work.y);
+}
+
+}  // namespace
+
+bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
+  return differentiate_once(scene, data, thread, *this, out) ||
+         (internal::solve_by_oracle(scene, data, thread, *this) &&
+          differentiate_once(scene, data, thread, *this, out));
+}
+
+bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {
+  if (deficient()) return formed_jvp(scene, data, thread, *this, p);
+  ProductWork& work = *data.workspace->products;
+  const AtSolution at(scene, data, of.island);
+  internal::tangent_right_side(scene, data, of.island, p, work);
+  solve_once_refined(scene, data, thread, *this, work);
+  internal::take_tangent(scene, data, of.island, work, p);
+  return true;
+}
+
+bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, const AdjointProduct& p) {
+  if (deficient()) return formed_vjp(scene, data, thread, *this, p);
+  ProductWork& work = *data.workspace->products;
+  const AtSolution at(scene, data, of.island);
+  internal::adjoint_right_side(scene, data, of.island, p, work);
+  solve_once_refined(scene, data, thread, *this, work);
+  internal::pull_back_island(scene, data, of.island, work, p);
+  return true;
+}
+
+}  // namespace manycontact

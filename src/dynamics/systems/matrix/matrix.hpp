@@ -1,0 +1,94 @@
+#pragma once
+// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops dependent rows, or by
+// the dense oracle, whichever is sound first (fallbacks.cpp).
+
+#include <span>
+
+#include "../system.hpp"
+#include "manycontact/contact/rows.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/factor/refined.hpp"
+
+namespace manycontact {
+
+/// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
+struct DependentDerivatives {
+  std::vector<Kinematics<double>> kin;  // per robot of the island, moving with y
+  Eigen::VectorXd f, x, y;              // nc, size, nv
+  Eigen::VectorXd with;                 // forces of the scene, and what the contacts contradict each other by
+  IslandDerivatives::Panel D, kept;     // nc x nv, size x nv
+  IslandDerivatives with_rho;           // nv columns
+  IslandDerivatives all;                // for jvp and vjp: everything
+};
+
+class MatrixSystem final : public IslandSystem {
+ public:
+  explicit MatrixSystem(IslandWork& island) : of(island) {}
+
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
+  bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
+  bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
+  bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
+  bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
+  bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
+
+  /// solve of an island whose rows depended on each other at the solve before: most still do, where the chosen factor
+  /// would fail. False where they do not: then another system answers, as if they never had.
+  bool solve_as_dependent(const Scene&, SceneData&, ThreadWork&, IslandReport&);
+  /// K, its factor and x of the solution at hand, where another system answered that. False: no factor is sound, or K
+  /// is too large for memory.
+  bool make_current(const Scene&, const SceneData&, ThreadWork&);
+  /// Whether the island's contact rows were found dependent.
+  bool deficient() const;
+
+  IslandWork& of;
+  std::vector<std::span<const double>> M, J;    // views of the robots' M and the contacts' J; by make_joint_space
+  std::uint64_t state = 0;                      // that all below is of
+  KktMatrix K;
+  KktVectors v;                                 // x: the answer
+  std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, the two it falls back to
+  Factor* factor = nullptr;                     // the one that answered; nullptr: none did
+  double first_error = 0, last_error = 0;       // backward error before and after refinement
+  bool contradiction = false;                   // the contacts contradict each other: least squares
+  bool was_dependent = false;                   // the last solve found rows dependent
+  std::vector<int> dependent;                   // scratch: rows of J
+  std::unique_ptr<DependentDerivatives> rows;   // by differentiate, where rows depend
+};
+
+namespace internal {
+
+/// Memory for the joint-space terms and K of an island, the first time. Throws std::length_error beyond 2^31 entries.
+void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
+/// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
+void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
+/// The same at the solution at hand, unless they are there already; with memory, so that the island may be one of
+/// sparse-bodies'.
+void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d);
+/// Throws std::length_error, in the name of `function`, where joint-space terms have more than kMostJointSpace numbers.
+/// instead: what to ask for.
+void check_joint_space(const IslandWork& d, const char* function, const char* instead);
+
+/// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
+/// Factorizes and solves by the first way that gives a sound answer: v.x, factor and the report are that answer's. False
+/// where there is none. After evaluate.
+bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
+                        IslandReport& report);
+/// The factor that drops dependent rows, alone. False where it is not sound, or finds none.
+bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
+                             IslandReport& report);
+/// The oracle, alone, where another factor does not serve for derivatives. False where it would take too long or was
+/// asked already.
+bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
+
+/// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
+void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
+/// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.
+void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
+                       PanelWork& work);
+/// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent.
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out);
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,340 @@
+// Islands of several robots, in lanes: the numbers.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../../derivatives/products.hpp"
+#include "../../steps.hpp"
+#include "../../threads.hpp"
+#include "derivatives.hpp"
+#include "each_batch.hpp"
+#include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/refine.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace internal {
+
+namespace {
+
+using Member = RobotsSystem::Robot;
+using Kernel = lanes::RobotBlocks;
+using Memory = lanes::RobotBlocks::Memory;
+
+// Robots alike, as many as stand side by side.
+void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
+  s.batches.clear();
+  std::size_t size = 0;
+  for (std::size_t k = 0; k < s.order.size(); ++k) {
+    const RobotsSystem::OfRobot& r = s.robots[s.order[k]];
+    const auto* last = s.batches.empty() ? nullptr : &s.batches.back();
+    if (!last || last->group != r.group || last->count == w.lanes.level->width ||
+        !lanes::alike(scene, s.robots[s.order[last->first]].contacts, r.contacts))
+      s.batches.push_back({r.group, static_cast<int>(k), 0, 0});
+    ++s.batches.back().count;
+  }
+  const auto width = [](const RobotsSystem::Batch& batch) {
+    return batch.group->kernels.front()->width(batch.count == 1);
+  };
+  const auto shared = [&](const RobotsSystem::Batch& batch) {
+    return sparse::padded(width(batch) * batch.group->plan->memory_size());
+  };
+  const auto of_each = [](const lanes::BlockPlan& plan) { return sparse::padded(lanes::Border::size(plan.border)); };
+  for (RobotsSystem::Batch& batch : s.batches) {
+    batch.at = size;
+    size += shared(batch) + batch.count * of_each(*batch.group->plan);
+  }
+  s.memory.reserve(size);
+  for (const RobotsSystem::Batch& batch : s.batches) {
+    const lanes::BlockPlan& plan = *batch.group->plan;
+    double *memory = s.memory.data() + batch.at, *at = memory + shared(batch),
+           *joins = memory + width(batch) * plan.kept_size();
+    for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(plan), joins += plan.joins_size()) {
+      Member& member = s.members[k];
+      member.number = s.of.island.robots[s.order[k]];
+      member.contacts = s.robots[s.order[k]].contacts.data();
+      member.border = {at, plan.border};
+      member.joins = joins;
+    }
+  }
+}
+
+void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& s) {
+  s.contact_batches.clear();
+  for (std::size_t k = 0; k < s.contacts.size(); ++k) {
+    const RobotsSystem::Joint& joint = s.contacts[k];
+    const auto* last = s.contact_batches.empty() ? nullptr : &s.contact_batches.back();
+    if (!last || last->group != joint.group || last->count == w.lanes.level->width ||
+        !lanes::alike_rows(scene.contacts[s.contacts[last->first].contact], scene.contacts[joint.contact]))
+      s.contact_batches.push_back({joint.group, static_cast<int>(k), 0});
+    ++s.contact_batches.back().count;
+  }
+}
+
+// use(a robot's border, its row, the interface row) for each row of G_1, ..., G_n.
+template <class Use>
+void each_border_row(const RobotsSystem& s, Use&& use) {
+  for (std::size_t k = 0; k < s.robots.size(); ++k) {
+    const std::vector<int>& rows = s.interface->robots[k].joining;
+    for (std::size_t i = 0; i < rows.size(); ++i) use(s.member(k).border, i, rows[i]);
+  }
+}
+
+bool all_sound(const RobotsSystem& s) {
+  return std::all_of(s.members.begin(), s.members.end(), [](const Member& r) { return r.sound; });
+}
+
+// J and a0 of the contacts that join robots, a0 into b.
+void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
+  const auto join = [&](int robot, int among) {
+    const auto& r = s.robots[robot];
+    return s.members[r.member].joins + r.group->plan->size_of_ends<lanes::JoinedEnd>(among);
+  };
+  each_item(w, s.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
+    const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
+    const auto joints = std::span(s.contacts).subspan(batch.first, batch.count);
+    thread.joining.clear();
+    for (const RobotsSystem::Joint& joint : joints)
+      thread.joining.push_back({&scene.contacts[joint.contact], join(joint.A, joint.among_A),
+                                join(joint.B, joint.among_B), s.b.data() + joint.row, 0, 0});
+    batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.joining);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      joints[i].motion = thread.joining[i].motion;
+      joints[i].smallest_row = thread.joining[i].smallest_row;
+    }
+  });
+}
+
+// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
+bool believable_rows(const Scene& scene, const RobotsSystem& s) {
+  double smallest = std::numeric_limits<double>::infinity(), motion = 0;
+  const auto add = [&](const auto& x) {
+    smallest = std::min(smallest, x.smallest_row);
+    motion = std::max(motion, x.motion);
+  };
+  std::for_each(s.members.begin(), s.members.end(), add);
+  std::for_each(s.contacts.begin(), s.contacts.end(), add);
+  return scene.damping > 0 || smallest > tolerance::kRank * motion;
+}
+
+// b = wanted - a0 of the interface rows, which hold a0.
+void interface_right_side(const SceneData& data, RobotsSystem& s) {
+  for (const RobotsSystem::Joint& joint : s.contacts)
+    for (int i = 0; i < joint.rows; ++i)
+      s.b[joint.row + i] = wanted_in(data, joint.contact, i) - s.b[joint.row + i];
+}
+
+// -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
+bool factor_interface(double damping, RobotsSystem& s) {
+  const Interface& interface = *s.interface;
+  std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
+  for (int k = 0; k < interface.rows(); ++k) s.Sx[interface.S.p[k + 1] - 1] = -damping;
+  for (std::size_t k = 0; k < s.robots.size(); ++k) {
+    const double* S = s.member(k).border.S;
+    for (int slot : interface.robots[k].slot) s.Sx[slot] += *S++;
+  }
+  sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), s.L.data(), s.D.data(),
+                                 s.terms.data());
+  for (int k = 0; k < interface.rows(); ++k) s.terms[k] -= std::abs(s.Sx[interface.S.p[k + 1] - 1]);
+  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
+    s.terms[interface.place[row]] += border.terms()[i];  // the robots' terms in its place
+  });
+  for (double& terms : s.terms) terms += damping;
+  for (double pivot : s.D)
+    if (!(pivot < 0) || !std::isfinite(pivot)) return false;
+  return sparse::smallest_pivot_ratio(interface.rows(), s.D.data(), s.terms.data()) >= tolerance::kPivotLeft;
+}
+
+// y += the interface rows of K^-1 r; each robot gets its part of what is added.
+void solve_interface(RobotsSystem& s) {
+  const Interface& interface = *s.interface;
+  for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
+  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
+    s.step[interface.place[row]] += border.b()[i];
+  });
+  sparse::panel_kernels().solve_vector(interface.schedule, s.L.data(), s.D.data(), s.step.data());
+  for (int k = 0; k < interface.rows(); ++k) s.y[k] += s.step[interface.place[k]];
+  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
+    border.y()[i] = s.step[interface.place[row]];
+  });
+}
+
+// r = b - sum_r G_r x_r + delta y, and the sizes of its terms.
+void interface_residual(double damping, RobotsSystem& s) {
+  for (std::size_t k = 0; k < s.b.size(); ++k) {
+    s.r[k] = s.b[k] + damping * s.y[k];
+    s.scale[k] = std::abs(s.b[k]) + damping * std::abs(s.y[k]);
+  }
+  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
+    s.r[row] += border.r()[i];
+    s.scale[row] += border.scale()[i];
+  });
+}
+
+// The largest residuals and sizes of dynamics rows and of contact rows.
+struct Largest {
+  double r[2] = {0, 0}, scale[2] = {0, 0};
+};
+Largest largest_of(const RobotsSystem& s) {
+  Largest out;
+  const auto take = [](double x, double& largest) { largest = sparse::larger_or_nan(largest, x); };
+  for (const Member& m : s.members)
+    for (int row : {0, 1}) take(m.r[row], out.r[row]), take(m.scale[row], out.scale[row]);
+  for (std::size_t k = 0; k < s.r.size(); ++k)
+    take(std::abs(s.r[k]), out.r[1]), take(s.scale[k], out.scale[1]);
+  return out;
+}
+
+// The componentwise backward error (sparse/refine.hpp) of the answer, NaN where any is. Rows are judged beside the
+// largest of their robot, or of the interface rows: no milder than beside the island's.
+double backward_error_of(const RobotsSystem& s) {
+  double error = sparse::componentwise_backward_error(s.r, s.scale);
+  for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
+  return error;
+}
+
+void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refinement& refinement,
+                   IslandReport& report) {
+  reset(report, s.of.island);
+  report.method = Method::kSparseLdl;
+  report.order = s.of.choice.order;
+  report.factor_nonzeros = s.interface->symbolic.nonzeros() + s.of.island.size();
+  for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
+  report.refinement_steps = refinement.steps;
+  Largest largest = largest_of(s);
+  largest.scale[1] = std::max(largest.scale[1], scene.gravity.norm());
+  report.residual_dynamics = largest.r[0] == 0 ? 0 : largest.r[0] / largest.scale[0];
+  report.residual_contact = largest.r[1] == 0 ? 0 : largest.r[1] / largest.scale[1];
+  report.backward_error = refinement.backward_error;
+}
+
+// The answer, in the scene's coordinates.
+void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
+  each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+    kernel.store(job, robots, memory.at);
+  });
+  for (const RobotsSystem::Joint& joint : s.contacts)
+    for (int i = 0; i < joint.rows; ++i) job.f[job.f_offset[joint.contact] + i] = -s.y[joint.row + i];
+}
+
+// x = K^-1 b, refined.
+sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, RobotsSystem& s) {
+  std::fill(s.y.begin(), s.y.end(), 0.0);
+  s.r = s.b;
+  const auto correct = [&] {  // x += K^-1 r
+    solve_interface(s);
+    each_batch(w, s, [](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+      kernel.correct(robots, memory);
+    });
+    interface_residual(damping, s);
+  };
+  correct();
+  return sparse::refine(
+      max_steps, tolerance::kRefined, [&] { return backward_error_of(s); }, correct);
+}
+
+// [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
+void solve_once_refined(const SceneData& data, const Scene& scene, Workspace& w, RobotsSystem& s, ProductWork& work) {
+  const auto turn = [&] {  // y = -f
+    each_force_block(scene, data.f_offset, s.of.island,
+                     [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
+  };
+  turn();
+  const lanes::Job job{scene,         data.serial, nullptr,       nullptr,      nullptr,
+                       data.f_offset, nullptr,     work.a.data(), work.y.data()};
+  each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+    kernel.load(job, robots, memory.at);
+  });
+  for (const RobotsSystem::Joint& joint : s.contacts)
+    for (int i = 0; i < joint.rows; ++i) s.b[joint.row + i] = -work.y[data.f_offset[joint.contact] + i];
+  (void)solve_refined(w, scene.damping, 1, s);
+  store_answer(job, w, s);
+  turn();
+}
+
+}  // namespace
+
+double interface_error(double damping, RobotsSystem& s) {
+  interface_residual(damping, s);
+  return sparse::componentwise_backward_error(s.r, s.scale);
+}
+
+}  // namespace internal
+
+RobotsSystem::RobotsSystem(IslandWork& island) : of(island) {}
+RobotsSystem::~RobotsSystem() = default;
+
+bool RobotsSystem::factorize(const lanes::Job& job, SceneData& data) {
+  using namespace internal;
+  const Scene& scene = job.scene;
+  Workspace& w = *data.workspace;
+  state = w.state;
+  sound = false;
+  ++of.factorizations;
+  form_robot_batches(scene, w, *this);
+  form_contact_batches(scene, w, *this);
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+    kernel.evaluate(job, robots, memory);
+  });
+  if (!all_sound(*this)) return false;
+  evaluate_interface(scene, w, *this);
+  if (!believable_rows(scene, *this)) return false;
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+    kernel.factor(robots, memory);
+  });
+  if (!all_sound(*this) || !factor_interface(scene.damping, *this) || !std::isfinite(growth())) return false;
+  interface_right_side(data, *this);
+  return sound = true;
+}
+
+double RobotsSystem::growth() const {
+  double largest = 0, diagonal = 0, most = 1;
+  for (const Robot& r : members) {
+    largest = std::max(largest, r.terms);
+    diagonal = std::max(diagonal, r.diagonal);
+    if (r.diagonal > 0) most = std::max(most, r.terms / r.diagonal);
+  }
+  for (double t : terms) largest = std::max(largest, t);
+  return diagonal > 0 ? std::max(most, largest / diagonal) : most;
+}
+
+bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
+  if (!solves || !(scene.damping >= 0) || !std::isfinite(scene.damping)) return false;
+  Workspace& w = *data.workspace;
+  const lanes::Job job{scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
+                       data.f_offset, w.wanted, data.a.data(), data.f.data()};
+  if (!factorize(job, data)) return false;
+  const sparse::Refinement refinement =
+      internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
+  sound = refinement.backward_error <= tolerance::kConverged;
+  if (!sound) return false;
+  first_error = refinement.first;
+  internal::store_answer(job, w, *this);
+  internal::report_answer(scene, *this, refinement, report);
+  return true;
+}
+
+bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
+  ProductWork& work = *data.workspace->products;
+  internal::evaluate_at_solution(scene, data, of);
+  const AtSolution at(scene, data, of.island);
+  internal::tangent_right_side(scene, data, of.island, p, work);
+  internal::solve_once_refined(data, scene, *data.workspace, *this, work);
+  internal::take_tangent(scene, data, of.island, work, p);
+  return true;
+}
+
+bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
+  ProductWork& work = *data.workspace->products;
+  internal::evaluate_at_solution(scene, data, of);
+  const AtSolution at(scene, data, of.island);
+  internal::adjoint_right_side(scene, data, of.island, p, work);
+  internal::solve_once_refined(data, scene, *data.workspace, *this, work);
+  internal::pull_back_island(scene, data, of.island, work, p);
+  return true;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,53 @@
+#pragma once
+// What an island is solved by, at one state after the other:
+//
+//     [M  J^T     ] [ a]   [tau - h    ]
+//     [J  -delta I] [-f] = [wanted - a0].
+//
+//     RobotsSystem   several robots as blocks in SIMD lanes, coupled by the few rows that join them (systems/robots)
+//     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
+//     MatrixSystem   the whole K by any factor, down to the dense oracle (systems/matrix)
+//     AloneSystem    one robot that stands in SIMD lanes beside others (systems/robots/alone.cpp)
+//
+// `solve` takes the first that is sound. That one gives derivatives, products and bounds of its answer, too; what it
+// leaves is done by the whole K, which is made then (`ask` in steps.hpp). What a system keeps bears the number of the
+// state that it is of (Workspace::state), and is made anew where that is another.
+
+#include "manycontact/dynamics/derivatives.hpp"
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact {
+
+struct IslandWork;
+struct ThreadWork;
+
+/// What jvp and vjp are given, and where the answers go, in the scene's coordinates.
+struct TangentProduct {
+  const ConstVector &dq, &dv, &du;
+  Eigen::Ref<Eigen::VectorXd>&da, &df;
+};
+struct AdjointProduct {
+  const ConstVector &wa, &wf;
+  Eigen::Ref<Eigen::VectorXd>&wq, &wv, &wu;
+};
+
+/// Every function returns false where the system has no sound answer to that: then what it was to write is not known.
+class IslandSystem {
+ public:
+  virtual ~IslandSystem() = default;
+
+  /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a and
+  /// data.f, and the report is whole. False: report.reason says why.
+  virtual bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) { return false; }
+  /// All derivatives of the answer at hand, into what is laid out.
+  virtual bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) { return false; }
+  /// Products with them, by a solve that is refined once.
+  virtual bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) { return false; }
+  virtual bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) { return false; }
+  /// error_acceleration and error_forces of the report, as estimate_errors has them.
+  virtual bool bound_errors(const Scene&, SceneData&, IslandReport&) { return false; }
+  /// The report's condition.
+  virtual bool estimate_condition(const Scene&, SceneData&, IslandReport&) { return false; }
+};
+
+}  // namespace manycontact
