@@ -13,8 +13,8 @@ void complete(const Scene& scene, const SceneData& data) {
     const bool bodies = d.answered && d.answered == d.bodies.get() && d.bodies->make_current(scene, data);
     if (bodies && joint_space_size(*d.shape) <= kMostJointSpace)
       internal::evaluate_at_solution(scene, data, d);
-    else if (!bodies && d.answered)
-      (void)d.matrix.make_current(scene, data, thread);
+    else if (!bodies && d.answered && d.matrix.make_current(scene, data, thread) && d.answered == &d.alone)
+      d.answered = &d.matrix, d.alone.state = 0;  // derivatives are to be looked at, too
   });
 }
 

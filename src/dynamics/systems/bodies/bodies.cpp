@@ -208,6 +208,7 @@ bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
 bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
   if (!make_current(scene, data)) return false;
   internal::evaluate_at_solution(scene, data, of);
+  const AtSolution at(scene, data, of.island);
   internal::right_hand_sides(scene, data, of, out);
   std::vector<char>& nonzero = thread.panel.nonzero;
   if (nonzero.size() < static_cast<std::size_t>(of.island.size())) nonzero.resize(of.island.size());

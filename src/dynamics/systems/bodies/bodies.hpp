@@ -92,6 +92,8 @@ Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& so
 
 /// Of an attachment's robot; nullptr where its body cannot move.
 const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
+/// bodies.contacts, about the bodies that the contacts are on.
+void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);
 /// x <- K x, in the island's order, by a recursion.
 void multiply_bodies(const BodySystem& system, double* x);
 

@@ -22,7 +22,7 @@ namespace {
 using V6 = Vec6<double>;
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
-std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const BodiesSystem& form) {
+std::vector<double> uncertainty(const Scene& scene, const BodiesSystem& form) {
   const Island& island = form.of.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
@@ -44,7 +44,7 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + rounding(left.joint_scale[k]));
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
-    const ContactData<double>& rows = work.contacts[island.contacts[k]];
+    const ContactData<double>& rows = form.contacts[k];
     const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
     const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
     const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
@@ -99,9 +99,10 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
 
 bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
   if (!make_current(scene, data)) return false;
+  internal::evaluate_rows_at_solution(scene, *this);
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
-  const std::vector<double> w = uncertainty(scene, *data.workspace, *this);
+  const std::vector<double> w = uncertainty(scene, *this);
   // where parts answered: how far that is from the whole system's answer, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, of.island, [&](int from, int to, int n) {

@@ -42,26 +42,6 @@ void each_node(const BodiesSystem& form, Use&& use) {
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
 }
 
-// Memory, and the contacts at the solution's accelerations.
-void begin_products(const Scene& scene, BodiesSystem& form) {
-  const Island& island = form.of.island;
-  const BodyPattern& p = *form.factor.system.pattern;
-  form.body.resize(p.nodes);
-  form.products.resize(p);
-  if (form.contacts.empty())
-    for (int c : island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
-  const V6 none = V6::Zero();
-  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const auto a = [&](const Attachment& at) -> const V6& {
-      const int node = node_of(form, at);
-      return node < 0 ? none : form.solution.x.motion[node];
-    };
-    body_rows(scene, contact, internal::kinematics_at(form, contact.A), internal::kinematics_at(form, contact.B), a(contact.A),
-              a(contact.B), form.contacts[k]);
-  }
-}
-
 // Displacements and velocities along (dq, dv), and what these do to the equations: d(S qdd + c), d(Y a + p), S^T f.
 void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
   const BodySystem& s = form.factor.system;
@@ -171,11 +151,29 @@ void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
 
 }  // namespace
 
+void internal::evaluate_rows_at_solution(const Scene& scene, BodiesSystem& form) {
+  const Island& island = form.of.island;
+  if (form.contacts.empty())
+    for (int c : island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
+  const V6 none = V6::Zero();
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const auto a = [&](const Attachment& at) -> const V6& {
+      const int node = node_of(form, at);
+      return node < 0 ? none : form.solution.x.motion[node];
+    };
+    body_rows(scene, contact, kinematics_at(form, contact.A), kinematics_at(form, contact.B), a(contact.A),
+              a(contact.B), form.contacts[k]);
+  }
+}
+
 bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
   if (!make_current(scene, data)) return false;
   const Island& island = of.island;
   BodySolve& w = products;
-  begin_products(scene, *this);
+  internal::evaluate_rows_at_solution(scene, *this);
+  body.resize(factor.system.pattern->nodes);
+  products.resize(*factor.system.pattern);
   BodyVectors& in = w.dx;  // dq, dv of the island, until dx is needed
   BodyVectors& in2 = w.residual.r;
   each_velocity_block(scene, island, [&](int from, int to, int n) {
@@ -203,7 +201,9 @@ bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
   if (!make_current(scene, data)) return false;
   const Island& island = of.island;
   BodySolve& w = products;
-  begin_products(scene, *this);
+  internal::evaluate_rows_at_solution(scene, *this);
+  body.resize(factor.system.pattern->nodes);
+  products.resize(*factor.system.pattern);
   w.b.set_zero();
   each_velocity_block(scene, island,
                       [&](int from, int to, int n) { w.b.joints.segment(to, n) = p.wa.segment(from, n); });
