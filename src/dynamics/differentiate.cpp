@@ -66,8 +66,9 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (goes_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
-  if (!ask(scene, data, d, thread,
-           [&](IslandSystem& system) { return &system != d.robots.get() && system.differentiate(scene, data, thread, out); }))
+  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {
+        return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
+      }))
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 

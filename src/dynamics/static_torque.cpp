@@ -26,7 +26,10 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
   s.tau.setZero();  // as the velocity
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    if (w.robots[r].state != w.state) throw std::logic_error("static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: call complete first");
+    if (w.robots[r].state != w.state)
+      throw std::logic_error(
+          "static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: call complete "
+          "first");
     s.kin[r] = w.robots[r].kin;
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);

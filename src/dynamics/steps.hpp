@@ -22,8 +22,8 @@ inline double wanted_in(const SceneData& data, int contact, Eigen::Index i) {
   return wanted ? wanted[data.f_offset[static_cast<std::size_t>(contact)] + i] : 0;
 }
 
-/// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False: there
-/// is no answer, or neither could.
+/// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
+/// there is no answer, or neither could.
 template <class Use>
 bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
   if (!d.answered) return false;

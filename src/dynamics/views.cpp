@@ -14,9 +14,10 @@ const Workspace& prepared(const SceneData& data) {
 }
 
 [[noreturn]] void not_there(const SceneData& data) {
-  throw std::logic_error(data.serial == 0 ? "views of a scene's data: solve first"
-                                          : "views of a scene's data: robots were solved in lanes, or by sparse-bodies, "
-                                            "which leave the answer alone: call complete first");
+  throw std::logic_error(data.serial == 0
+                             ? "views of a scene's data: solve first"
+                             : "views of a scene's data: robots were solved in lanes, or by sparse-bodies, "
+                               "which leave the answer alone: call complete first");
 }
 
 const RobotData& robot_at_state(const SceneData& data, int robot) {

@@ -37,9 +37,9 @@ struct IslandWork {
   Island island;  // by prepare
 
   // what it is solved by, in this order; a null pointer: not by that
-  AloneSystem alone;                      // of one robot
-  std::unique_ptr<RobotsSystem> robots;   // of several; by prepare, and for derivatives alone by differentiate
-  std::unique_ptr<BodiesSystem> bodies;   // where sparse-bodies was chosen
+  AloneSystem alone;                     // of one robot
+  std::unique_ptr<RobotsSystem> robots;  // of several; by prepare, and for derivatives alone by differentiate
+  std::unique_ptr<BodiesSystem> bodies;  // where sparse-bodies was chosen
   MatrixSystem matrix;
 
   bool planned = false;              // whether it can stand in lanes; by prepare

@@ -63,13 +63,15 @@ void tangent_right_side(const Scene& scene, const SceneData& data, const Island&
 void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& pd,
                   const TangentProduct& t) {
   each_velocity_block(scene, island, [&](int at, int, int n) { t.da.segment(at, n) = pd.a.segment(at, n); });
-  each_force_block(scene, data.f_offset, island, [&](int at, int, int n) { t.df.segment(at, n) = -pd.y.segment(at, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int at, int, int n) { t.df.segment(at, n) = -pd.y.segment(at, n); });
 }
 
 void adjoint_right_side(const Scene& scene, const SceneData& data, const Island& island, const AdjointProduct& t,
                         ProductWork& pd) {
   each_velocity_block(scene, island, [&](int at, int, int n) { pd.a.segment(at, n) = t.wa.segment(at, n); });
-  each_force_block(scene, data.f_offset, island, [&](int at, int, int n) { pd.y.segment(at, n) = -t.wf.segment(at, n); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int at, int, int n) { pd.y.segment(at, n) = -t.wf.segment(at, n); });
 }
 
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& pd,
@@ -107,8 +109,7 @@ void pull_back_island(const Scene& scene, const SceneData& data, const Island& i
     t.wq.segment(robot.idx_v, robot.model->nv) *= -1;  // w = -(dr)^T l
     t.wv.segment(robot.idx_v, robot.model->nv) *= -1;
     for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      t.wv[robot.idx_v + i] -=
-          friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * pd.a[robot.idx_v + i];
+      t.wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * pd.a[robot.idx_v + i];
   }
 }
 

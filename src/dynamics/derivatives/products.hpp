@@ -1,6 +1,6 @@
 #pragma once
-// What products with derivatives have before and after the solve: right-hand sides along a direction, and gradients from
-// the adjoint. In the scene's coordinates, [a; y] of the scratch. While AtSolution lives.
+// What products with derivatives have before and after the solve: right-hand sides along a direction, and gradients
+// from the adjoint. In the scene's coordinates, [a; y] of the scratch. While AtSolution lives.
 
 #include "../workspace.hpp"
 

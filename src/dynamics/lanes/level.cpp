@@ -1,7 +1,7 @@
 // The kernels of one level of instructions: the forward path once more, in packs. Compiled once per level with that
 // level's flags, MANYCONTACT_LEVEL (its name) and MANYCONTACT_LANES (its width); nothing of it but the Level is seen by
-// the linker (src/simd/levels.cmake), or functions that it shares with the rest of the program, Eigen's and std's, might be
-// taken from here and meet a processor without these instructions.
+// the linker (src/simd/levels.cmake), or functions that it shares with the rest of the program, Eigen's and std's,
+// might be taken from here and meet a processor without these instructions.
 
 #include <optional>
 

@@ -1,7 +1,8 @@
+#include "simd/levels.hpp"
+
 #include <algorithm>
 
 #include "lanes.hpp"
-#include "simd/levels.hpp"
 
 namespace manycontact {
 namespace lanes {

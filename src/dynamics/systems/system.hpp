@@ -24,11 +24,11 @@ struct ThreadWork;
 /// What jvp and vjp are given, and where the answers go, in the scene's coordinates.
 struct TangentProduct {
   const ConstVector &dq, &dv, &du;
-  Eigen::Ref<Eigen::VectorXd>&da, &df;
+  Eigen::Ref<Eigen::VectorXd> &da, &df;
 };
 struct AdjointProduct {
   const ConstVector &wa, &wf;
-  Eigen::Ref<Eigen::VectorXd>&wq, &wv, &wu;
+  Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wu;
 };
 
 /// Every function returns false where the system has no sound answer to that: then what it was to write is not known.
@@ -36,18 +36,18 @@ class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a and
-  /// data.f, and the report is whole. False: report.reason says why.
-  virtual bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) { return false; }
+  /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a
+  /// and data.f, and the report is whole. False: report.reason says why.
+  virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// All derivatives of the answer at hand, into what is laid out.
-  virtual bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) { return false; }
+  virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
   /// Products with them, by a solve that is refined once.
-  virtual bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) { return false; }
-  virtual bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) { return false; }
+  virtual bool jvp(const Scene &, SceneData &, ThreadWork &, const TangentProduct &) { return false; }
+  virtual bool vjp(const Scene &, SceneData &, ThreadWork &, const AdjointProduct &) { return false; }
   /// error_acceleration and error_forces of the report, as estimate_errors has them.
-  virtual bool bound_errors(const Scene&, SceneData&, IslandReport&) { return false; }
+  virtual bool bound_errors(const Scene &, SceneData &, IslandReport &) { return false; }
   /// The report's condition.
-  virtual bool estimate_condition(const Scene&, SceneData&, IslandReport&) { return false; }
+  virtual bool estimate_condition(const Scene &, SceneData &, IslandReport &) { return false; }
 };
 
 }  // namespace manycontact

@@ -1,8 +1,8 @@
 #include <limits>
 
+#include "../steps.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "../steps.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {

@@ -1,10 +1,10 @@
 #pragma once
 // What the two truths share: the terms of a scene in S, and the dense solution of one island.
 
+#include "../robot_quantities.hpp"
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/kkt/island.hpp"
-#include "../robot_quantities.hpp"
 
 namespace manycontact::internal {
 

@@ -29,7 +29,8 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// The whole system and its solution at the state at hand, where parts answered. False where that has no sound pivots.
+  /// The whole system and its solution at the state at hand, where parts answered. False where that has no sound
+  /// pivots.
   bool make_current(const Scene&, const SceneData&);
 
   IslandWork& of;

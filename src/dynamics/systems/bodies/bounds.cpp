@@ -37,7 +37,8 @@ std::vector<double> uncertainty(const Scene& scene, const BodiesSystem& form) {
   }
   for (std::size_t k = 0, i = 0; k < form.kin.size(); ++k)
     for (const V6& v : form.kin[k].v) {
-      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2), size = internal::inertia_size(form.factor.system.Y[i]);
+      const double square = std::pow(v.cwiseAbs().maxCoeff(), 2),
+                   size = internal::inertia_size(form.factor.system.Y[i]);
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }
@@ -122,8 +123,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
 bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, IslandReport& report) {
   if (!make_current(scene, data)) return false;
   report.condition =
-      sparse::inverse_norm_1(of.island.size(),
-                             [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
+      sparse::inverse_norm_1(of.island.size(), [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
       internal::inverse_norm(of.island.size(), factor);
   return true;
 }

@@ -1,11 +1,12 @@
 // jvp and vjp of an island solved by sparse-bodies: as jvp.cpp, each body in its body frame, and the accelerations'
 // and forces' changes left to the body-space system, which has them as unknowns.
 
+#include "manycontact/contact/products.hpp"
+
 #include "../../steps.hpp"
 #include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/body_rows.hpp"
-#include "manycontact/contact/products.hpp"
 
 namespace manycontact {
 

@@ -124,8 +124,8 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
     double f = 0;
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
     double of_row = internal::row_terms(scene, work, m.of.island.contacts[k]);
-    contact_rounding(contact, work.contacts[m.of.island.contacts[k]], a.data(), m.of.shape->support().columns[k], f, of_row,
-                     w);
+    contact_rounding(contact, work.contacts[m.of.island.contacts[k]], a.data(), m.of.shape->support().columns[k], f,
+                     of_row, w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
   const double c = rounding(scene, m);
@@ -248,7 +248,8 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
 
 bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {
   std::vector<double> sums(of.island.size());
-  report.condition = sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(of.island.size(), *factor);
+  report.condition =
+      sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(of.island.size(), *factor);
   return true;
 }
 

@@ -108,7 +108,8 @@ bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
 }
 
-// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is whole.
+// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is
+// whole.
 Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
                IslandReport& report) {
   assemble(scene, data, by.order, by.damping, m);

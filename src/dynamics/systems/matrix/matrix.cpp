@@ -139,8 +139,7 @@ void solve_once_refined(const Scene& scene, const SceneData& data, ThreadWork& t
 
 bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
   return differentiate_once(scene, data, thread, *this, out) ||
-         (internal::solve_by_oracle(scene, data, thread, *this) &&
-          differentiate_once(scene, data, thread, *this, out));
+         (internal::solve_by_oracle(scene, data, thread, *this) && differentiate_once(scene, data, thread, *this, out));
 }
 
 bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {

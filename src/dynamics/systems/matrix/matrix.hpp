@@ -1,6 +1,6 @@
 #pragma once
-// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops dependent rows, or by
-// the dense oracle, whichever is sound first (fallbacks.cpp).
+// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops dependent rows, or
+// by the dense oracle, whichever is sound first (fallbacks.cpp).
 
 #include <span>
 
@@ -42,8 +42,8 @@ class MatrixSystem final : public IslandSystem {
   bool deficient() const;
 
   IslandWork& of;
-  std::vector<std::span<const double>> M, J;    // views of the robots' M and the contacts' J; by make_joint_space
-  std::uint64_t state = 0;                      // that all below is of
+  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
+  std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
   KktVectors v;                                 // x: the answer
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, the two it falls back to
@@ -70,8 +70,8 @@ void check_joint_space(const IslandWork& d, const char* function, const char* in
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
-/// Factorizes and solves by the first way that gives a sound answer: v.x, factor and the report are that answer's. False
-/// where there is none. After evaluate.
+/// Factorizes and solves by the first way that gives a sound answer: v.x, factor and the report are that answer's.
+/// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
 /// The factor that drops dependent rows, alone. False where it is not sound, or finds none.

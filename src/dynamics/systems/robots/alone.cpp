@@ -75,7 +75,7 @@ auto served_by(const Workspace& w) {
 void solve_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,         w.state, w.q.data(),    data.v.data(), data.tau.data(),
+  const lanes::Job job{scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
   // Not those answered already, nor those whose rows are certain to depend on each other.
   const auto wanted = [&scene](const IslandWork& d) {
@@ -94,23 +94,24 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool past_caches = bytes > kCached;
-  each_in_lanes(scene, w, served_by(w), [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
-    const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
-    const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
-                                   data.a.data(), data.f.data(), data.f_offset, first.request,
-                                   first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                   past_caches};
-    thread.panels.clear();
-    for (int i : numbers) {
-      IslandDerivatives& out = w.derivatives.islands[i];
-      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
-    }
-    kernel.differentiate(job, robots, nullptr, thread.panels);
-  });
+  each_in_lanes(
+      scene, w, served_by(w), [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
+        const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
+        const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
+                                       data.a.data(), data.f.data(), data.f_offset, first.request,
+                                       first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
+                                       past_caches};
+        thread.panels.clear();
+        for (int i : numbers) {
+          IslandDerivatives& out = w.derivatives.islands[i];
+          thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
+        }
+        kernel.differentiate(job, robots, nullptr, thread.panels);
+      });
 }
 
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
-                  double* df) {
+               double* df) {
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
@@ -119,7 +120,7 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-                  double* wu) {
+               double* wu) {
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};

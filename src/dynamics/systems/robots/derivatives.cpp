@@ -31,7 +31,8 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags the interface rows, in the order of S, that right-hand sides in these columns reach. columns_of(r): in the panel.
+// Flags the interface rows, in the order of S, that right-hand sides in these columns reach. columns_of(r): in the
+// panel.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -63,8 +64,7 @@ lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Joint&
 }
 
 // The terms of contacts that join robots, from where these move; and their rows of B.
-void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSystem& system,
-                             IslandDerivatives& out) {
+void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSystem& system, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
   const auto end = [&](int robot, int among) {
@@ -165,7 +165,8 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
         if (out.q_first + columns[c] != system.derivatives->sample.column[r.sampled[s].in_X]) continue;
         for (int j = 0; j < E.cols(); ++j)
           for (int i = 0; i < 6; ++i)
-            r.B[s * r.size() + columns[e.first + j] - system.of.island.dof_offset[k]] += E(i, j) * e.terms.D(e.B)[i * ldD + c];
+            r.B[s * r.size() + columns[e.first + j] - system.of.island.dof_offset[k]] +=
+                E(i, j) * e.terms.D(e.B)[i * ldD + c];
       }
   });
 }
@@ -261,6 +262,27 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
+// -S once more and its factor, from the T_r that answers take, where no other answer goes by the one that is there:
+// with damping the robots' elimination leaves fewer digits of S than products with T_r do. False where its pivots are
+// not sound.
+bool factor_interface_again(double damping, RobotsSystem& system) {
+  const Interface& interface = *system.interface;
+  std::fill(system.Sx.begin(), system.Sx.end(), 0.0);
+  for (int k = 0; k < interface.rows(); ++k) system.Sx[interface.S.p[k + 1] - 1] = -damping;
+  for (std::size_t k = 0; k < system.robots.size(); ++k) {
+    const OfRobot& r = system.derivatives->robots[k];
+    const int ldG = r.padded(), ldT = sparse::padded(r.size());
+    const int* slot = interface.robots[k].slot.data();
+    for (std::size_t j = 0; j < r.join.size(); ++j)
+      for (std::size_t i = 0; i <= j; ++i, ++slot)
+        for (int v = 0; v < r.nv; ++v) system.Sx[*slot] -= r.G[v * ldG + i] * r.T[j * ldT + v];
+  }
+  sparse::panel_kernels().factor(interface.schedule, system.Sx.data(), system.L.data(), system.D.data(),
+                                 system.terms.data());
+  return std::all_of(system.D.begin(), system.D.end(), [](double d) { return d < 0 && std::isfinite(d); }) &&
+         sparse::smallest_pivot_ratio(interface.rows(), system.D.data(), system.terms.data()) >= tolerance::kPivotLeft;
+}
+
 // What answers need of each robot and of the interface rows, from right-hand sides in X; whether that is sound.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
@@ -295,6 +317,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
       finish_sample(system, number(l), out);
     }
   });
+  if (!system.solves && !factor_interface_again(scene.damping, system)) return false;
   std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // of S, not -S
   interface_rhs(by, out.X);
   return sample_is_good(scene, w, system, out.X);

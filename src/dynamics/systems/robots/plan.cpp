@@ -197,7 +197,8 @@ void settle(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem&
     const Contact &c = scene.contacts[x.contact], &e = scene.contacts[y.contact];
     return before(c, e) || (x.contact < y.contact && !before(e, c));
   });
-  for (std::size_t k = 0; k < system.robots.size(); ++k) system.robots[k].joints.resize(interface.robots[k].joins.size());
+  for (std::size_t k = 0; k < system.robots.size(); ++k)
+    system.robots[k].joints.resize(interface.robots[k].joins.size());
   for (std::size_t i = 0; i < system.contacts.size(); ++i) {
     const RobotsSystem::Joint& joint = system.contacts[i];
     system.robots[joint.A].joints[joint.among_A] = system.robots[joint.B].joints[joint.among_B] = static_cast<int>(i);

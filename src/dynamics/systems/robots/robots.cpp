@@ -123,8 +123,7 @@ bool believable_rows(const Scene& scene, const RobotsSystem& s) {
 // b = wanted - a0 of the interface rows, which hold a0.
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
   for (const RobotsSystem::Joint& joint : s.contacts)
-    for (int i = 0; i < joint.rows; ++i)
-      s.b[joint.row + i] = wanted_in(data, joint.contact, i) - s.b[joint.row + i];
+    for (int i = 0; i < joint.rows; ++i) s.b[joint.row + i] = wanted_in(data, joint.contact, i) - s.b[joint.row + i];
 }
 
 // -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
@@ -136,8 +135,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
     const double* S = s.member(k).border.S;
     for (int slot : interface.robots[k].slot) s.Sx[slot] += *S++;
   }
-  sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), s.L.data(), s.D.data(),
-                                 s.terms.data());
+  sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), s.L.data(), s.D.data(), s.terms.data());
   for (int k = 0; k < interface.rows(); ++k) s.terms[k] -= std::abs(s.Sx[interface.S.p[k + 1] - 1]);
   each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
     s.terms[interface.place[row]] += border.terms()[i];  // the robots' terms in its place
@@ -152,14 +150,12 @@ bool factor_interface(double damping, RobotsSystem& s) {
 void solve_interface(RobotsSystem& s) {
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
-  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
-    s.step[interface.place[row]] += border.b()[i];
-  });
+  each_border_row(
+      s, [&](const lanes::Border& border, std::size_t i, int row) { s.step[interface.place[row]] += border.b()[i]; });
   sparse::panel_kernels().solve_vector(interface.schedule, s.L.data(), s.D.data(), s.step.data());
   for (int k = 0; k < interface.rows(); ++k) s.y[k] += s.step[interface.place[k]];
-  each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
-    border.y()[i] = s.step[interface.place[row]];
-  });
+  each_border_row(
+      s, [&](const lanes::Border& border, std::size_t i, int row) { border.y()[i] = s.step[interface.place[row]]; });
 }
 
 // r = b - sum_r G_r x_r + delta y, and the sizes of its terms.
@@ -183,8 +179,7 @@ Largest largest_of(const RobotsSystem& s) {
   const auto take = [](double x, double& largest) { largest = sparse::larger_or_nan(largest, x); };
   for (const Member& m : s.members)
     for (int row : {0, 1}) take(m.r[row], out.r[row]), take(m.scale[row], out.scale[row]);
-  for (std::size_t k = 0; k < s.r.size(); ++k)
-    take(std::abs(s.r[k]), out.r[1]), take(s.scale[k], out.scale[1]);
+  for (std::size_t k = 0; k < s.r.size(); ++k) take(std::abs(s.r[k]), out.r[1]), take(s.scale[k], out.scale[1]);
   return out;
 }
 
@@ -239,8 +234,7 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
 // [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
 void solve_once_refined(const SceneData& data, const Scene& scene, Workspace& w, RobotsSystem& s, ProductWork& work) {
   const auto turn = [&] {  // y = -f
-    each_force_block(scene, data.f_offset, s.of.island,
-                     [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
+    each_force_block(scene, data.f_offset, s.of.island, [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
   };
   turn();
   const lanes::Job job{scene,         data.serial, nullptr,       nullptr,      nullptr,
@@ -307,8 +301,7 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   const lanes::Job job{scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
                        data.f_offset, w.wanted, data.a.data(), data.f.data()};
   if (!factorize(job, data)) return false;
-  const sparse::Refinement refinement =
-      internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
+  const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   sound = refinement.backward_error <= tolerance::kConverged;
   if (!sound) return false;
   first_error = refinement.first;

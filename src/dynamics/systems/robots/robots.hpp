@@ -123,13 +123,13 @@ class RobotsSystem final : public IslandSystem {
   // by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t state = 0;                   // that all of this is of
-  bool sound = false;                        // and whether it can be used
-  double first_error = 0;                    // backward error of the answer before refinement
-  bool back = false;                         // the way the last step took through the batches
-  sparse::LargeMemory memory;                // of the batches and their robots
-  std::vector<double> Sx, L, D, terms;       // -S and its factor, in its order
-  std::vector<double> b, y, r, scale, step;  // of the interface rows
+  std::uint64_t state = 0;                         // that all of this is of
+  bool sound = false;                              // and whether it can be used
+  double first_error = 0;                          // backward error of the answer before refinement
+  bool back = false;                               // the way the last step took through the batches
+  sparse::LargeMemory memory;                      // of the batches and their robots
+  std::vector<double> Sx, L, D, terms;             // -S and its factor, in its order
+  std::vector<double> b, y, r, scale, step;        // of the interface rows
   std::unique_ptr<RobotsDerivatives> derivatives;  // made when first needed
 };
 
@@ -157,8 +157,8 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const Is
 /// Whether it is; but for that the way may turn out not to be sound.
 bool goes_by_robots(const IslandWork& island);
 
-/// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots' borders;
-/// NaN where any is.
+/// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
+/// borders; NaN where any is.
 double interface_error(double damping, RobotsSystem& robots);
 
 }  // namespace internal
