@@ -267,7 +267,20 @@ double Cholmod::smallest_pivot_ratio(const double* Ax, double* scale) const {
   return ratio;
 }
 
-double Cholmod::rcond() const { return cholmod_rcond(impl_->factor, &impl_->common); }
+void Cholmod::parts_left(double* left) const {
+  const CholmodSymbolic::Impl& s = impl_->symbolic;
+  const cholmod_factor& L = *impl_->factor;
+  const int *first = static_cast<const int*>(L.super), *row = static_cast<const int*>(L.pi),
+            *at = static_cast<const int*>(L.px);
+  const double* x = static_cast<const double*>(L.x);
+  for (std::size_t super = 0; super < L.nsuper; ++super) {
+    const int rows = row[super + 1] - row[super];  // of a block by columns, triangular at its head
+    for (int j = first[super]; j < first[super + 1]; ++j) {
+      const double l = x[at[super] + (j - first[super]) * (rows + 1)];
+      left[j] = l * l / impl_->values[s.triangle.p[j]];
+    }
+  }
+}
 const CholmodSymbolic& Cholmod::symbolic() const { return *impl_->shared; }
 int Cholmod::factor_nonzeros() const { return symbolic().factor_nonzeros(); }
 double Cholmod::flops() const { return symbolic().flops(); }

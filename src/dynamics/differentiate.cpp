@@ -92,11 +92,12 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   const auto by_robots = [&](std::size_t i) { return internal::goes_by_robots(*w.islands[i]); };
   const auto of_island = [&](std::size_t i, ThreadWork& thread) {
     internal::differentiate_island(scene, data, *w.islands[i], thread, w.derivatives.islands[i]);
+    w.derivatives.islands[i].stamp = {&w.current, data.serial};
   };
   for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
     if (by_robots(i)) of_island(i, w.threads.front());
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!alone(i) && !by_robots(i)) of_island(i, thread);
+    if (!alone(i) && !w.derivatives.islands[i].stamp.current()) of_island(i, thread);
   });
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
   w.derivatives_serial = data.serial;

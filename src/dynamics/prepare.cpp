@@ -25,7 +25,12 @@ namespace {
 
 // Back to the shelf of its shape, for the next island that has it.
 void shelve(Workspace& w, std::unique_ptr<IslandWork> island) {
-  island->matrix.was_dependent = false;  // that was another island
+  // that was another island
+  island->answered = nullptr;
+  island->matrix.was_dependent = false;
+  island->alone.state = island->matrix.state = 0;
+  if (island->robots) island->robots->state = 0;
+  if (island->bodies) island->bodies->state = 0;
   w.shelves[island->shape.get()].push_back(std::move(island));
 }
 

@@ -19,6 +19,15 @@ StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene
 
 void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
+  const auto known = [&w](std::uint64_t state) {
+    if (state != w.state)
+      throw std::logic_error(
+          "static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: "
+          "call complete first");
+  };
+  for (const RobotData& r : w.robots) known(r.state);
+  for (std::size_t c = 0; contacts && c < scene.contacts.size(); ++c)
+    if (data.f_offset[c] >= 0) known(w.rows_state[c]);
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
@@ -26,10 +35,6 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
   s.tau.setZero();  // as the velocity
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    if (w.robots[r].state != w.state)
-      throw std::logic_error(
-          "static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: call complete "
-          "first");
     s.kin[r] = w.robots[r].kin;
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);

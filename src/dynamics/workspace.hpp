@@ -36,14 +36,15 @@ struct IslandWork {
   Choice choice;
   Island island;  // by prepare
 
-  // what it is solved by, in this order; a null pointer: not by that
+  // what it may be solved by, but for dependent rows in this order; nullptr: not by that
   AloneSystem alone;                     // of one robot
-  std::unique_ptr<RobotsSystem> robots;  // of several; by prepare, and for derivatives alone by differentiate
+  std::unique_ptr<RobotsSystem> robots;  // of several; `solves` is false: made by differentiate, and only for that
   std::unique_ptr<BodiesSystem> bodies;  // where sparse-bodies was chosen
   MatrixSystem matrix;
 
-  bool planned = false;              // whether it can stand in lanes; by prepare
-  IslandSystem* answered = nullptr;  // the last solve; nullptr: none did
+  bool planned = false;              // prepare has decided whether it stands in lanes: alone.group, robots
+  bool joinable = true;              // false: its robots were found not to fit a RobotsSystem
+  IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   int factorizations = 0;            // of K, whole or robot by robot, since that began
 
   IslandDerivatives derivatives;  // while on the shelf; else in Workspace::derivatives

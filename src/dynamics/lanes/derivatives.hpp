@@ -1,7 +1,7 @@
 #pragma once
 // Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once. Of robots joined to others, the
 // columns of their own part: K_r^-1 [E, B_r], B_r what their own coordinates and torques do, E forces on the bodies
-// that contacts join (dynamics/systems/robots/joined_derivatives.cpp).
+// that contacts join (dynamics/systems/robots/derivatives.cpp).
 
 #include <functional>
 #include <numeric>

@@ -64,7 +64,7 @@ struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
-  // Of derivatives by the same factor (dynamics/solve_panel.cpp): whether nothing has to judge them, and whether they
+  // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once.
   bool panel_is_safe = false, refine_panel = false;
 };
@@ -106,7 +106,7 @@ class RobotBlocks {
   /// joined to others the columns of their own part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
-  /// Products with these derivatives, refined once (dynamics/jvp.cpp).
+  /// Products with these derivatives, refined once (systems/matrix/matrix.cpp).
   virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
   virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 

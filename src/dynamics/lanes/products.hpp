@@ -1,5 +1,5 @@
 #pragma once
-// Products with the derivatives of robots alone: dynamics/jvp.cpp for all lanes at once.
+// Products with the derivatives of robots alone: derivatives/products.cpp for all lanes at once.
 
 #include "robot_block.hpp"
 

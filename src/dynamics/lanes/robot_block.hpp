@@ -1,7 +1,7 @@
 #pragma once
 // W robots of one plan (block.hpp), side by side in the lanes of S = Pack<W>: the steps of a solve
-// (dynamics/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all lanes at once. Derivatives are in
-// derivatives.hpp, products with them in products.hpp.
+// (systems/matrix/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all lanes at once. Derivatives
+// are in derivatives.hpp, products with them in products.hpp.
 
 #include <algorithm>
 #include <initializer_list>

@@ -37,7 +37,7 @@ class IslandSystem {
   virtual ~IslandSystem() = default;
 
   /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a
-  /// and data.f, and the report is whole. False: report.reason says why.
+  /// and data.f, and the report is whole. False: report.reason says why, where one is known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// All derivatives of the answer at hand, into what is laid out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }

@@ -7,6 +7,7 @@
 
 #include "columns.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "pivots.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -35,9 +36,18 @@ class SchurFactor final : public Factor {
     if (!cholmod_) cholmod_.emplace(shape_->cholmod_schur());
     if (!cholmod_->factorize(data_.Sx.data())) return Reason::kSmallPivot;
     if (K.damping == 0 && K.nc() > K.nv()) return Reason::kSmallPivot;  // whatever rounding makes of it
-    // The parts left of two pivots may both be this small, and one then be what rounding of the other leaves.
-    const double least = K.damping > 0 ? tolerance::kPivotLeft : std::sqrt(tolerance::kRowRounding);
-    return cholmod_->rcond() < least * inertia_spread() ? Reason::kSmallPivot : Reason::kNone;
+    left_.resize(K.nc());
+    cholmod_->parts_left(left_.data());
+    return lost(K.damping > 0) ? Reason::kSmallPivot : Reason::kNone;
+  }
+
+  // Whether a pivot of S may be rounding, of its own terms or of what those before it left.
+  bool lost(bool damped) const {
+    const double spread = inertia_spread();
+    internal::PassedOn passed_on;
+    return std::any_of(left_.begin(), left_.end(), [&](double left) {
+      return !(left >= tolerance::kPivotLeft * spread) || (!damped && passed_on.next(false, left / spread));
+    });
   }
 
   // sqrt(largest / smallest pivot of M): S = Z^T Z is formed of D^-1/2 L^-T J^T, whose rounding grows by about as much.
@@ -78,7 +88,7 @@ class SchurFactor final : public Factor {
 
   std::shared_ptr<IslandShape> shape_;
   std::shared_ptr<const KktPattern> pattern_;
-  std::vector<double> M_, J_, columns_;
+  std::vector<double> M_, J_, columns_, left_;
   SchurData data_;
   double growth_ = 1;
   std::optional<sparse::Cholmod> cholmod_;

@@ -69,8 +69,8 @@ class Cholmod {
   void pivots(double* D) const;
   /// After kSimplicialLdl: as smallest_pivot_ratio in ldl.hpp. scale: n, scratch.
   double smallest_pivot_ratio(const double* Ax, double* scale) const;
-  /// Estimate of the reciprocal condition number from the factor's diagonal.
-  double rcond() const;
+  /// After kSupernodalLlt: what part of its diagonal entry each of the n pivots is, in the order of elimination.
+  void parts_left(double* left) const;
   const CholmodSymbolic& symbolic() const;
   /// As CholmodSymbolic's.
   int factor_nonzeros() const;

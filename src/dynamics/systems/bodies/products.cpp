@@ -1,4 +1,4 @@
-// jvp and vjp of an island solved by sparse-bodies: as jvp.cpp, each body in its body frame, and the accelerations'
+// jvp and vjp of an island solved by sparse-bodies: as derivatives/products.cpp, each body in its body frame, and the accelerations'
 // and forces' changes left to the body-space system, which has them as unknowns.
 
 #include "manycontact/contact/products.hpp"

@@ -176,6 +176,7 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
   if (scene.damping > 0 || attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone ||
       !m.deficient()) {
     m.factor = nullptr;
+    m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
     report.status = Status::kOk;
     return false;
   }
@@ -214,7 +215,7 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
   if (m.factor == m.dense.get() || method == Method::kDenseSchur || m.of.island.size() > kLargest) return false;
   const Attempt oracle{Way::kDense, order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
-  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // the factor there was
+  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come
   return false;
 }
 

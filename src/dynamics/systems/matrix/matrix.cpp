@@ -82,7 +82,7 @@ const IslandDerivatives* formed(const Scene& scene, SceneData& data, ThreadWork&
   if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
   IslandDerivatives& all = m.rows->all;
   if (all.u_offset.empty()) internal::lay_out(scene, m.of.island, {}, all);
-  return differentiate_once(scene, data, thread, m, all) ? &all : nullptr;
+  return m.differentiate(scene, data, thread, all) ? &all : nullptr;
 }
 
 bool formed_jvp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const TangentProduct& p) {

@@ -112,11 +112,11 @@ void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by
   for (const RobotsDerivatives::OfRobot& r : by.robots) largest = std::max(largest, r.size());
   by.at.resize(d.island.contacts.size());
   std::size_t size = 0, most = 0;
-  for (const RobotsSystem::Joint& joint : system.contacts) {
-    const int cols = static_cast<int>(d.shape->support().columns[joint.number].size());
-    by.at[joint.number] = size;
-    size += lanes::JoinTerms::size(joint.rows, cols);
-    for (int k : {joint.A, joint.B})
+  for (const RobotsSystem::Coupling& coupling : system.contacts) {
+    const int cols = static_cast<int>(d.shape->support().columns[coupling.number].size());
+    by.at[coupling.number] = size;
+    size += lanes::JoinTerms::size(coupling.rows, cols);
+    for (int k : {coupling.A, coupling.B})
       most = std::max(most, static_cast<std::size_t>(by.robots[k].size()) * lanes::JoinTerms::padded(cols));
   }
   by.terms.resize(size);

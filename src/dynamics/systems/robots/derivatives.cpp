@@ -57,10 +57,10 @@ void clear_rhs(const Interface& interface, const RobotsDerivatives& by, std::vec
   }
 }
 
-lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Joint& joint) {
+lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Coupling& coupling) {
   RobotsDerivatives& by = *system.derivatives;
-  return {by.terms.data() + by.at[joint.number], joint.rows,
-          static_cast<int>(system.of.shape->support().columns[joint.number].size())};
+  return {by.terms.data() + by.at[coupling.number], coupling.rows,
+          static_cast<int>(system.of.shape->support().columns[coupling.number].size())};
 }
 
 // The terms of contacts that join robots, from where these move; and their rows of B.
@@ -73,18 +73,18 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
   };
   each_item(w, system.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::ContactBatch& batch = system.contact_batches[k];
-    const auto joints = std::span(system.contacts).subspan(batch.first, batch.count);
+    const auto couplings = std::span(system.contacts).subspan(batch.first, batch.count);
     thread.joining_derivatives.clear();
-    for (const RobotsSystem::Joint& joint : joints)
-      thread.joining_derivatives.push_back({&scene.contacts[joint.contact], end(joint.A, joint.among_A),
-                                            end(joint.B, joint.among_B), data.f.data() + data.f_offset[joint.contact],
-                                            terms_of(system, joint).J});
+    for (const RobotsSystem::Coupling& coupling : couplings)
+      thread.joining_derivatives.push_back(
+          {&scene.contacts[coupling.contact], end(coupling.A, coupling.among_A), end(coupling.B, coupling.among_B),
+           data.f.data() + data.f_offset[coupling.contact], terms_of(system, coupling).J});
     batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.joining_derivatives);
-    for (const RobotsSystem::Joint& joint : joints) {
-      const lanes::JoinTerms terms = terms_of(system, joint);
-      const std::vector<int>& columns = system.of.shape->support().columns[joint.number];
-      for (int i = 0; i < joint.rows; ++i) {
-        double* row = &out.X(system.interface->row[joint.row + i], 0);
+    for (const RobotsSystem::Coupling& coupling : couplings) {
+      const lanes::JoinTerms terms = terms_of(system, coupling);
+      const std::vector<int>& columns = system.of.shape->support().columns[coupling.number];
+      for (int i = 0; i < coupling.rows; ++i) {
+        double* row = &out.X(system.interface->row[coupling.row + i], 0);
         for (int c = 0; c < terms.cols; ++c) {
           if (out.request.q) row[out.q_first + columns[c]] = terms.dq()[c * terms.rows + i];
           if (out.request.v) row[out.v_first + columns[c]] = terms.dv()[c * terms.rows + i];
@@ -96,7 +96,7 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
 
 // A robot's end of a contact that joins it.
 struct End {
-  const RobotsSystem::Joint& joint;
+  const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
   int among;       // of the robot's joins
   int row;         // the first in G_r
@@ -107,13 +107,13 @@ struct End {
 template <class Use>
 void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   int row = 0, among = 0;
-  for (int i : system.robots[k].joints) {
-    const RobotsSystem::Joint& joint = system.contacts[i];
-    const lanes::JoinTerms terms = terms_of(system, joint);
-    const bool B = joint.A != static_cast<int>(k);
-    const int of_A = static_cast<int>(system.of.shape->support().contacts[joint.number].a.size());
-    use(End{joint, terms, among++, row, B, B ? of_A : 0, B ? terms.cols : of_A});
-    row += joint.rows;
+  for (int i : system.robots[k].couplings) {
+    const RobotsSystem::Coupling& coupling = system.contacts[i];
+    const lanes::JoinTerms terms = terms_of(system, coupling);
+    const bool B = coupling.A != static_cast<int>(k);
+    const int of_A = static_cast<int>(system.of.shape->support().contacts[coupling.number].a.size());
+    use(End{coupling, terms, among++, row, B, B ? of_A : 0, B ? terms.cols : of_A});
+    row += coupling.rows;
   }
 }
 
@@ -133,7 +133,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
   for (int i = 0; i < size; ++i) std::fill(&r.P(i, 0) + r.own, &r.P(i, 0) + r.ld, 0.0);
   std::fill(r.G.begin(), r.G.end(), 0.0);
   each_end(system, k, [&](const End& e) {
-    const std::vector<int>& columns = system.of.shape->support().columns[e.joint.number];
+    const std::vector<int>& columns = system.of.shape->support().columns[e.coupling.number];
     for (int i = 0; i < size; ++i)
       for (int c = 0; c < 6; ++c) buffers.E[c * ldT + i] = r.P(i, 6 * e.among + c);
     kernels.product(e.terms.W(), e.terms.rows, buffers.E.data(), 6, e.terms.rows, size, ldT, r.T.data() + e.row * ldT);
@@ -156,7 +156,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
   if (!out.request.q) return;
   std::size_t next = 6;  // J_l of an end, behind the force
   each_end(system, k, [&](const End& e) {
-    const std::vector<int>& columns = system.of.shape->support().columns[e.joint.number];
+    const std::vector<int>& columns = system.of.shape->support().columns[e.coupling.number];
     const Eigen::Map<const Mat6X<double>> E(r.ends.data() + next, 6, e.end - e.first);
     next += lanes::MovingEnd::size(static_cast<std::size_t>(E.cols()));
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);

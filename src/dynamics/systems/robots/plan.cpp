@@ -150,6 +150,7 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
     out->robots.push_back({&group, {}, 0, {}});
     out->order.push_back(static_cast<int>(k));
   }
+  d.joinable = fits;
   if (!fits) return nullptr;
   std::stable_sort(out->order.begin(), out->order.end(),
                    [&](int x, int y) { return std::less<>()(out->robots[x].group, out->robots[y].group); });
@@ -198,10 +199,11 @@ void settle(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem&
     return before(c, e) || (x.contact < y.contact && !before(e, c));
   });
   for (std::size_t k = 0; k < system.robots.size(); ++k)
-    system.robots[k].joints.resize(interface.robots[k].joins.size());
+    system.robots[k].couplings.resize(interface.robots[k].joins.size());
   for (std::size_t i = 0; i < system.contacts.size(); ++i) {
-    const RobotsSystem::Joint& joint = system.contacts[i];
-    system.robots[joint.A].joints[joint.among_A] = system.robots[joint.B].joints[joint.among_B] = static_cast<int>(i);
+    const RobotsSystem::Coupling& coupling = system.contacts[i];
+    system.robots[coupling.A].couplings[coupling.among_A] = system.robots[coupling.B].couplings[coupling.among_B] =
+        static_cast<int>(i);
   }
 }
 
@@ -249,7 +251,8 @@ void prepare_robots(const Scene& scene, Workspace& w) {
 }
 
 void make_robots(const Scene& scene, Workspace& w, IslandWork& d) {
-  if (w.lanes.level && !d.robots && d.island.robots.size() > 1) use_robots(scene, w, d, join_robots(w, d));
+  if (w.lanes.level && !d.robots && d.joinable && d.island.robots.size() > 1)
+    use_robots(scene, w, d, join_robots(w, d));
 }
 
 }  // namespace manycontact::internal

@@ -65,11 +65,11 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
 void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& s) {
   s.contact_batches.clear();
   for (std::size_t k = 0; k < s.contacts.size(); ++k) {
-    const RobotsSystem::Joint& joint = s.contacts[k];
+    const RobotsSystem::Coupling& coupling = s.contacts[k];
     const auto* last = s.contact_batches.empty() ? nullptr : &s.contact_batches.back();
-    if (!last || last->group != joint.group || last->count == w.lanes.level->width ||
-        !lanes::alike_rows(scene.contacts[s.contacts[last->first].contact], scene.contacts[joint.contact]))
-      s.contact_batches.push_back({joint.group, static_cast<int>(k), 0});
+    if (!last || last->group != coupling.group || last->count == w.lanes.level->width ||
+        !lanes::alike_rows(scene.contacts[s.contacts[last->first].contact], scene.contacts[coupling.contact]))
+      s.contact_batches.push_back({coupling.group, static_cast<int>(k), 0});
     ++s.contact_batches.back().count;
   }
 }
@@ -95,15 +95,15 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
   };
   each_item(w, s.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
-    const auto joints = std::span(s.contacts).subspan(batch.first, batch.count);
+    const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
     thread.joining.clear();
-    for (const RobotsSystem::Joint& joint : joints)
-      thread.joining.push_back({&scene.contacts[joint.contact], join(joint.A, joint.among_A),
-                                join(joint.B, joint.among_B), s.b.data() + joint.row, 0, 0});
+    for (const RobotsSystem::Coupling& coupling : couplings)
+      thread.joining.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
+                                join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
     batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.joining);
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-      joints[i].motion = thread.joining[i].motion;
-      joints[i].smallest_row = thread.joining[i].smallest_row;
+    for (std::size_t i = 0; i < couplings.size(); ++i) {
+      couplings[i].motion = thread.joining[i].motion;
+      couplings[i].smallest_row = thread.joining[i].smallest_row;
     }
   });
 }
@@ -122,8 +122,9 @@ bool believable_rows(const Scene& scene, const RobotsSystem& s) {
 
 // b = wanted - a0 of the interface rows, which hold a0.
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
-  for (const RobotsSystem::Joint& joint : s.contacts)
-    for (int i = 0; i < joint.rows; ++i) s.b[joint.row + i] = wanted_in(data, joint.contact, i) - s.b[joint.row + i];
+  for (const RobotsSystem::Coupling& coupling : s.contacts)
+    for (int i = 0; i < coupling.rows; ++i)
+      s.b[coupling.row + i] = wanted_in(data, coupling.contact, i) - s.b[coupling.row + i];
 }
 
 // -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
@@ -211,8 +212,8 @@ void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
   each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.store(job, robots, memory.at);
   });
-  for (const RobotsSystem::Joint& joint : s.contacts)
-    for (int i = 0; i < joint.rows; ++i) job.f[job.f_offset[joint.contact] + i] = -s.y[joint.row + i];
+  for (const RobotsSystem::Coupling& coupling : s.contacts)
+    for (int i = 0; i < coupling.rows; ++i) job.f[job.f_offset[coupling.contact] + i] = -s.y[coupling.row + i];
 }
 
 // x = K^-1 b, refined.
@@ -242,8 +243,8 @@ void solve_once_refined(const SceneData& data, const Scene& scene, Workspace& w,
   each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.load(job, robots, memory.at);
   });
-  for (const RobotsSystem::Joint& joint : s.contacts)
-    for (int i = 0; i < joint.rows; ++i) s.b[joint.row + i] = -work.y[data.f_offset[joint.contact] + i];
+  for (const RobotsSystem::Coupling& coupling : s.contacts)
+    for (int i = 0; i < coupling.rows; ++i) s.b[coupling.row + i] = -work.y[data.f_offset[coupling.contact] + i];
   (void)solve_refined(w, scene.damping, 1, s);
   store_answer(job, w, s);
   turn();

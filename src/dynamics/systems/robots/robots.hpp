@@ -56,7 +56,7 @@ struct InLanes {
 };
 
 /// An island of one robot that stands in lanes beside others like it: batch by batch, all of a scene's by one call (the
-/// functions of `alone.cpp` below). What these leave, the whole K does.
+/// functions of `alone.cpp` below). Asked for one island it has no answer, and the whole K does what batches left.
 struct AloneSystem final : IslandSystem {
   BlockGroup* group = nullptr;  // nullptr: it does not stand in lanes; by prepare
   std::uint64_t state = 0;      // of the last answer that came from a lane
@@ -95,7 +95,7 @@ class RobotsSystem final : public IslandSystem {
     JoiningGroup* group;
     int first, count;
   };
-  struct Joint {  // a contact that joins robots
+  struct Coupling {  // a contact that joins robots
     JoiningGroup* group;
     int contact;           // of the scene
     int number;            // of the island
@@ -106,9 +106,9 @@ class RobotsSystem final : public IslandSystem {
   };
   struct OfRobot {
     BlockGroup* group;
-    std::vector<int> contacts;     // on it alone, of the scene
-    int member;                    // of `members`: its place in `order`
-    std::vector<int> joints = {};  // of `contacts`: those that join it, in the order of its joins
+    std::vector<int> contacts;        // on it alone, of the scene
+    int member;                       // of `members`: its place in `order`
+    std::vector<int> couplings = {};  // of `contacts`: those that join it, in the order of its joins
   };
 
   std::shared_ptr<const Interface> interface;
@@ -116,8 +116,8 @@ class RobotsSystem final : public IslandSystem {
   std::vector<int> order;  // robots of the island, group by group
   std::vector<OfRobot> robots;
   // by prepare, for the island at hand
-  std::vector<Joint> contacts;  // group by group, like ones together
-  std::vector<Robot> members;   // as `order`; filled by solve
+  std::vector<Coupling> contacts;  // group by group, like ones together
+  std::vector<Robot> members;      // as `order`; filled by solve
   Robot& member(std::size_t robot) { return members[robots[robot].member]; }
   const Robot& member(std::size_t robot) const { return members[robots[robot].member]; }
   // by factorize
