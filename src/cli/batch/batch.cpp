@@ -4,9 +4,9 @@
 #include <iostream>
 #include <memory>
 
-#include "../common/command.hpp"
-#include "../common/progress.hpp"
-#include "../common/table.hpp"
+#include "../program/command.hpp"
+#include "../program/progress.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "npy.hpp"

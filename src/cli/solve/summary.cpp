@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "../common/choice.hpp"
-#include "../common/describe.hpp"
-#include "../common/table.hpp"
+#include "../text/choice.hpp"
+#include "../text/describe.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/largest.hpp"
