@@ -362,7 +362,7 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   }
 }
 
-// ---- robots of one island: terms in lanes, one factor, which an order that is asked for takes ----------------------
+// ---- robots of one island: each a block in lanes; where an order is asked for, the whole K is factorized instead ------
 
 Contact holding(std::mt19937& rng) {
   Contact c;
