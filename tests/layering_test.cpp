@@ -130,7 +130,7 @@ TEST(Layering, EveryIncludeGoesDown) {
 
 // The headers of ours that `file` includes, from the top of the repository.
 std::vector<std::string> own_headers(const std::string& file) {
-  static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)".*)");
+  static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)\".*)");
   std::ifstream text(fs::path(MANYCONTACT_SOURCE_DIR) / file);
   std::vector<std::string> headers;
   std::string line;

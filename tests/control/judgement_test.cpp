@@ -1,6 +1,7 @@
 // What solvers say of themselves: nodes without controls, tight limits, infeasibility, scale.
 
 #include "control/nodes.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -48,7 +49,7 @@ Eigen::VectorXd best_controls(int T, double limit, double of_u, double of_x, dou
   for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
   const Eigen::MatrixXd H = of_u * Eigen::MatrixXd::Identity(T, T) + of_x * S.transpose() * S;
   const Eigen::VectorXd g = of_x * S.transpose() * Eigen::Vector2d(1, 0);
-  if (!std::isfinite(limit)) return H.ldlt().solve(g);
+  if (!std::isfinite(limit)) return solved(H, g);
   const double step = 1 / H.norm();
   Eigen::VectorXd u = Eigen::VectorXd::Zero(T), y = u;
   double momentum = 1;
@@ -170,7 +171,7 @@ TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
     const double h = std::pow(10, uniform(rng, -2, -0.7)), weight = std::pow(10, uniform(rng, -6, 4));
     Eigen::MatrixXd S(2, T);
     for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
-    const Eigen::VectorXd u = S.transpose() * (S * S.transpose()).ldlt().solve(Eigen::Vector2d(0.5, 0));
+    const Eigen::VectorXd u = S.transpose() * solved(S * S.transpose(), Eigen::Vector2d(0.5, 0));
     const double right = 0.5 * h * weight * u.squaredNorm();
     const Reached found = reach(T, h, weight, INFINITY);
     EXPECT_NE(found.reason, StopReason::kInfeasible) << T << " " << h << " " << weight;
