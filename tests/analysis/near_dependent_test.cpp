@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "manycontact/analysis/advice.hpp"
+#include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"

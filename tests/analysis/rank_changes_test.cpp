@@ -6,6 +6,7 @@
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/reference.hpp"
+#include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"

@@ -8,6 +8,7 @@
 
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "spatial/compare.hpp"
 #include "support/methods.hpp"
 #include "support/terms.hpp"
 
