@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -49,7 +50,7 @@ const std::vector<Guarded> guarded = {
 // program.
 std::optional<std::string> floor_of(const std::string& file) {
   static const std::regex place(
-      "(?:sparse/include/manycontact|include/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
+      "(?:(?:sparse/include|include|src/private|sparse/private)/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
   std::smatch match;
   if (!std::regex_match(file, match, place)) return std::nullopt;
   const std::string name = match[1].matched ? match[1] : match[2];
@@ -127,6 +128,57 @@ TEST(Layering, EveryIncludeGoesDown) {
   }
 }
 
+// The headers of ours that `file` includes, from the top of the repository.
+std::vector<std::string> own_headers(const std::string& file) {
+  static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)\".*)");
+  std::ifstream text(fs::path(MANYCONTACT_SOURCE_DIR) / file);
+  std::vector<std::string> headers;
+  std::string line;
+  for (std::smatch match; std::getline(text, line);)
+    if (std::regex_match(line, match, include)) headers.push_back(match[1]);
+  return headers;
+}
+
+// By name, where each installed header is. abi.hpp and version.hpp, which the build writes, are installed too.
+std::map<std::string, std::string> installed_headers() {
+  const fs::path top = MANYCONTACT_SOURCE_DIR;
+  std::map<std::string, std::string> files;
+  for (const char* folder : {"include", "sparse/include"})
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder))
+      if (entry.path().extension() == ".hpp")
+        files[entry.path().lexically_relative(top / folder).generic_string()] =
+            entry.path().lexically_relative(top).generic_string();
+  return files;
+}
+
+// What is installed stands alone: it includes nothing of src/private and sparse/private.
+TEST(Layering, InstalledHeadersIncludeInstalledHeaders) {
+  const auto installed = installed_headers();
+  for (const auto& [name, file] : installed)
+    for (const std::string& header : own_headers(file))
+      EXPECT_TRUE(installed.contains(header) || header == "manycontact/abi.hpp" || header == "manycontact/version.hpp")
+          << file << " includes " << header;
+}
+
+// tests/installed_headers.txt lists what is installed; a star stands before what manycontact.hpp brings.
+TEST(Layering, WhatIsInstalledIsListed) {
+  const auto installed = installed_headers();
+  std::set<std::string> brought;
+  std::vector<std::string> open = {"manycontact/manycontact.hpp"};
+  while (!open.empty()) {
+    const auto file = installed.find(open.back());
+    open.pop_back();
+    if (file == installed.end() || !brought.insert(file->first).second) continue;
+    for (const std::string& header : own_headers(file->second)) open.push_back(header);
+  }
+  std::string expected;
+  for (const auto& [name, file] : installed)
+    expected += (brought.contains(name) ? "* " : "  ") + name.substr(std::string("manycontact/").size()) + "\n";
+  std::ostringstream listed;
+  listed << std::ifstream(fs::path(MANYCONTACT_SOURCE_DIR) / "tests/installed_headers.txt").rdbuf();
+  EXPECT_EQ(listed.str(), expected);
+}
+
 TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
   EXPECT_EQ(check_text("src/kkt/assemble.cpp",
                        "#include \"manycontact/kkt/assemble.hpp\"\n"
@@ -141,12 +193,7 @@ TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
 
 // Whether header `file`, or one of ours that it includes, includes manycontact/abi.hpp.
 bool reaches_abi(const fs::path& top, const std::string& file) {
-  static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)\".*)");
-  std::ifstream stream(top / file);
-  std::smatch match;
-  for (std::string line; std::getline(stream, line);) {
-    if (!std::regex_match(line, match, include)) continue;
-    const std::string header = match[1];
+  for (const std::string& header : own_headers(file)) {
     if (header == "manycontact/abi.hpp") return true;
     for (const char* folder : {"include/", "sparse/include/"})
       if (fs::exists(top / (folder + header)) && reaches_abi(top, folder + header)) return true;

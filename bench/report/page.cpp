@@ -3,7 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "../../src/cli/common/table.hpp"
+#include "../../src/cli/text/table.hpp"
 #include "report.hpp"
 
 namespace manycontact::bench {

@@ -1,6 +1,6 @@
 // manycontact-chart: the commands that judge answers by quadruple precision and draw with gnuplot.
 
-#include "common/program.hpp"
+#include "program/program.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

@@ -1,7 +1,7 @@
 // manycontact: the program.
 
-#include "common/beside.hpp"
-#include "common/program.hpp"
+#include "program/beside.hpp"
+#include "program/program.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

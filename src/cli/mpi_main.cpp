@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "batch/batch.hpp"
-#include "common/program.hpp"
 #include "manycontact/io/input_error.hpp"
+#include "program/program.hpp"
 
 namespace manycontact::cli {
 namespace {

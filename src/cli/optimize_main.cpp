@@ -1,6 +1,6 @@
 // manycontact-optimize: the command that needs the floors of optimal control.
 
-#include "common/program.hpp"
+#include "program/program.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

@@ -12,7 +12,7 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kTolerance = 1e-6;
+constexpr double kTwinTolerance = 1e-6;
 
 struct Case {
   const char* name;
@@ -81,8 +81,8 @@ TEST_P(NumDiff, ResidualsAndConstraints) {
     } else {
       model->calc(data, p.x, p.u), model->calcDiff(data, p.x, p.u);
       twin.calc(numbers, p.x, p.u), twin.calcDiff(numbers, p.x, p.u);
-      EXPECT_LT(error(data->Fx, numbers->Fx, size_of(data->xout)), kTolerance);
-      EXPECT_LT(error(data->Fu, numbers->Fu, size_of(data->xout)), kTolerance);
+      EXPECT_LT(error(data->Fx, numbers->Fx, size_of(data->xout)), kTwinTolerance);
+      EXPECT_LT(error(data->Fu, numbers->Fu, size_of(data->xout)), kTwinTolerance);
     }
     Eigen::Index g = 0, h = 0;
     int active = 0;
@@ -97,9 +97,9 @@ TEST_P(NumDiff, ResidualsAndConstraints) {
       Rx_twin << numbers->Gx.middleRows(g, ng), numbers->Hx.middleRows(h, nh);
       Ru_twin << numbers->Gu.middleRows(g, ng), numbers->Hu.middleRows(h, nh);
       r << data->g.segment(g, ng), data->h.segment(h, nh);
-      EXPECT_LT(error(Rx, Rx_twin, size_of(r)), kTolerance) << name;
+      EXPECT_LT(error(Rx, Rx_twin, size_of(r)), kTwinTolerance) << name;
       if (!terminal) {
-        EXPECT_LT(error(Ru, Ru_twin, size_of(r)), kTolerance) << name;
+        EXPECT_LT(error(Ru, Ru_twin, size_of(r)), kTwinTolerance) << name;
       }
       active += size_of(Rx) > 0 || size_of(Ru) > 0;
       g += ng, h += nh;
@@ -136,10 +136,10 @@ TEST_P(NumDiff, CostsWithEveryActivation) {
       } else {
         model->calc(data, p.x, p.u), model->calcDiff(data, p.x, p.u);
         twin.calc(numbers, p.x, p.u), twin.calcDiff(numbers, p.x, p.u);
-        EXPECT_LT(error(data->Lu, numbers->Lu, std::abs(data->cost)), kTolerance);
+        EXPECT_LT(error(data->Lu, numbers->Lu, std::abs(data->cost)), kTwinTolerance);
       }
       EXPECT_EQ(data->cost, numbers->cost);
-      EXPECT_LT(error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
+      EXPECT_LT(error(data->Lx, numbers->Lx, std::abs(data->cost)), kTwinTolerance);
     }
   };
   for (const NamedResidual& r : residuals) {

@@ -5,17 +5,17 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // the order of elimination may differ
+constexpr double kOrderTolerance = 1e-9;  // the order of elimination may differ
 
 void expect_same(const DataPtr& mine, const DataPtr& truth) {
-  EXPECT_LT(difference_of(*mine, *truth), kTolerance);
+  EXPECT_LT(difference_of(*mine, *truth), kOrderTolerance);
   for (const auto& [name, contact] : as_fwddyn(truth).multibody->contacts->contacts) {
     const ContactDataAbstract& c = contact_data(mine, name);
-    EXPECT_LT(error_of(c.f, contact->f), kTolerance) << name;
-    EXPECT_LT(error_of(c.Jc, contact->Jc), kTolerance) << name;
-    EXPECT_LT(error_of(c.a0, contact->a0), kTolerance) << name;
-    EXPECT_LT(error_of(Eigen::MatrixXd(c.df_dx), Eigen::MatrixXd(contact->df_dx)), kTolerance) << name;
-    EXPECT_LT(error_of(Eigen::MatrixXd(c.df_du), Eigen::MatrixXd(contact->df_du)), kTolerance) << name;
+    EXPECT_LT(error_of(c.f, contact->f), kOrderTolerance) << name;
+    EXPECT_LT(error_of(c.Jc, contact->Jc), kOrderTolerance) << name;
+    EXPECT_LT(error_of(c.a0, contact->a0), kOrderTolerance) << name;
+    EXPECT_LT(error_of(Eigen::MatrixXd(c.df_dx), Eigen::MatrixXd(contact->df_dx)), kOrderTolerance) << name;
+    EXPECT_LT(error_of(Eigen::MatrixXd(c.df_du), Eigen::MatrixXd(contact->df_du)), kOrderTolerance) << name;
   }
 }
 

@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "manycontact/dynamics/data.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
 namespace {
 
 using Eigen::VectorXd;
-
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Boxes a (v 0 ... 5), b (6 ... 11), c; forces: one of a from the world (0 ... 2), one between a and b (3 ... 5), one
 // that is not active.

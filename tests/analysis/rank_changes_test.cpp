@@ -2,11 +2,12 @@
 
 #include "manycontact/analysis/rank_changes.hpp"
 
-#include <Eigen/QR>
 #include <filesystem>
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/reference.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "support/dense.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
@@ -29,9 +30,7 @@ int rank_at(const SceneFile& file, const Eigen::VectorXd& q) {
   std::vector<char> active;
   for (const Contact& contact : file.scene.contacts) active.push_back(contact.active);
   const Terms t(file.scene, active, q, file.v, file.u);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(t.J);
-  qr.setThreshold(1e-8);
-  return static_cast<int>(qr.rank());
+  return rank_of(t.J, 1e-8);
 }
 
 // Three bars of 0.5, 0.8 and 0.6 m about axes along y.

@@ -17,25 +17,26 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-struct Solved {
+struct RankedScene {
   SceneFile file;
   SceneData data;
-  explicit Solved(SceneFile f) : file(std::move(f)), data(file.scene) {
+  explicit RankedScene(SceneFile f) : file(std::move(f)), data(file.scene) {
     (void)solve(file.scene, file.q, file.v, file.u, data);
   }
   IslandRanks ranks(std::size_t island = 0) const { return find_ranks(file.scene, data, island); }
   RowSelection selection() const { return select_rows(file.scene, island_of(data, 0), ranks()); }
 };
 
-Solved on_humanoid(const std::string& contacts) {
-  return Solved(
+RankedScene on_humanoid(const std::string& contacts) {
+  return RankedScene(
       load_text("<scene><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" xyz=\"0 0 0.8\">\n"
                 "<joint name=\"left_knee\" q=\"0.8\"/> <joint name=\"right_knee\" q=\"0.6\"/></robot>\n" +
                 contacts + "</scene>"));
 }
 
-Solved on_box(const std::string& contacts) {
-  return Solved(load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>\n" + contacts + "</scene>"));
+RankedScene on_box(const std::string& contacts) {
+  return RankedScene(
+      load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>\n" + contacts + "</scene>"));
 }
 
 std::string point(const std::string& name, const std::string& frame, const std::string& more = "") {
@@ -50,7 +51,7 @@ int rank_of(const Eigen::MatrixXd& J) {
 }
 
 TEST(Ranks, CornersOfTwoSoles) {
-  const Solved s(load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml"));
+  const RankedScene s(load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml"));
   const IslandRanks ranks = s.ranks();
   EXPECT_TRUE(ranks.known);
   EXPECT_EQ(ranks.rank, 12);
@@ -106,7 +107,7 @@ TEST(Ranks, OfRandomScenesAreThoseOfTheirRows) {
 }
 
 TEST(Ranks, OneContactThatHoldsWhatTheOthersDo) {
-  const Solved s =
+  const RankedScene s =
       on_box(point("c1", "b/top_1") + "<contact name=\"all\" type=\"6d\" frame=\"b/top_2\"/>" + point("c2", "b/top_3"));
   ASSERT_EQ(s.ranks().pairs.size(), 1u);
   EXPECT_EQ(s.ranks().pairs[0].holds, Holds::kOneContact);
@@ -128,7 +129,7 @@ TEST(Ranks, PointsAtOnePlaceOnALineAndInAPlane) {
 
 // The body that moves goes first, whichever end of the contact it is.
 TEST(Ranks, PairsAreNamedByTheirFrames) {
-  const Solved s(
+  const RankedScene s(
       load_text("<scene><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\"/>\n"
                 "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>\n" +
                 point("l", "h/left_hand", "to=\"b/face_left\"") + point("r", "b/face_right", "to=\"h/right_hand\"") +
@@ -205,7 +206,7 @@ TEST(Ranks, LighterTypeOfTheSameRank) {
 }
 
 TEST(Ranks, LargeIslandsAreLeftOut) {
-  const Solved s(
+  const RankedScene s(
       load_edited(MANYCONTACT_SOURCE_DIR "/models/ring_of_humanoids.xml", {{"copies=\"16\"", "copies=\"120\""}}));
   const IslandRanks ranks = s.ranks();
   EXPECT_FALSE(ranks.known);  // nv nc^2 = 4560 2160^2 = 2.1e10
@@ -214,7 +215,7 @@ TEST(Ranks, LargeIslandsAreLeftOut) {
 }
 
 TEST(Ranks, NeedASolution) {
-  const Solved s = on_humanoid(point("c", "h/left_sole"));
+  const RankedScene s = on_humanoid(point("c", "h/left_sole"));
   const SceneData fresh(s.file.scene);
   EXPECT_THROW((void)find_ranks(s.file.scene, fresh, 0), std::logic_error);
 }

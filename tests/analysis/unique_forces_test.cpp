@@ -2,9 +2,9 @@
 
 #include "manycontact/analysis/unique_forces.hpp"
 
-#include <Eigen/SVD>
 #include <cmath>
 
+#include "support/dense.hpp"
 #include "support/methods.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
@@ -23,10 +23,10 @@ std::vector<char> by_svd(const SceneFile& file) {
   std::vector<char> active;
   for (const Contact& contact : file.scene.contacts) active.push_back(contact.active);
   const Terms t(file.scene, active, file.q, file.v, file.u);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(t.J.transpose(), Eigen::ComputeFullV);
+  const Svd svd(t.J.transpose());
   Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 1e-9 * svd.singularValues()[0]) ++rank;
-  const Eigen::MatrixXd N = svd.matrixV().rightCols(t.J.rows() - rank);
+  while (rank < svd.sigma.size() && svd.sigma[rank] > 1e-9 * svd.sigma[0]) ++rank;
+  const Eigen::MatrixXd N = svd.V.rightCols(t.J.rows() - rank);
   std::vector<char> unique;
   for (Eigen::Index k = 0; k < t.J.rows(); ++k) unique.push_back(N.row(k).norm() < 1e-7);
   return unique;

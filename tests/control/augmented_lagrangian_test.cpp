@@ -18,7 +18,7 @@ double residual_of(SolverAugmentedLagrangian& solver, bool limits = false) {
 // ---- linear-quadratic problems --------------------------------------------------------------------------------------
 
 // One equality at each running node, two at the terminal one (x alone).
-std::shared_ptr<ShootingProblem> random_lqr(std::size_t T, std::size_t nx, std::size_t nu) {
+std::shared_ptr<ShootingProblem> constrained_lqr(std::size_t T, std::size_t nx, std::size_t nu) {
   std::vector<NodePtr> nodes;
   for (std::size_t t = 0; t < T; ++t)
     nodes.push_back(std::make_shared<ActionModelLQR>(ActionModelLQR::Random(nx, nu, 0, t % 2)));
@@ -28,7 +28,7 @@ std::shared_ptr<ShootingProblem> random_lqr(std::size_t T, std::size_t nx, std::
 }
 
 // [x_0; u_0; x_1; ...] of the KKT system with all equalities.
-Eigen::VectorXd dense_solution(ShootingProblem& problem) {
+Eigen::VectorXd constrained_solution(ShootingProblem& problem) {
   const Eigen::Index T = problem.get_T(), nx = problem.get_nx(), nu = problem.get_nu_max(), n = nx + nu;
   const Eigen::Index nz = T * n + nx;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(nz, nz), C = Eigen::MatrixXd::Zero(nx, nz);
@@ -69,20 +69,11 @@ Eigen::VectorXd dense_solution(ShootingProblem& problem) {
   return least_norm(K, b).col(0).head(nz);
 }
 
-Eigen::VectorXd stacked(const SolverAbstract& solver) {
-  std::vector<double> z;
-  for (std::size_t t = 0; t < solver.get_xs().size(); ++t) {
-    z.insert(z.end(), solver.get_xs()[t].begin(), solver.get_xs()[t].end());
-    if (t < solver.get_us().size()) z.insert(z.end(), solver.get_us()[t].begin(), solver.get_us()[t].end());
-  }
-  return Eigen::Map<Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()));
-}
-
 // Constraints are met to 1e-8 and the KKT residual is below 1e-7; the solution differs by that times the norm of the
 // inverse KKT matrix, 5 to 50 here.
 TEST(AugmentedLagrangian, SolvesALinearQuadraticProblemWithEqualities) {
-  const auto problem = random_lqr(6, 4, 3);
-  const Eigen::VectorXd truth = dense_solution(*problem);
+  const auto problem = constrained_lqr(6, 4, 3);
+  const Eigen::VectorXd truth = constrained_solution(*problem);
   SolverAugmentedLagrangian solver(problem);
   EXPECT_TRUE(solver.solve()) << to_string(solver.reason());
   EXPECT_LT(error_of(stacked(solver), truth), 1e-6);

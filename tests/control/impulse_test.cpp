@@ -77,12 +77,12 @@ struct ImpactProblem {
 
 // ---- the equations in quadruple precision -------------------------------------------------------------------------
 
-struct Terms {
+struct ImpactTerms {
   MatX<Quad> M, J;
 };
 
-Terms terms_of(const Scene& scene, const VecX<Quad>& q) {
-  Terms t{MatX<Quad>::Zero(scene.nv, scene.nv), {}};
+ImpactTerms terms_of(const Scene& scene, const VecX<Quad>& q) {
+  ImpactTerms t{MatX<Quad>::Zero(scene.nv, scene.nv), {}};
   const VecX<Quad> rest = VecX<Quad>::Zero(scene.nv);
   const SceneRows<Quad> rows(scene, q, rest);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
@@ -106,7 +106,7 @@ Terms terms_of(const Scene& scene, const VecX<Quad>& q) {
 
 // [v+; -Lambda], as the header has it.
 VecX<Quad> impact(const Scene& scene, const VecX<Quad>& q, const VecX<Quad>& v, double e, double delta) {
-  const Terms t = terms_of(scene, q);
+  const ImpactTerms t = terms_of(scene, q);
   DenseKkt<Quad> kkt;
   kkt.M = t.M;
   kkt.J = t.J;
@@ -176,11 +176,6 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Impacts,
 
 // ---- numerical twins ----------------------------------------------------------------------------------------------
 
-double error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin, double values) {
-  const double difference = difference_of(mine, twin);
-  return difference == 0 ? 0 : difference / std::max(size_of(twin), 1e-3 * values);
-}
-
 TEST(Impact, IsLikeItsTwin) {
   constexpr double kTolerance = 1e-6;  // of central differences
   for (const int seed : {40, 41, 42, 43}) {
@@ -198,17 +193,17 @@ TEST(Impact, IsLikeItsTwin) {
       } else {
         model->calc(data, p.x, p.none), model->calcDiff(data, p.x, p.none);
         twin.calc(numbers, p.x, p.none), twin.calcDiff(numbers, p.x, p.none);
-        EXPECT_LT(error(data->Fx, numbers->Fx, size_of(data->xnext)), kTolerance);
+        EXPECT_LT(twin_error(data->Fx, numbers->Fx, size_of(data->xnext)), kTolerance);
       }
       EXPECT_EQ(data->cost, numbers->cost);
       EXPECT_GT(data->cost, 0);
-      EXPECT_LT(error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
+      EXPECT_LT(twin_error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
       Eigen::MatrixXd Lxx = Eigen::MatrixXd::Zero(data->Lxx.rows(), data->Lxx.cols());
       for (const auto& [name, cost] : as_impulse(data).costs->costs)
         Lxx += p.costs->get_costs().at(name)->weight * cost->Lxx();
       EXPECT_LT(error_of(data->Lxx, Lxx), 1e-12);
-      EXPECT_LT(error(data->Gx, numbers->Gx, size_of(data->g)), kTolerance);
-      EXPECT_LT(error(data->Hx, numbers->Hx, size_of(data->h)), kTolerance);
+      EXPECT_LT(twin_error(data->Gx, numbers->Gx, size_of(data->g)), kTolerance);
+      EXPECT_LT(twin_error(data->Hx, numbers->Hx, size_of(data->h)), kTolerance);
       EXPECT_EQ(data->r.size(), static_cast<Eigen::Index>(model->get_nr()));
       EXPECT_GT(size_of(data->Lx), 0);
       EXPECT_GT(size_of(data->Hx), 0);

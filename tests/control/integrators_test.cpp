@@ -19,12 +19,6 @@ NodePtr integrated(Scheme scheme, const std::shared_ptr<DifferentialActionModelA
   return std::make_shared<IntegratedActionModelRK>(model, control, types[static_cast<int>(scheme)], h);
 }
 
-// The largest difference relative to the larger of the matrices' and what rounding of values of this size leaves.
-double error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin, double values) {
-  const double difference = difference_of(mine, twin);
-  return difference == 0 ? 0 : difference / std::max(size_of(twin), 1e-3 * values);
-}
-
 void expect_like_its_twin(const NodePtr& model, const Eigen::VectorXd& x, const Eigen::VectorXd& u) {
   ActionModelNumDiff twin(model, true);
   for (const bool terminal : {false, true}) {
@@ -38,17 +32,17 @@ void expect_like_its_twin(const NodePtr& model, const Eigen::VectorXd& x, const 
     } else {
       model->calc(data, x, u), model->calcDiff(data, x, u);
       twin.calc(numbers, x, u), twin.calcDiff(numbers, x, u);
-      EXPECT_LT(error(data->Fu, numbers->Fu, size_of(data->xnext)), kTolerance);
-      EXPECT_LT(error(data->Lu, numbers->Lu, std::abs(data->cost)), kTolerance);
-      EXPECT_LT(error(data->Gu, numbers->Gu, size_of(data->g)), kTolerance);
-      EXPECT_LT(error(data->Hu, numbers->Hu, size_of(data->h)), kTolerance);
+      EXPECT_LT(twin_error(data->Fu, numbers->Fu, size_of(data->xnext)), kTolerance);
+      EXPECT_LT(twin_error(data->Lu, numbers->Lu, std::abs(data->cost)), kTolerance);
+      EXPECT_LT(twin_error(data->Gu, numbers->Gu, size_of(data->g)), kTolerance);
+      EXPECT_LT(twin_error(data->Hu, numbers->Hu, size_of(data->h)), kTolerance);
       EXPECT_GT(size_of(data->Fu), 0);
     }
     EXPECT_EQ(data->cost, numbers->cost);
-    EXPECT_LT(error(data->Fx, numbers->Fx, size_of(data->xnext)), kTolerance);
-    EXPECT_LT(error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
-    EXPECT_LT(error(data->Gx, numbers->Gx, size_of(data->g)), kTolerance);
-    EXPECT_LT(error(data->Hx, numbers->Hx, size_of(data->h)), kTolerance);
+    EXPECT_LT(twin_error(data->Fx, numbers->Fx, size_of(data->xnext)), kTolerance);
+    EXPECT_LT(twin_error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
+    EXPECT_LT(twin_error(data->Gx, numbers->Gx, size_of(data->g)), kTolerance);
+    EXPECT_LT(twin_error(data->Hx, numbers->Hx, size_of(data->h)), kTolerance);
     EXPECT_EQ(data->g.size(), static_cast<Eigen::Index>(terminal ? model->get_ng_T() : model->get_ng()));
     EXPECT_EQ(data->h.size(), static_cast<Eigen::Index>(terminal ? model->get_nh_T() : model->get_nh()));
     EXPECT_FALSE(data->Fx == numbers->Fx && !terminal);
@@ -107,10 +101,6 @@ VecX<Quad> subtract_scene(const Scene& scene, const VecX<Quad>& q0, const VecX<Q
   }
   return out;
 }
-
-struct QuadState {
-  VecX<Quad> q, v;
-};
 
 // One step, by the formulas of euler.hpp and rk.hpp.
 QuadState step(const Scene& scene, const std::vector<char>& active, Scheme scheme, double step, const QuadState& x,

@@ -1,6 +1,7 @@
 // What solvers say of themselves: nodes without controls, tight limits, infeasibility, scale.
 
 #include "control/nodes.hpp"
+#include "support/dense.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -48,7 +49,7 @@ Eigen::VectorXd best_controls(int T, double limit, double of_u, double of_x, dou
   for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
   const Eigen::MatrixXd H = of_u * Eigen::MatrixXd::Identity(T, T) + of_x * S.transpose() * S;
   const Eigen::VectorXd g = of_x * S.transpose() * Eigen::Vector2d(1, 0);
-  if (!std::isfinite(limit)) return H.ldlt().solve(g);
+  if (!std::isfinite(limit)) return solved(H, g);
   const double step = 1 / H.norm();
   Eigen::VectorXd u = Eigen::VectorXd::Zero(T), y = u;
   double momentum = 1;
@@ -77,11 +78,15 @@ TEST(TightLimits, GuessesBeyondThemAreClampedAndOnlyTheOptimumIsCalledConverged)
       solver.set_th_stop(1e-12);
       solver.set_th_kkt(1e-9);
       const bool converged = solver.solve(Vectors(T + 1, x0), Vectors(T, Eigen::VectorXd::Constant(1, guess)), 300);
-      if (limit > 50) EXPECT_TRUE(converged) << guess << " " << to_string(solver.reason());
+      if (limit > 50) {
+        EXPECT_TRUE(converged) << guess << " " << to_string(solver.reason());
+      }
       for (int t = 0; t < T; ++t) {
         const double u = solver.get_us()[static_cast<std::size_t>(t)][0];
         EXPECT_LE(std::abs(u), limit);
-        if (converged) EXPECT_NEAR(u, best[t], 1e-5 * std::max(1.0, limit)) << limit << " " << guess << " " << t;
+        if (converged) {
+          EXPECT_NEAR(u, best[t], 1e-5 * std::max(1.0, limit)) << limit << " " << guess << " " << t;
+        }
       }
     }
   }
@@ -166,12 +171,14 @@ TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
     const double h = std::pow(10, uniform(rng, -2, -0.7)), weight = std::pow(10, uniform(rng, -6, 4));
     Eigen::MatrixXd S(2, T);
     for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
-    const Eigen::VectorXd u = S.transpose() * (S * S.transpose()).ldlt().solve(Eigen::Vector2d(0.5, 0));
+    const Eigen::VectorXd u = S.transpose() * solved(S * S.transpose(), Eigen::Vector2d(0.5, 0));
     const double right = 0.5 * h * weight * u.squaredNorm();
     const Reached found = reach(T, h, weight, INFINITY);
     EXPECT_NE(found.reason, StopReason::kInfeasible) << T << " " << h << " " << weight;
     // beyond, the KKT residual's rounding is above its absolute tolerance
-    if (weight < 100) EXPECT_TRUE(found.converged) << T << " " << h << " " << weight << " " << to_string(found.reason);
+    if (weight < 100) {
+      EXPECT_TRUE(found.converged) << T << " " << h << " " << weight << " " << to_string(found.reason);
+    }
     EXPECT_NEAR(found.cost, right, 1e-5 * right) << T << " " << h << " " << weight;
   }
 }
@@ -184,9 +191,13 @@ TEST(Infeasible, IsSaidOfWhatCannotAndOfNothingElse) {
   for (int t = 0; t < T; ++t) most += h * h * (T - t) * (t < T / 2 ? limit : -limit);
   for (const double share : {0.2, 0.9, 0.99, 1.01, 1.2, 3.0}) {
     const Reached found = reach(T, h, 1e-3, limit, share * most);
-    if (share < 0.95) EXPECT_TRUE(found.converged) << share << " " << to_string(found.reason);
+    if (share < 0.95) {
+      EXPECT_TRUE(found.converged) << share << " " << to_string(found.reason);
+    }
     EXPECT_EQ(found.reason == StopReason::kInfeasible, share > 1) << share << " " << to_string(found.reason);
-    if (share > 1) EXPECT_GT(found.violation, 0.1 * (share - 1) * most) << share;
+    if (share > 1) {
+      EXPECT_GT(found.violation, 0.1 * (share - 1) * most) << share;
+    }
   }
 }
 

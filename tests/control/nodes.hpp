@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "action/problem.hpp"
@@ -17,6 +18,27 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using NodePtr = std::shared_ptr<ActionModelAbstract>;
 using NodeDataPtr = std::shared_ptr<ActionDataAbstract>;
+
+/// A state of a scene.
+struct QuadState {
+  VecX<Quad> q, v;
+};
+
+/// The largest difference relative to the larger of the matrices' and what rounding of values of this size leaves.
+inline double twin_error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin, double values) {
+  const double difference = difference_of(mine, twin);
+  return difference == 0 ? 0 : difference / std::max(size_of(twin), 1e-3 * values);
+}
+
+/// [x_0; u_0; x_1; ...] that a solver has come to.
+inline Eigen::VectorXd stacked(const SolverAbstract& solver) {
+  std::vector<double> z;
+  for (std::size_t t = 0; t < solver.get_xs().size(); ++t) {
+    z.insert(z.end(), solver.get_xs()[t].begin(), solver.get_xs()[t].end());
+    if (t < solver.get_us().size()) z.insert(z.end(), solver.get_us()[t].begin(), solver.get_us()[t].end());
+  }
+  return Eigen::Map<Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()));
+}
 
 /// A scene of one to three robots with contacts, every residual as a cost, and some as constraints.
 inline Problem problem_with_costs(int seed) {

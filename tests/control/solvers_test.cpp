@@ -49,16 +49,6 @@ Eigen::VectorXd dense_solution(ShootingProblem& problem) {
   return solved(K, b).col(0).head(nz);
 }
 
-Eigen::VectorXd stacked(const SolverAbstract& solver) {
-  std::vector<double> z;
-  for (std::size_t t = 0; t < solver.get_xs().size(); ++t) {
-    for (double x : solver.get_xs()[t]) z.push_back(x);
-    if (t + 1 < solver.get_xs().size())
-      for (double u : solver.get_us()[t]) z.push_back(u);
-  }
-  return Eigen::Map<Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()));
-}
-
 template <class Solver>
 void expect_dense_solution() {
   const auto problem = random_lqr(5, 4, 2);

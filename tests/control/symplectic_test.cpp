@@ -194,10 +194,6 @@ TEST(Symplectic, DerivativesOfRandomScenes) {
 
 // ---- quadruple precision
 
-struct QuadState {
-  VecX<Quad> q, v;
-};
-
 QuadState moved(const Scene& scene, const QuadState& x, const VecX<Quad>& dq, const VecX<Quad>& dv) {
   QuadState out{VecX<Quad>(scene.nq), x.v + dv};
   for (const Robot& robot : scene.robots) {
@@ -210,12 +206,12 @@ QuadState moved(const Scene& scene, const QuadState& x, const VecX<Quad>& dq, co
 }
 
 // M and h - S^T u, and J of the active contacts with r = beta J v + alpha e, densely.
-struct Terms {
+struct HeldTerms {
   MatX<Quad> M, J;
   VecX<Quad> tau, r;
 };
-Terms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) {
-  Terms t;
+HeldTerms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) {
+  HeldTerms t;
   t.M.setZero(scene.nv, scene.nv);
   t.tau.setZero(scene.nv);
   std::vector<Kinematics<Quad>> kin;
@@ -277,7 +273,7 @@ Terms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) {
 
 // v+ and q+ by one dense system, momentum left alone.
 QuadState held_step(const Scene& scene, const QuadState& x, const VecX<Quad>& u, const Quad& h) {
-  const Terms t = terms_at(scene, x, u);
+  const HeldTerms t = terms_at(scene, x, u);
   const Eigen::Index nv = t.M.rows(), nc = t.J.rows();
   MatX<Quad> K = MatX<Quad>::Zero(nv + nc, nv + nc);
   K.topLeftCorner(nv, nv) = t.M;

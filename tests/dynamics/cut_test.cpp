@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 // `count` robots of two models by turns, held at a point, in a ring of contacts of all types; where contacts hold the
 // world, and where they join robots, is different everywhere.
 RandomScene ring_of_robots(int count, bool floating, double damping) {

@@ -18,7 +18,6 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // Robots 0 and 2 tied together, 1 and 3 held by the world: three islands.

@@ -8,6 +8,7 @@
 
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "spatial/compare.hpp"
 #include "support/methods.hpp"
 #include "support/terms.hpp"
 
@@ -29,15 +30,15 @@ Terms terms_of(const SceneFile& file, const Scene& scene) {
   return {scene, std::vector<char>(scene.contacts.size(), 1), file.q, file.v, file.u};
 }
 
-struct Answer {
+struct AgainstFigures {
   std::string method;
   Status status;
   int rank, nc;
   double acceleration_error, force_error;  // against the figures
 };
 
-std::vector<Answer> answers(const SceneFile& file, const Scene& scene, const Golden& golden) {
-  std::vector<Answer> out;
+std::vector<AgainstFigures> answers(const SceneFile& file, const Scene& scene, const Golden& golden) {
+  std::vector<AgainstFigures> out;
   const Terms terms = terms_of(file, scene);
   for (Method method : methods()) {
     SceneData data(scene, {method, {}});
@@ -49,9 +50,9 @@ std::vector<Answer> answers(const SceneFile& file, const Scene& scene, const Gol
   return out;
 }
 
-bool agree(const Answer& a) { return a.acceleration_error <= kTolerance && a.force_error <= kTolerance; }
+bool agree(const AgainstFigures& a) { return a.acceleration_error <= kTolerance && a.force_error <= kTolerance; }
 
-void expect_agreement(const Answer& a) {
+void expect_agreement(const AgainstFigures& a) {
   EXPECT_LE(a.acceleration_error, kTolerance) << a.method;
   EXPECT_LE(a.force_error, kTolerance) << a.method;
   std::ostringstream errors;
@@ -81,14 +82,14 @@ TEST_P(Golden, Names) {
 }
 
 TEST_P(Golden, AccelerationsAndForces) {
-  const std::vector<Answer> correct = answers(file_, file_.scene, golden_);
+  const std::vector<AgainstFigures> correct = answers(file_, file_.scene, golden_);
   ASSERT_EQ(correct.front().method, "dense");
   if (golden_.appended && !agree(correct.front())) {
     // Made on models with Pinocchio's error: with the same error put in they must agree, and it must be that error
     // which makes the difference. Once the figures are mended, the correct model agrees and nothing of this is left.
     EXPECT_GT(correct.front().acceleration_error, 1e-4);
     const Scene appended = as_appended_by_pinocchio_3_7(file_.scene);
-    for (const Answer& a : answers(file_, appended, golden_))
+    for (const AgainstFigures& a : answers(file_, appended, golden_))
       if (a.status != Status::kFailed) expect_agreement(a);
     if (!redundant_) {  // M may not be positive definite then, and all methods refuse
       const Eigen::VectorXd x = terms_of(file_, appended).solve_by_lu();
@@ -97,7 +98,7 @@ TEST_P(Golden, AccelerationsAndForces) {
     }
     return;
   }
-  for (const Answer& a : correct) {
+  for (const AgainstFigures& a : correct) {
     if (redundant_ && a.method == "dense-schur") {
       EXPECT_EQ(a.status, Status::kFailed);
     } else {
@@ -107,7 +108,7 @@ TEST_P(Golden, AccelerationsAndForces) {
 }
 
 TEST_P(Golden, RankAndStatus) {
-  for (const Answer& a : answers(file_, file_.scene, golden_)) {
+  for (const AgainstFigures& a : answers(file_, file_.scene, golden_)) {
     SCOPED_TRACE(a.method);
     EXPECT_EQ(a.nc, golden_.nc);
     if (a.method == "dense-schur" && redundant_) {

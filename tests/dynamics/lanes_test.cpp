@@ -19,8 +19,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 struct Herd {
   Scene scene;
   VectorXd q, v, u;
@@ -362,7 +360,8 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   }
 }
 
-// ---- robots of one island: terms in lanes, one factor, which an order that is asked for takes ----------------------
+// ---- robots of one island: each a block in lanes; where an order is asked for, the whole K is factorized instead
+// ------
 
 Contact holding(std::mt19937& rng) {
   Contact c;

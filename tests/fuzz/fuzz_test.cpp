@@ -17,14 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 using Target = void (*)(const std::uint8_t*, std::size_t);
-using Bytes = std::vector<std::uint8_t>;
+using File = std::vector<std::uint8_t>;
 
-std::vector<std::pair<std::string, Bytes>> corpus(const std::string& name) {
-  std::vector<std::pair<std::string, Bytes>> files;
+std::vector<std::pair<std::string, File>> corpus(const std::string& name) {
+  std::vector<std::pair<std::string, File>> files;
   for (const auto& entry : fs::directory_iterator(fs::path(MANYCONTACT_SOURCE_DIR) / "tests/fuzz/corpus" / name)) {
     std::ifstream in(entry.path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    files.emplace_back(entry.path().filename().string(), Bytes(text.begin(), text.end()));
+    files.emplace_back(entry.path().filename().string(), File(text.begin(), text.end()));
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -43,7 +43,7 @@ void replay(const std::string& name, Target target, int changed) {
     EXPECT_NO_THROW(target(bytes.data(), bytes.size()));
     for (int k = 0; k < changed && !bytes.empty(); ++k) {
       SCOPED_TRACE("change " + std::to_string(k));
-      Bytes other = bytes;
+      File other = bytes;
       for (unsigned n = 1 + random() % 4; n > 0 && !other.empty(); --n) {
         const auto at = other.begin() + static_cast<std::ptrdiff_t>(random() % other.size());
         const unsigned what = random() % 3;

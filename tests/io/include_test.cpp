@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kRobot = R"(<robot name="r"><link name="a"/>
+const std::string kIncluded = R"(<robot name="r"><link name="a"/>
   <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="c"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="hip" type="continuous"><parent link="a"/><child link="b"/><dynamics damping="0.5" friction="2"/></joint>
@@ -23,7 +23,7 @@ const std::string kRobot = R"(<robot name="r"><link name="a"/>
 class Include : public testing::Test {
  protected:
   Include() {
-    for (const std::string place : {"", "sub/", "sub/deeper/"}) (void)folder_.write(place + "robot.urdf", kRobot);
+    for (const std::string place : {"", "sub/", "sub/deeper/"}) (void)folder_.write(place + "robot.urdf", kIncluded);
   }
 
   void write(const std::string& name, const std::string& inside, const std::string& attributes = "") const {
@@ -159,7 +159,7 @@ TEST_F(Include, DynamicsOfTheUrdf) {
   EXPECT_EQ(without.notes.dynamics, std::vector<std::string>{"hip"});
   ASSERT_EQ(file.findings.size(), 1u);
   EXPECT_EQ(file.findings[0].kind + " " + file.findings[0].name, "dynamics s/hip");
-  std::string bad = kRobot;
+  std::string bad = kIncluded;
   bad.replace(bad.find("0.5"), 3, "inf");
   std::ofstream(folder_ / "robot.urdf") << bad;
   expect_problem("robot.urdf:4: ", "joint 'hip' has the damping or friction inf, expected a finite number");

@@ -12,21 +12,21 @@
 namespace manycontact {
 namespace {
 
-constexpr double kTight = 1e-14;
+constexpr double kRounding = 1e-14;
 
 Model load(const std::string& inside, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr) {
   const test::TemporaryFolder folder;
   return load_urdf(folder.write("robot.urdf", "<robot name=\"test\">\n" + inside + "</robot>\n"), options, findings);
 }
 
-std::string link(const std::string& name, double mass = 1, const std::string& origin = "") {
+std::string link_of(const std::string& name, double mass = 1, const std::string& origin = "") {
   return "<link name=\"" + name + "\"><inertial>" + origin + "<mass value=\"" + std::to_string(mass) +
          "\"/><inertia ixx=\"0.1\" ixy=\"0.01\" ixz=\"0.02\" iyy=\"0.2\" iyz=\"0.03\" "
          "izz=\"0.15\"/></inertial></link>\n";
 }
 
-std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                  const std::string& inside = "") {
+std::string joint_of(const std::string& name, const std::string& type, const std::string& parent,
+                     const std::string& child, const std::string& inside = "") {
   const bool limited = inside.find("<limit") != std::string::npos;
   return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
          "\"/>" + inside + (limited ? "" : "<limit effort=\"5\" velocity=\"6\" lower=\"-1\" upper=\"2\"/>") +
@@ -41,15 +41,15 @@ SE3<double> turned() {
           Vec3<double>(0.1, 0.2, 0.3)};
 }
 
-void expect_near(const SE3<double>& a, const SE3<double>& b) {
-  EXPECT_LT((a.R - b.R).cwiseAbs().maxCoeff(), kTight);
-  EXPECT_LT((a.p - b.p).cwiseAbs().maxCoeff(), kTight);
+void expect_same(const SE3<double>& a, const SE3<double>& b) {
+  EXPECT_LT((a.R - b.R).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LT((a.p - b.p).cwiseAbs().maxCoeff(), kRounding);
 }
 
-void expect_near(const Inertia<double>& a, const Inertia<double>& b) {
-  EXPECT_NEAR(a.m, b.m, kTight);
-  EXPECT_LT((a.h - b.h).cwiseAbs().maxCoeff(), kTight);
-  EXPECT_LT((a.I - b.I).cwiseAbs().maxCoeff(), kTight);
+void expect_same(const Inertia<double>& a, const Inertia<double>& b) {
+  EXPECT_NEAR(a.m, b.m, kRounding);
+  EXPECT_LT((a.h - b.h).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LT((a.I - b.I).cwiseAbs().maxCoeff(), kRounding);
 }
 
 const Frame& frame(const Model& model, const std::string& name) { return model.frames.at(model.find_frame(name)); }
@@ -61,8 +61,9 @@ UrdfOptions floating() {
 }
 
 TEST(Urdf, NumbersJointsDepthFirstByName) {
-  const Model m = load(link("base") + link("b") + link("a") + link("a1") + joint("j_b", "revolute", "base", "b") +
-                       joint("j_a", "continuous", "base", "a") + joint("j_c", "prismatic", "a", "a1"));
+  const Model m =
+      load(link_of("base") + link_of("b") + link_of("a") + link_of("a1") + joint_of("j_b", "revolute", "base", "b") +
+           joint_of("j_a", "continuous", "base", "a") + joint_of("j_c", "prismatic", "a", "a1"));
   ASSERT_EQ(m.njoints(), 3);
   EXPECT_EQ(m.joints[0].name, "j_a");
   EXPECT_EQ(m.joints[1].name, "j_c");
@@ -77,8 +78,8 @@ TEST(Urdf, NumbersJointsDepthFirstByName) {
 }
 
 TEST(Urdf, ReadsLimits) {
-  const Model m = load(link("a") + link("b") + link("c") + link("d") + joint("r", "revolute", "a", "b") +
-                       joint("s", "continuous", "b", "c") + joint("t", "planar", "c", "d"));
+  const Model m = load(link_of("a") + link_of("b") + link_of("c") + link_of("d") + joint_of("r", "revolute", "a", "b") +
+                       joint_of("s", "continuous", "b", "c") + joint_of("t", "planar", "c", "d"));
   EXPECT_EQ(m.joints[0].lower[0], -1);
   EXPECT_EQ(m.joints[0].upper[0], 2);
   EXPECT_EQ(m.joints[0].effort_limit[0], 5);
@@ -91,8 +92,8 @@ TEST(Urdf, ReadsLimits) {
 // No range, a range of one position, no room for effort; a continuous joint has no range, whatever the file says.
 TEST(Urdf, LimitsOfRealFiles) {
   const auto limits = [](const char* type, const std::string& range) {
-    return load(link("a") + link("b") +
-                joint("j", type, "a", "b", "<limit effort=\"0\" velocity=\"0\" " + range + "/>"))
+    return load(link_of("a") + link_of("b") +
+                joint_of("j", type, "a", "b", "<limit effort=\"0\" velocity=\"0\" " + range + "/>"))
         .joints[0];
   };
   for (const char* type : {"revolute", "prismatic"})
@@ -103,87 +104,90 @@ TEST(Urdf, LimitsOfRealFiles) {
 }
 
 TEST(Urdf, FloatingBaseCarriesTheRootLink) {
-  const std::string robot = link("a", 2) + link("b", 3) + joint("j", "revolute", "a", "b");
+  const std::string robot = link_of("a", 2) + link_of("b", 3) + joint_of("j", "revolute", "a", "b");
   const Model fixed = load(robot), free = load(robot, floating());
   EXPECT_EQ(free.joints[0].name, "root");
   EXPECT_EQ(free.joints[0].type, JointType::kFloating);
   EXPECT_TRUE(free.floating_base);
   EXPECT_EQ(free.nv, 7);
   EXPECT_EQ(free.nq, 8);
-  EXPECT_NEAR(free.mass(), 5, kTight);
-  EXPECT_NEAR(fixed.mass(), 3, kTight);  // the root link cannot move
+  EXPECT_NEAR(free.mass(), 5, kRounding);
+  EXPECT_NEAR(fixed.mass(), 3, kRounding);  // the root link cannot move
   EXPECT_EQ(fixed.nv, 1);
   EXPECT_EQ(frame(fixed, "a").joint, -1);
 }
 
 TEST(Urdf, FloatingBaseAvoidsTheNameOfAJoint) {
-  const Model m = load(link("a") + link("b") + joint("root", "revolute", "a", "b"), floating());
+  const Model m = load(link_of("a") + link_of("b") + joint_of("root", "revolute", "a", "b"), floating());
   EXPECT_EQ(m.joints[0].name, "root_");
   EXPECT_EQ(m.joints[1].name, "root");
 }
 
 TEST(Urdf, MergesFixedJoints) {
   const std::string com = "<origin xyz=\"0.3 0.1 -0.2\" rpy=\"0.4 -0.5 0.6\"/>";
-  const Model m = load(link("a") + link("b", 2) + link("c", 3, com) + link("d", 4) + joint("j", "revolute", "a", "b") +
-                       joint("f", "fixed", "b", "c", kTurned) + joint("k", "revolute", "c", "d", kTurned));
+  const Model m = load(link_of("a") + link_of("b", 2) + link_of("c", 3, com) + link_of("d", 4) +
+                       joint_of("j", "revolute", "a", "b") + joint_of("f", "fixed", "b", "c", kTurned) +
+                       joint_of("k", "revolute", "c", "d", kTurned));
   ASSERT_EQ(m.njoints(), 2);
   EXPECT_EQ(m.notes.merged, std::vector<std::string>{"f"});
-  expect_near(frame(m, "c").placement, turned());
+  expect_same(frame(m, "c").placement, turned());
   EXPECT_EQ(frame(m, "c").joint, 0);
   EXPECT_EQ(m.joints[1].parent, 0);
-  expect_near(m.joints[1].placement, turned() * turned());
+  expect_same(m.joints[1].placement, turned() * turned());
   Mat3<double> I;
   I << 0.1, 0.01, 0.02, 0.01, 0.2, 0.03, 0.02, 0.03, 0.15;
   Inertia<double> expected = Inertia<double>::from_com(2, Vec3<double>::Zero(), I);
   const Mat3<double> R = turned().R;
   expected += Inertia<double>::from_com(3, Vec3<double>(0.3, 0.1, -0.2), R * I * R.transpose()).transformed(turned());
-  expect_near(m.joints[0].inertia, expected);
+  expect_same(m.joints[0].inertia, expected);
 }
 
 TEST(Urdf, LockedJointsLeaveTheModel) {
-  const std::string robot = link("a") + link("b", 2) + link("c", 3) + link("d", 4) +
-                            joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 2\"/>" + kTurned) +
-                            joint("k", "prismatic", "b", "c", "<axis xyz=\"0 1 0\"/>" + kTurned) +
-                            joint("l", "revolute", "c", "d", "<axis xyz=\"0 1 1\"/>");
+  const std::string robot = link_of("a") + link_of("b", 2) + link_of("c", 3) + link_of("d", 4) +
+                            joint_of("j", "revolute", "a", "b", "<axis xyz=\"0 0 2\"/>" + kTurned) +
+                            joint_of("k", "prismatic", "b", "c", "<axis xyz=\"0 1 0\"/>" + kTurned) +
+                            joint_of("l", "revolute", "c", "d", "<axis xyz=\"0 1 1\"/>");
   UrdfOptions o = floating();
   const Model whole = load(robot, o);
   o.locked = {{"j", 0.7}, {"k", -0.3}};
   const Model m = load(robot, o);
   EXPECT_EQ(m.nv, whole.nv - 2);
-  EXPECT_NEAR(m.mass(), whole.mass(), kTight);
+  EXPECT_NEAR(m.mass(), whole.mass(), kRounding);
   EXPECT_EQ(m.notes.locked, (std::vector<std::string>{"j", "k"}));
   const SE3<double> b =
       turned() * SE3<double>{rotation_about<double>(Vec3<double>::UnitZ(), 0.7), Vec3<double>::Zero()};
   const SE3<double> c = b * turned() * SE3<double>{Mat3<double>::Identity(), Vec3<double>(0, -0.3, 0)};
-  expect_near(frame(m, "b").placement, b);
-  expect_near(frame(m, "c").placement, c);
-  expect_near(m.joints[1].placement, c);
-  EXPECT_NEAR(m.joints[1].axis.norm(), 1, kTight);
+  expect_same(frame(m, "b").placement, b);
+  expect_same(frame(m, "c").placement, c);
+  expect_same(m.joints[1].placement, c);
+  EXPECT_NEAR(m.joints[1].axis.norm(), 1, kRounding);
 }
 
 TEST(Urdf, PlanarJointsTurnZToTheAxisAndKeepTheLinkFrame) {
-  const Model flat = load(link("a") + link("b") + joint("j", "planar", "a", "b", "<axis xyz=\"0 0 1\"/>" + kTurned));
+  const Model flat =
+      load(link_of("a") + link_of("b") + joint_of("j", "planar", "a", "b", "<axis xyz=\"0 0 1\"/>" + kTurned));
   const Inertia<double> inertia = flat.joints[0].inertia;
-  expect_near(flat.joints[0].placement, turned());
+  expect_same(flat.joints[0].placement, turned());
   for (const char* axis : {"0 0 1", "0 0 -1", "1 0 0", "0 -3 0", "1 2 3", "1e-9 0 -1", "1 -1 -5", ""}) {
     SCOPED_TRACE(axis);
     const std::string given = *axis ? "<axis xyz=\"" + std::string(axis) + "\"/>" : "";
-    const Model m = load(link("a") + link("b") + link("c") + joint("j", "planar", "a", "b", given + kTurned) +
-                         joint("k", "revolute", "b", "c", kTurned));
+    const Model m =
+        load(link_of("a") + link_of("b") + link_of("c") + joint_of("j", "planar", "a", "b", given + kTurned) +
+             joint_of("k", "revolute", "b", "c", kTurned));
     const Joint& j = m.joints[0];
     EXPECT_EQ(j.type, JointType::kPlanar);
     EXPECT_EQ(m.nv, 4);
     const SE3<double> link = frame(m, "b").placement;
-    expect_near(j.placement * link, turned());
-    expect_near(j.inertia, inertia.transformed(link));
-    expect_near(m.joints[1].placement, link * turned());
+    expect_same(j.placement * link, turned());
+    expect_same(j.inertia, inertia.transformed(link));
+    expect_same(m.joints[1].placement, link * turned());
     Vec3<double> n(1, 0, 0);
     if (*axis) std::istringstream(axis) >> n[0] >> n[1] >> n[2];
     n.normalize();
     const Mat3<double> R = link.R.transpose();
-    EXPECT_LT((R.col(2) - n).cwiseAbs().maxCoeff(), kTight);
-    EXPECT_LT((R.transpose() * R - Mat3<double>::Identity()).cwiseAbs().maxCoeff(), kTight);
-    EXPECT_NEAR(R.trace(), 1 + 2 * n.z(), kTight);  // the smallest such rotation
+    EXPECT_LT((R.col(2) - n).cwiseAbs().maxCoeff(), kRounding);
+    EXPECT_LT((R.transpose() * R - Mat3<double>::Identity()).cwiseAbs().maxCoeff(), kRounding);
+    EXPECT_NEAR(R.trace(), 1 + 2 * n.z(), kRounding);  // the smallest such rotation
   }
 }
 
@@ -191,8 +195,8 @@ TEST(Urdf, ArmatureSparesTheFloatingBase) {
   UrdfOptions o = floating();
   o.armature = 0.5;
   o.joint_armature = {{"k", {0.25}}, {"p", {1, 2, 3}}};
-  const Model m = load(link("a") + link("b") + link("c") + link("d") + joint("j", "revolute", "a", "b") +
-                           joint("k", "revolute", "b", "c") + joint("p", "planar", "c", "d"),
+  const Model m = load(link_of("a") + link_of("b") + link_of("c") + link_of("d") + joint_of("j", "revolute", "a", "b") +
+                           joint_of("k", "revolute", "b", "c") + joint_of("p", "planar", "c", "d"),
                        o);
   Eigen::VectorXd expected(11);
   expected << 0, 0, 0, 0, 0, 0, 0.5, 0.25, 1, 2, 3;
@@ -200,16 +204,18 @@ TEST(Urdf, ArmatureSparesTheFloatingBase) {
 }
 
 TEST(Urdf, NotesWhatIsNotModelled) {
-  const Model m = load(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b", "<mimic joint=\"k\"/>") +
-                       joint("k", "revolute", "b", "c", "<dynamics damping=\"1\"/>"));
+  const Model m =
+      load(link_of("a") + link_of("b") + link_of("c") + joint_of("j", "revolute", "a", "b", "<mimic joint=\"k\"/>") +
+           joint_of("k", "revolute", "b", "c", "<dynamics damping=\"1\"/>"));
   EXPECT_EQ(m.notes.mimic, std::vector<std::string>{"j"});
   EXPECT_EQ(m.notes.dynamics, std::vector<std::string>{"k"});
   EXPECT_EQ(m.nv, 2);
 }
 
 TEST(Urdf, OptionsMustFitTheRobot) {
-  const std::string robot = link("a") + link("b") + link("c") + link("d") + joint("f", "fixed", "a", "b") +
-                            joint("p", "planar", "b", "c") + joint("r", "revolute", "c", "d");
+  const std::string robot = link_of("a") + link_of("b") + link_of("c") + link_of("d") +
+                            joint_of("f", "fixed", "a", "b") + joint_of("p", "planar", "b", "c") +
+                            joint_of("r", "revolute", "c", "d");
   const auto lock = [&](const std::string& name) {
     UrdfOptions o;
     o.locked[name] = 0;
@@ -232,20 +238,20 @@ TEST(Urdf, OptionsMustFitTheRobot) {
 
 TEST(Urdf, InertiasAreJudgedPerBody) {
   const auto body = [](const std::string& inertial) {
-    return load(link("a") + "<link name=\"b\"><inertial>" + inertial + "</inertial></link>" + link("c", 5) +
-                joint("j", "revolute", "a", "b") + joint("f", "fixed", "b", "c"));
+    return load(link_of("a") + "<link name=\"b\"><inertial>" + inertial + "</inertial></link>" + link_of("c", 5) +
+                joint_of("j", "revolute", "a", "b") + joint_of("f", "fixed", "b", "c"));
   };
   // point mass: the inertia about the centre of mass is zero up to rounding
   EXPECT_NO_THROW(
       load("<link name=\"a\"/><link name=\"b\"><inertial><origin xyz=\"0.3 0.1 0.7\"/><mass value=\"3\"/>"
            "<inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>" +
-           joint("j", "revolute", "a", "b")));
+           joint_of("j", "revolute", "a", "b")));
   // no inertia at all, and inertia without mass
-  EXPECT_NO_THROW(load("<link name=\"a\"/><link name=\"b\"/>" + joint("j", "revolute", "a", "b")));
+  EXPECT_NO_THROW(load("<link name=\"a\"/><link name=\"b\"/>" + joint_of("j", "revolute", "a", "b")));
   EXPECT_NO_THROW(
       load("<link name=\"a\"/><link name=\"b\"><inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" "
            "ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>" +
-           joint("j", "revolute", "a", "b")));
+           joint_of("j", "revolute", "a", "b")));
   // negative, made good by what is merged
   const char* inertia = "<inertia ixx=\"-0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/>";
   EXPECT_NO_THROW(body("<mass value=\"-1\"/>" + std::string(inertia)));
@@ -260,7 +266,7 @@ TEST(Urdf, InertiasThatNoBodyHas) {
     const std::string inertia =
         "<inertia ixx=\"" + xx + "\" ixy=\"0\" ixz=\"0\" iyy=\"" + yy + "\" iyz=\"0\" izz=\"" + zz + "\"/>";
     const std::string body = "<link name=\"a\"/>\n<link name=\"b\"><inertial>" + origin + "<mass value=\"" + mass +
-                             "\"/>" + inertia + "</inertial></link>" + joint("j", "revolute", "a", "b") + merged;
+                             "\"/>" + inertia + "</inertial></link>" + joint_of("j", "revolute", "a", "b") + merged;
     std::vector<Finding> findings;
     (void)load(body, {}, &findings);
     UrdfOptions strict;
@@ -288,7 +294,7 @@ TEST(Urdf, InertiasThatNoBodyHas) {
   EXPECT_TRUE(taken("1", "1", "2.000000001"));  // within 1e-9 of the trace, 4
   EXPECT_FALSE(taken("1", "1", "2.00000001"));
   EXPECT_TRUE(taken("1", "0", "0", "0"));  // without mass: a rotor
-  EXPECT_TRUE(taken("0.1", "0.1", "0.25", "2", "", link("c", 3) + joint("f", "fixed", "b", "c")));  // made good
+  EXPECT_TRUE(taken("0.1", "0.1", "0.25", "2", "", link_of("c", 3) + joint_of("f", "fixed", "b", "c")));  // made good
 }
 
 TEST(Urdf, ToleratesWhatRealFilesHold) {
@@ -317,7 +323,7 @@ TEST(Urdf, LongChain) {
   std::string robot;
   const auto name = [](int i) { return "l" + std::to_string(100000 - i); };
   for (int i = 0; i < kLinks; ++i) robot += "<link name=\"" + name(i) + "\"/>\n";
-  for (int i = 1; i < kLinks; ++i) robot += joint("j" + name(i), "continuous", name(i - 1), name(i));
+  for (int i = 1; i < kLinks; ++i) robot += joint_of("j" + name(i), "continuous", name(i - 1), name(i));
   const Model m = load(robot);
   EXPECT_EQ(m.nv, kLinks - 1);
   EXPECT_EQ(m.dof_depth[m.nv - 1], kLinks - 2);

@@ -13,8 +13,6 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// What `action` throws as std::invalid_argument; empty when it throws nothing.
 template <class Action>
 std::string refusal(Action&& action) {

@@ -189,9 +189,9 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
 
 void compare(const Case& c, const Problem& near, void (*move)(const Vec3<double>&, Problem&), const char* how) {
   const FarWay ways[] = {{"auto", {}, false},
-                         {"dense", {Method::kDense}, true},
+                         {"dense", {Method::kDense, {}}, true},
                          {"sparse-ldl off", {Method::kSparseLdl, {}, Lanes::kOff}, true},
-                         {"sparse-bodies", {Method::kSparseBodies}, false}};
+                         {"sparse-bodies", {Method::kSparseBodies, {}}, false}};
   for (const FarWay& way : ways) {
     if (way.small_only && !c.small) continue;
     const Answer here = answer(near, way.options);
@@ -234,7 +234,7 @@ TEST(FarTruth, AnyPlace) {
         const Truth<Quad> truth =
             solve_truth<Quad>(p.scene, {1, 1}, p.q.cast<Quad>(), p.v.cast<Quad>(), p.u.cast<Quad>());
         for (const Method method : {Method::kAuto, Method::kDense, Method::kSparseBodies}) {
-          const Answer x = answer(p, {method});
+          const Answer x = answer(p, {method, {}});
           const std::string what = to_string(type) + " by " + to_string(method) + ", " + std::to_string(distance) +
                                    " m" + (by_joints ? ", by joints" : "");
           ASSERT_EQ(x.report.status, Status::kOk) << what;

@@ -15,6 +15,14 @@ MatrixXd least_norm(const MatrixXd& A, const MatrixXd& B, double threshold) {
   return decomposition.solve(B);
 }
 
+MatrixXd inverse_of(const MatrixXd& A) { return A.partialPivLu().inverse(); }
+
+int rank_of(const MatrixXd& A, double threshold) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
+  qr.setThreshold(threshold);
+  return static_cast<int>(qr.rank());
+}
+
 Svd::Svd(const MatrixXd& A) {
   const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
   sigma = svd.singularValues(), U = svd.matrixU(), V = svd.matrixV();
@@ -26,7 +34,7 @@ Eigen::VectorXd eigenvalues(const MatrixXd& A) {
 
 double condition_1(const MatrixXd& A) {
   const auto norm_1 = [](const MatrixXd& B) { return B.cwiseAbs().colwise().sum().maxCoeff(); };
-  return norm_1(A) * norm_1(A.partialPivLu().inverse());
+  return norm_1(A) * norm_1(inverse_of(A));
 }
 
 }  // namespace manycontact::test

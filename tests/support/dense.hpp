@@ -12,6 +12,12 @@ Eigen::MatrixXd solved(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 /// `threshold` times the largest is nothing; 0: Eigen's own choice.
 Eigen::MatrixXd least_norm(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double threshold = 0);
 
+/// A^-1, by LU.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A);
+
+/// By QR with pivoting: what is below `threshold` times the largest counts as nothing.
+int rank_of(const Eigen::MatrixXd& A, double threshold);
+
 /// A = U diag(sigma) V^T, U and V square, sigma descending.
 struct Svd {
   explicit Svd(const Eigen::MatrixXd& A);

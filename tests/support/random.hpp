@@ -1,12 +1,15 @@
 #pragma once
 // Seeded random robots, states and scenes: moderate numbers, so that what is well posed is well conditioned too.
 
+#include <limits>
 #include <random>
 #include <vector>
 
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::test {
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double uniform(std::mt19937& rng, double low, double high);
 bool chance(std::mt19937& rng, double probability);

@@ -8,11 +8,10 @@
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/folder.hpp"
+#include "task/task_of.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 namespace {
-
-const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
 // humanoid_reaches.xml with more terms in each phase, or in the terminal node.
 class Constraints : public testing::Test {
@@ -126,4 +125,4 @@ TEST_F(Constraints, ThatAreOutOfReachAreReportedInTheFilesIterations) {
 }
 
 }  // namespace
-}  // namespace manycontact
+}  // namespace manycontact::test

@@ -7,11 +7,10 @@
 
 #include "manycontact/task/optimize.hpp"
 #include "support/folder.hpp"
+#include "task/task_of.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 namespace {
-
-const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
 void replace(std::string& text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -64,4 +63,4 @@ TEST(Copies, OfARingCostTheSame) {
 }
 
 }  // namespace
-}  // namespace manycontact
+}  // namespace manycontact::test

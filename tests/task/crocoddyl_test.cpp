@@ -14,12 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kTasks = MANYCONTACT_SHARED_DIR "/tasks";
+const fs::path kSharedTasks = MANYCONTACT_SHARED_DIR "/tasks";
 
 std::vector<std::string> names() {
   std::vector<std::string> out;
-  if (fs::exists(kTasks))
-    for (const auto& entry : fs::directory_iterator(kTasks))
+  if (fs::exists(kSharedTasks))
+    for (const auto& entry : fs::directory_iterator(kSharedTasks))
       if (entry.path().extension() == ".json") out.push_back(entry.path().stem().string());
   std::sort(out.begin(), out.end());
   return out;
@@ -43,8 +43,8 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Crocoddyl);
 // Costs to 1e-6 while the stopping value is above 1e-6: below, it is the business of rounding (../shared/tasks).
 TEST_P(Crocoddyl, TheSameIterates) {
   nlohmann::json golden;
-  std::ifstream(kTasks / (GetParam() + ".json")) >> golden;
-  const TaskFile task = read_task((kTasks / (GetParam() + ".xml")).string());
+  std::ifstream(kSharedTasks / (GetParam() + ".json")) >> golden;
+  const TaskFile task = read_task((kSharedTasks / (GetParam() + ".xml")).string());
   TaskProblem problem = make_problem(task);
   const TaskSolution solution = optimize(task, problem, {task.solver, 1, {}});
 

@@ -8,11 +8,10 @@
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/random.hpp"
+#include "task/task_of.hpp"
 
 namespace manycontact::test {
 namespace {
-
-const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
 TEST(Impact, IsANodeBeforeThoseOfItsPhase) {
   const TaskFile task = read_task(kTasks + "quadruped_trots.xml");

@@ -24,12 +24,6 @@
 namespace manycontact::test {
 namespace {
 
-std::string repeated(const std::string& number, int count) {
-  std::string out;
-  for (int i = 0; i < count; ++i) out += number + " ";
-  return out;
-}
-
 // Quadrupeds in a line, each with a front foot on the trunk of the next: bonds in one frame or the other.
 std::string chain_scene(int robots, const std::string& frame = "local", const std::string& damping = "0",
                         const std::string& type = "6d") {

@@ -7,11 +7,10 @@
 #include "manycontact/control/euler.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/random.hpp"
+#include "task/task_of.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 namespace {
-
-const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
 // Of the torques, over the rollout they lead to.
 double total_cost(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us) {
@@ -65,4 +64,4 @@ TEST(KktResidual, GoesToZeroWithTheStoppingValueAndSeesGaps) {
 }
 
 }  // namespace
-}  // namespace manycontact
+}  // namespace manycontact::test

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "manycontact/task/simulate.hpp"
+#include "support/dense.hpp"
 #include "support/folder.hpp"
 
 namespace manycontact {
@@ -154,7 +155,7 @@ TEST(InfeasibleTasks, AreNoneOfACartWithoutLimits) {
     const TaskFile task = task_with({{"cart.urdf", kCart}, {"scene.xml", kCartScene}}, text.str());
     Eigen::MatrixXd S(2, c.n);
     for (int t = 0; t < c.n; ++t) S.col(t) << c.h * c.h * (c.n - t), c.h;
-    const Eigen::VectorXd u = S.transpose() * (S * S.transpose()).ldlt().solve(Eigen::Vector2d(0.5, 0));
+    const Eigen::VectorXd u = S.transpose() * test::solved(S * S.transpose(), Eigen::Vector2d(0.5, 0));
     const double right = 0.5 * c.h * c.w * u.squaredNorm();
     const TaskSolution s = solved(task);
     EXPECT_TRUE(s.converged) << c.n << " " << c.h << " " << c.w << ": " << s.reason;

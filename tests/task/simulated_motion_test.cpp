@@ -5,11 +5,10 @@
 #include "manycontact/action/cones.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/simulate.hpp"
+#include "task/task_of.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 namespace {
-
-const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
 // Soles neither slip nor tip, in every row of the cones that the task's costs are barriers of.
 void expect_within_cones(const TaskFile& task, const TaskProblem& problem, const TaskSolution& s) {
@@ -88,4 +87,4 @@ TEST(SimulatedMotion, AQuadrupedTrots) {
 }
 
 }  // namespace
-}  // namespace manycontact
+}  // namespace manycontact::test

@@ -23,7 +23,7 @@ namespace manycontact::test {
 namespace {
 
 // Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
-std::string herd(int robots, const std::string& more = "", const std::string& urdf = kModels + "quadruped.urdf") {
+std::string herd_scene(int robots, const std::string& more = "", const std::string& urdf = kModels + "quadruped.urdf") {
   std::string out = "<scene name='herd'><robot name='herd' urdf='" + urdf +
                     "' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
                     "' arrange='circle' spacing='1'>";
@@ -33,12 +33,6 @@ std::string herd(int robots, const std::string& more = "", const std::string& ur
   for (const char* leg : {"LF", "RF", "LH", "RH"})
     out += std::string("<contact name='") + leg + "' type='3d' frame='herd/" + leg + "_foot' gains='0 20'/>";
   return out + more + "</scene>";
-}
-
-std::string repeated(const std::string& number, int count) {
-  std::string out;
-  for (int i = 0; i < count; ++i) out += number + " ";
-  return out;
 }
 
 // Terms of all kinds; they hold for every copy.
@@ -57,26 +51,26 @@ std::string costs(const std::string& swing) {
 
 const std::string kSwing =
     "<cost name='swing' type='frame_translation' frame='herd/LF_foot' xyz='0.3 0.2 0.08' weight='100'/>";
-const std::string kTerminal =
+const std::string kReachAtTheEnd =
     "<terminal><cost name='state' type='state' weight='10'/>"
     "<cost name='reach' type='frame_translation' frame='herd/LF_foot' xyz='0.3 0.2 0.05' weight='50'/></terminal>";
 
 TaskFile separate_task(int robots) {
-  return task_of("separate" + std::to_string(robots), herd(robots),
+  return task_of("separate" + std::to_string(robots), herd_scene(robots),
                  "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") +
-                     "</phase><phase nodes='6' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kTerminal);
+                     "</phase><phase nodes='6' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kReachAtTheEnd);
 }
 
 // The first two hold each other in the middle, then let go; the third stands apart.
 TaskFile joined_task() {
   return task_of("joined",
-                 herd(3,
-                      "<contact name='hold' type='3d' frame='herd0/LH_foot' to='herd1/RF_hip_link' gains='0 20'/>"
-                      "<contact name='never' type='3d' frame='herd1/LH_foot' to='herd2/trunk'/>"),
+                 herd_scene(3,
+                            "<contact name='hold' type='3d' frame='herd0/LH_foot' to='herd1/RF_hip_link' gains='0 20'/>"
+                            "<contact name='never' type='3d' frame='herd1/LH_foot' to='herd2/trunk'/>"),
                  "<phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) +
                      "</phase><phase nodes='4' contacts='RF RH hold'>" +
                      costs("<cost name='pull' type='contact_force' contact='hold' weight='1e-3' reference='1 2 3'/>") +
-                     "</phase><phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kTerminal);
+                     "</phase><phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kReachAtTheEnd);
 }
 
 // The solutions of the whole scene and by parts.
@@ -129,8 +123,9 @@ TEST(SparseTask, RobotsThatHoldEachOtherForAWhileTakeTheStepsOfDenseRiccati) {
 
 // A box that falls has no torques: it is a part of its own, whose nodes have no controls.
 TEST(SparseTask, WhatHasNoTorquesMovesToo) {
-  const TaskFile task = task_of("passive", herd(2, "<robot name='box' urdf='" + kModels + "box.urdf' xyz='5 0 3'/>"),
-                                "<phase nodes='8' contacts='LF RF LH RH'>" + costs("") + "</phase>" + kTerminal);
+  const TaskFile task =
+      task_of("passive", herd_scene(2, "<robot name='box' urdf='" + kModels + "box.urdf' xyz='5 0 3'/>"),
+              "<phase nodes='8' contacts='LF RF LH RH'>" + costs("") + "</phase>" + kReachAtTheEnd);
   EXPECT_EQ(separate_robots(task), (std::vector<std::vector<int>>{{0}, {1}, {2}}));
   const Both both = expect_dense_iterates(task, 3, TaskSolver::kFddp, TaskSolver::kSparse, 3);
   EXPECT_LT(both.sparse.xs.back()[task.scene.scene.robots[2].idx_q + 2], 2.98);
@@ -153,10 +148,10 @@ TEST(SparseTask, RobotsWithoutTorquesAreAsInOneScene) {
 }
 
 TEST(SparseTask, ImpactsOfSeparateRobots) {
-  const TaskFile task = task_of("impacts", herd(2),
+  const TaskFile task = task_of("impacts", herd_scene(2),
                                 "<phase nodes='5' contacts='RF LH RH'>" + costs(kSwing) +
                                     "</phase><phase nodes='4' contacts='LF RF LH RH' impact='true'>" + costs("") +
-                                    "</phase>" + kTerminal);
+                                    "</phase>" + kReachAtTheEnd);
   const Both both = expect_dense_iterates(task, 2);
   EXPECT_EQ(both.sparse.us[5].size(), 0);
   EXPECT_GT((both.sparse.xs[6] - both.sparse.xs[5]).norm(), 0.1);  // of the two robots' velocities
@@ -171,9 +166,9 @@ TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   const std::string weak =
       folder.write("weak.urdf", std::regex_replace(urdf.str(), std::regex("effort=\"[^\"]*\""), "effort=\"17\""));
   const TaskFile task =
-      task_of("limits", herd(3, "", weak),
+      task_of("limits", herd_scene(3, "", weak),
               "<phase nodes='4' contacts='LF RF LH RH'>" + costs("") + "</phase><phase nodes='6' contacts='RF LH RH'>" +
-                  costs(kSwing) + "</phase>" + kTerminal);
+                  costs(kSwing) + "</phase>" + kReachAtTheEnd);
   const Both both = expect_dense_iterates(task, 3, TaskSolver::kBoxFddp, TaskSolver::kBoxFddp);
   EXPECT_TRUE(both.sparse.converged) << both.sparse.reason;
   EXPECT_EQ(both.sparse.blocks, (std::vector<int>{12, 12, 12}));
@@ -192,7 +187,7 @@ TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
                                  "' upper='" + repeated("20", 12) + "'/>";
   for (const TaskSolver whole : {TaskSolver::kFddp, TaskSolver::kBoxFddp}) {
     const TaskFile task = task_of(
-        "constrained", herd(2),
+        "constrained", herd_scene(2),
         "<phase nodes='12' contacts='LF RF LH RH'>" + costs("") + on_the_way +
             "</phase><terminal><cost name='state' type='state' weight='10'/><constraint name='com' type='com' "
             "robot='herd' reference='-0.016 0.002 0.34' lower='-0.001 0 -0.01' upper='0.001 0 0.01'/></terminal>"
@@ -250,10 +245,10 @@ TEST(SparseTask, PartsAreJoinedByContactsThatAreUsedAndByTermsOfAll) {
   EXPECT_EQ(separate_robots(separate_task(4)), (Parts{{0}, {1}, {2}, {3}}));
   EXPECT_EQ(separate_robots(joined_task()), (Parts{{0, 1}, {2}}));
   const TaskFile all =
-      task_of("all", herd(3),
+      task_of("all", herd_scene(3),
               "<phase nodes='2' contacts='LF RF LH RH'><cost name='com' type='com' reference='0 0 0.3'/>"
               "</phase>" +
-                  kTerminal);
+                  kReachAtTheEnd);
   EXPECT_EQ(separate_robots(all), (Parts{{0, 1, 2}}));
 }
 

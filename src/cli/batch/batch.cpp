@@ -4,9 +4,9 @@
 #include <iostream>
 #include <memory>
 
-#include "../common/command.hpp"
-#include "../common/progress.hpp"
-#include "../common/table.hpp"
+#include "../program/command.hpp"
+#include "../program/progress.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "npy.hpp"
@@ -19,7 +19,7 @@ namespace {
 constexpr int kStatuses = 5;
 
 /// What a run works with, in every process. `part` is the whole scene unless its islands are split.
-struct Run {
+struct BatchRun {
   ScenePart part;
   std::string name;
   bool islands = false;
@@ -36,12 +36,12 @@ struct Run {
 };
 
 /// One block of states: rows of the whole scene, and of the part.
-struct Block {
+struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
   std::vector<double> row;  // of a derivative
 
-  void resize(const Run& run, std::int64_t n) {
+  void resize(const BatchRun& run, std::int64_t n) {
     const Scene& scene = run.part.scene;
     const std::int64_t nf = run.part.own_nf;
     in.resize(n, run.in_size());
@@ -64,7 +64,7 @@ std::string derivatives_path(const std::string& out) {
 
 // As many states as fit in 64 MB, 4096 at most and 1 at least: memory does not grow with their number. Processes that
 // share the states get four blocks each, or more.
-std::int64_t block_size(const Run& run, int processes) {
+std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());
   if (run.derivatives())
@@ -82,12 +82,12 @@ std::string required(const Arguments& arguments, const std::string& option) {
   return *value;
 }
 
-Run set_up(const Arguments& arguments, const Team& team) {
+BatchRun set_up(const Arguments& arguments, const Team& team) {
   const std::string path = scene_operand(arguments), states = required(arguments, "--states"),
                     out = required(arguments, "--out");
   const int threads = arguments.integer("--threads", 1, kMostThreads, team.size() > 1 ? 1 : 0);
   const Options options = solver_options(arguments);
-  Run run;
+  BatchRun run;
   run.islands = arguments.has("--islands");
   if (run.islands && options.method == Method::kDenseSchur)
     throw UsageError("method dense-schur takes the scene as one system, --islands cannot split it");
@@ -117,7 +117,7 @@ Run set_up(const Arguments& arguments, const Team& team) {
 }
 
 // Rows of the states' derivatives that the part has, in the whole scene's.
-void write_derivatives(Run& run, std::int64_t first, Block& b) {
+void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
@@ -145,7 +145,7 @@ void write_derivatives(Run& run, std::int64_t first, Block& b) {
 }
 
 // The part's answers at states first, ..., first+n-1, into b.out and the file of derivatives.
-void work_on(Run& run, std::int64_t first, std::int64_t n, Block& b) {
+void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
   for (std::int64_t k = 0; k < n; ++k) {
@@ -169,9 +169,9 @@ void work_on(Run& run, std::int64_t first, std::int64_t n, Block& b) {
 
 // Every block, and how many states have each status: split by states, a process has every size()-th block; split by
 // islands, all have all of them, and rank 0 writes.
-std::vector<std::int64_t> work(Run& run, Team& team) {
+std::vector<std::int64_t> work(BatchRun& run, Team& team) {
   std::vector<std::int64_t> counts(kStatuses, 0);
-  Block b;
+  StateBlock b;
   std::vector<int> status;
   Progress progress("states", static_cast<double>(run.count));
   const std::int64_t blocks = (run.count + run.block - 1) / run.block;
@@ -194,7 +194,7 @@ std::vector<std::int64_t> work(Run& run, Team& team) {
   return counts;
 }
 
-void print_summary(const Run& run, const std::vector<std::int64_t>& counts) {
+void print_summary(const BatchRun& run, const std::vector<std::int64_t>& counts) {
   std::vector<std::string> parts;
   for (int k = 0; k < kStatuses; ++k)
     if (counts[k] > 0) parts.push_back(std::to_string(counts[k]) + " " + to_string(static_cast<Status>(k)));
@@ -210,7 +210,7 @@ int run_alone(const Arguments& arguments) {
 }  // namespace
 
 int run_batch(const Arguments& arguments, Team& team) {
-  Run run;
+  BatchRun run;
   const auto together = [&team](auto&& step) {  // a step that may fail in some processes and not in others
     std::exception_ptr error;
     try {

@@ -1,7 +1,7 @@
 #pragma once
 // `manycontact batch`, in one process or in several.
 
-#include "../common/arguments.hpp"
+#include "../program/arguments.hpp"
 #include "team.hpp"
 
 namespace manycontact::cli {

@@ -7,9 +7,9 @@
 #include <iostream>
 #include <set>
 
-#include "../common/command.hpp"
-#include "../common/gnuplot.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../program/command.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::cli {

@@ -1,4 +1,4 @@
-#include "../common/csv_file.hpp"
+#include "../files/csv_file.hpp"
 #include "chart.hpp"
 
 namespace manycontact::cli {

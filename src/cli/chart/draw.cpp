@@ -5,8 +5,8 @@
 #include <map>
 #include <sstream>
 
-#include "../common/gnuplot.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../text/table.hpp"
 #include "chart.hpp"
 
 namespace manycontact::cli {

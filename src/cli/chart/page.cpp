@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "../common/output_file.hpp"
-#include "../common/table.hpp"
+#include "../files/output_file.hpp"
+#include "../text/table.hpp"
 #include "chart.hpp"
 
 namespace manycontact::cli {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "chart.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/cholmod.hpp"

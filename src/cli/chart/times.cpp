@@ -7,8 +7,8 @@
 #include <optional>
 #include <random>
 
-#include "../common/choice.hpp"
-#include "../common/rough_time.hpp"
+#include "../program/rough_time.hpp"
+#include "../text/choice.hpp"
 #include "chart.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "inspect.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"

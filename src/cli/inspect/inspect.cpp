@@ -10,10 +10,10 @@
 #include <iostream>
 #include <map>
 
-#include "../common/choice.hpp"
-#include "../common/command.hpp"
-#include "../common/findings.hpp"
-#include "../common/table.hpp"
+#include "../program/command.hpp"
+#include "../text/choice.hpp"
+#include "../text/findings.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/advice.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/solve.hpp"

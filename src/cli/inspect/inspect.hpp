@@ -1,7 +1,7 @@
 #pragma once
 // `manycontact inspect`: what the scene holds, seen from its structure, and what could be simpler.
 
-#include "../common/describe.hpp"
+#include "../text/describe.hpp"
 #include "manycontact/analysis/kinds.hpp"
 
 namespace manycontact::cli {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <map>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "inspect.hpp"
 
 namespace manycontact::cli {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "../common/output_file.hpp"
-#include "../common/svg.hpp"
-#include "../common/table.hpp"
+#include "../files/output_file.hpp"
+#include "../files/svg.hpp"
+#include "../text/table.hpp"
 #include "inspect.hpp"
 
 namespace manycontact::cli {

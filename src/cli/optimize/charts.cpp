@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "../common/gnuplot.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "optimize.hpp"
 

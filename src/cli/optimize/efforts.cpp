@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "optimize.hpp"
 

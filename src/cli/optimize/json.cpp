@@ -1,4 +1,4 @@
-#include "../common/json_file.hpp"
+#include "../files/json_file.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "manycontact/algorithm/energy.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "optimize.hpp"

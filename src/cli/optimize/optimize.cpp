@@ -7,9 +7,9 @@
 #include <iomanip>
 #include <iostream>
 
-#include "../common/command.hpp"
-#include "../common/gnuplot.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../program/command.hpp"
+#include "../text/table.hpp"
 #include "../view/view.hpp"
 #include "manycontact/analysis/consistent.hpp"
 

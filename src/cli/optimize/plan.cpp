@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "optimize.hpp"
 
 namespace manycontact::cli {

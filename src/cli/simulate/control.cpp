@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "../common/csv_read.hpp"
+#include "../files/csv_read.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/model/suggestion.hpp"
 

@@ -7,9 +7,9 @@
 #include <iostream>
 #include <memory>
 
-#include "../common/command.hpp"
-#include "../common/progress.hpp"
-#include "../common/table.hpp"
+#include "../program/command.hpp"
+#include "../program/progress.hpp"
+#include "../text/table.hpp"
 #include "../view/view.hpp"
 #include "control.hpp"
 #include "manycontact/analysis/load_scene.hpp"

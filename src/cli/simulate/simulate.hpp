@@ -1,7 +1,7 @@
 #pragma once
 // What `manycontact simulate`, `manycontact optimize` and `manycontact stability` share.
 
-#include "../common/csv_file.hpp"
+#include "../files/csv_file.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"

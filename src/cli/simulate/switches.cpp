@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "../common/arguments.hpp"
-#include "../common/table.hpp"
+#include "../program/arguments.hpp"
+#include "../text/table.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "../common/describe.hpp"
-#include "../common/table.hpp"
+#include "../text/describe.hpp"
+#include "../text/table.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/analysis/names.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "../common/findings.hpp"
+#include "../text/findings.hpp"
 #include "manycontact/simulation/posture.hpp"
 #include "simulate.hpp"
 

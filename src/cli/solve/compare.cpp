@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../common/rough_time.hpp"
-#include "../common/table.hpp"
+#include "../program/rough_time.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/errors.hpp"
 #include "solve.hpp"
 

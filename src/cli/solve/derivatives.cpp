@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "solve.hpp"

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <set>
 
-#include "../common/describe.hpp"
-#include "../common/findings.hpp"
-#include "../common/json_file.hpp"
+#include "../files/json_file.hpp"
+#include "../text/describe.hpp"
+#include "../text/findings.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "solve.hpp"
 

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <iostream>
 
-#include "../common/command.hpp"
-#include "../common/table.hpp"
+#include "../program/command.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "../common/findings.hpp"
+#include "../text/findings.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -27,7 +27,7 @@ struct SolvedScene {
   bool derivatives = false;  // derivatives(data) are there
   Findings findings = {};
   std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
-  bool compare = false;  // against the dense oracle, however long it takes
+  bool compare = false;           // against the dense oracle, however long it takes
 };
 
 /// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and

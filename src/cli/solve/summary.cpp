@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "../common/choice.hpp"
-#include "../common/describe.hpp"
-#include "../common/table.hpp"
+#include "../text/choice.hpp"
+#include "../text/describe.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -16,7 +16,7 @@ namespace manycontact::cli {
 
 namespace {
 
-std::string in_words(Status status, double damping) {
+std::string status_in_words(Status status, double damping) {
   switch (status) {
     case Status::kOk:
       return damping > 0 ? "the damped system is solved to its residuals"
@@ -182,7 +182,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 }  // namespace
 
 void print_report(std::ostream& out, const SolvedScene& s) {
-  wrap(out, in_words(s.data.report.status, s.file.scene.damping), 0,
+  wrap(out, status_in_words(s.data.report.status, s.file.scene.damping), 0,
        "Status " + to_string(s.data.report.status) + ": ");
   const std::vector<Alike> kinds = alike_islands(s.data);
   out << "\n";

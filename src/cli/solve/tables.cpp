@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../common/describe.hpp"
-#include "../common/lines.hpp"
+#include "../text/describe.hpp"
+#include "../text/lines.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "solve.hpp"

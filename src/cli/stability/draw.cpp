@@ -4,8 +4,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "../common/gnuplot.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../text/table.hpp"
 #include "stability.hpp"
 
 namespace manycontact::cli {

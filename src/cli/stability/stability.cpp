@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "../common/command.hpp"
-#include "../common/gnuplot.hpp"
-#include "../common/progress.hpp"
-#include "../common/table.hpp"
+#include "../files/gnuplot.hpp"
+#include "../program/command.hpp"
+#include "../program/progress.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/io/input_error.hpp"
 

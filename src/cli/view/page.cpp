@@ -6,9 +6,9 @@
 #include <cstring>
 #include <ostream>
 
-#include "../common/command.hpp"
-#include "../common/output_file.hpp"
-#include "../common/table.hpp"
+#include "../files/output_file.hpp"
+#include "../program/command.hpp"
+#include "../text/table.hpp"
 
 namespace manycontact::cli {
 

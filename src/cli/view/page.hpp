@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "../common/json_file.hpp"
+#include "../files/json_file.hpp"
 #include "view.hpp"
 
 namespace manycontact::cli {

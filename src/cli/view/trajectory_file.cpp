@@ -4,7 +4,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "../common/csv_read.hpp"
+#include "../files/csv_read.hpp"
 #include "manycontact/analysis/names.hpp"
 
 namespace manycontact::cli {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "../common/table.hpp"
+#include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "trajectory_file.hpp"
 

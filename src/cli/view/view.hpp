@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "../common/command.hpp"
+#include "../program/command.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/simulation/invariants.hpp"

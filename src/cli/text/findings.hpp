@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "json_file.hpp"
+#include "../files/json_file.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/rank_changes.hpp"

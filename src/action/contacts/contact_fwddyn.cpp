@@ -3,8 +3,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "../terms.hpp"
 #include "fwddyn_steps.hpp"
-#include "terms.hpp"
 
 namespace manycontact {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <ostream>
 
-#include "named.hpp"
-#include "residual_parts.hpp"
+#include "../named.hpp"
+#include "../residuals/residual_parts.hpp"
 
 namespace manycontact {
 

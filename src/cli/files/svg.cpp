@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "table.hpp"
+#include "../text/table.hpp"
 
 namespace manycontact::cli {
 

@@ -8,11 +8,11 @@
 #include <iostream>
 #include <new>
 
+#include "../text/table.hpp"
 #include "beside.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/version.hpp"
-#include "table.hpp"
 
 namespace manycontact::cli {
 namespace {

@@ -1,6 +1,6 @@
+#include "../text/table.hpp"
 #include "command.hpp"
 #include "manycontact/sparse/cholmod.hpp"
-#include "table.hpp"
 
 namespace manycontact::cli {
 

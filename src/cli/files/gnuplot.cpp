@@ -11,9 +11,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "../text/table.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "output_file.hpp"
-#include "table.hpp"
 
 namespace manycontact::cli {
 

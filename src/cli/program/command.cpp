@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "output_file.hpp"
-#include "table.hpp"
+#include "../files/output_file.hpp"
+#include "../text/table.hpp"
 
 namespace manycontact::cli {
 

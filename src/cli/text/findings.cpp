@@ -183,8 +183,7 @@ std::string in_words(const Scene& scene, const std::vector<std::string>& velocit
   std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
                      std::to_string(c.rows) + " rows here, more beside it";
   if (c.coordinate >= 0)
-    text +=
-        ", where contacts hold " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+    text += ", where contacts hold " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
   return text + (c.singular
                      ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
                      : "; rows depend on each other only while they are met: derivatives exist along motions that meet "
@@ -300,7 +299,8 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
          {"singular", c.singular},
          {"rank", c.rank},
          {"rows", c.rows},
-         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[static_cast<std::size_t>(c.coordinate)])}});
+         {"coordinate",
+          c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[static_cast<std::size_t>(c.coordinate)])}});
   }
   to["near_dependent"] = Json::array();
   for (const NearDependent& n : f.near_dependent) {

@@ -1,5 +1,5 @@
+#include "../named.hpp"
 #include "manycontact/action/contact.hpp"
-#include "named.hpp"
 
 namespace manycontact {
 

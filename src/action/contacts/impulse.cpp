@@ -1,6 +1,6 @@
 #include "manycontact/action/impulse.hpp"
 
-#include "named.hpp"
+#include "../named.hpp"
 
 namespace manycontact {
 
