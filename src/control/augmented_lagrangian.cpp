@@ -9,6 +9,7 @@
 #include "coordinates.hpp"
 #include "cost_scale.hpp"
 #include "kkt_residual.hpp"
+#include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/sparse/largest.hpp"
 

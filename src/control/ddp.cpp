@@ -2,74 +2,128 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 #include "cost_scale.hpp"
+#include "fit.hpp"
 #include "kkt_residual.hpp"
-#include "manycontact/control/euler.hpp"
+#include "nodes.hpp"
 #include "step_lengths.hpp"
 
 namespace manycontact {
 
-SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), WithoutMatrices{}) {
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
+
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)
+    : SolverDDP(std::move(problem), limits, WithoutMatrices{}) {
+  ShootingPart whole;
+  whole.problem = problem_;
+  if (limits_)
+    directions_.push_back(std::make_unique<BoxDirection>(std::move(whole), true));
+  else
+    directions_.push_back(std::make_unique<RiccatiDirection>(std::move(whole), true, true));
   SolverDDP::allocateData();
 }
 
-SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices)
-    : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()) {}
+// The multipliers of limits are not part of the expected improvement, which stays larger than without them.
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices)
+    : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()), limits_(limits == Limits::kKept) {
+  if (limits_) th_stop_ = 5e-5;
+}
 
 void SolverDDP::resizeData() {
   SolverAbstract::resizeData();
   allocateData();
 }
 
-namespace {
-
-// Whether the backward pass finds a node's derivatives.
-bool is_readable(const ActionDataAbstract& data, Eigen::Index ndx) {
-  return data.has_matrices() ? data.Fx.rows() == ndx : dynamic_cast<const IntegratedActionDataEuler*>(&data) != nullptr;
+// Only what does not fit yet is allocated.
+void SolverDDP::allocateData() {
+  internal::fit_all(problem_->get_T() + 1, problem_->get_nx(), xs_try_);
+  internal::fit_all(problem_->get_T() + 1, problem_->get_ndx(), Vx_);
+  internal::fit_controls(*problem_, us_try_, k_);
+  for (const auto& own : directions_) own->resize();
 }
 
-template <class M>
-void fit(M& matrix, Eigen::Index rows, Eigen::Index cols) {
-  if (matrix.rows() != rows || matrix.cols() != cols) matrix.setZero(rows, cols);
+template <class Work>
+void SolverDDP::each_direction(Work&& work) {
+  if (directions_.size() == 1) return work(*directions_[0]);
+  internal::each_node(problem_->get_nthreads(), directions_.size(), [&](std::size_t i) { work(*directions_[i]); });
+}
+
+const RiccatiDirection* SolverDDP::recursion() const {
+  return directions_.size() == 1 ? dynamic_cast<const RiccatiDirection*>(directions_[0].get()) : nullptr;
+}
+
+namespace {
+
+// What one recursion keeps of its nodes, or nothing.
+template <class Kept>
+const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
+  static const Kept none;
+  return recursion ? (recursion->*get)() : none;
 }
 
 }  // namespace
 
-// Only what does not fit yet is allocated.
-void SolverDDP::allocateData() {
-  panel_node_ = kNoNode;
-  const std::size_t T = problem_->get_T();
-  const Eigen::Index nx = problem_->get_nx(), ndx = problem_->get_ndx();
-  for (std::size_t t = 0; t <= T; ++t)
-    require(is_readable(*problem_->data(t), ndx), "SolverDDP",
-            "a node's data hold no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
-  for (auto* states : {&xs_try_, &Vx_, &Vxx_fs_}) states->resize(T + 1);
-  for (auto* vectors : {&us_try_, &dx_, &Qx_, &Qu_, &k_, &Quuk_}) vectors->resize(T);
-  for (auto* matrices : {&Qxx_, &Qxu_, &Quu_}) matrices->resize(T);
-  Vxx_.resize(T + 1);
-  for (Eigen::MatrixXd& V : two_values_) fit(V, keeps_values_ ? 0 : ndx, keeps_values_ ? 0 : ndx);
-  K_.resize(T);
-  Quu_llt_.resize(T);
-  for (std::size_t t = 0; t <= T; ++t) {
-    fit(xs_try_[t], nx, 1);
-    fit(Vx_[t], ndx, 1);
-    if (keeps_values_) fit(Vxx_[t], ndx, ndx);
-    fit(Vxx_fs_[t], ndx, 1);
-    if (t == T) break;
-    const Eigen::Index nu = problem_->get_runningModels()[t]->get_nu();
-    for (auto* u : {&us_try_, &Qu_, &k_, &Quuk_}) fit((*u)[t], nu, 1);
-    for (auto* x : {&dx_, &Qx_}) fit((*x)[t], ndx, 1);
-    if (keeps_values_) {
-      fit(Qxx_[t], ndx, ndx);
-      fit(Qxu_[t], ndx, nu);
-      fit(Quu_[t], nu, nu);
-    }
-    fit(K_[t], nu, ndx);
-    if (Quu_llt_[t].rows() != nu) Quu_llt_[t] = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(nu, nu));
-  }
-  fit(step_, ndx, 1);
-  fit(xnext_, nx, 1);
+using Matrices = std::vector<Eigen::MatrixXd>;
+using Vectors = std::vector<Eigen::VectorXd>;
+const Matrices& SolverDDP::get_Vxx() const { return kept(recursion(), &RiccatiDirection::get_Vxx); }
+const Matrices& SolverDDP::get_Qxx() const { return kept(recursion(), &RiccatiDirection::get_Qxx); }
+const Matrices& SolverDDP::get_Qxu() const { return kept(recursion(), &RiccatiDirection::get_Qxu); }
+const Matrices& SolverDDP::get_Quu() const { return kept(recursion(), &RiccatiDirection::get_Quu); }
+const Vectors& SolverDDP::get_Qx() const { return kept(recursion(), &RiccatiDirection::get_Qx); }
+const Vectors& SolverDDP::get_Qu() const { return kept(recursion(), &RiccatiDirection::get_Qu); }
+const std::vector<SolverDDP::MatrixXdRowMajor>& SolverDDP::get_K() const {
+  return kept(recursion(), &RiccatiDirection::get_K);
+}
+
+void SolverDDP::takeCandidate(Direction& own) const { own.take_candidate(*problem_, xs_, us_, fs_, is_feasible_); }
+
+void SolverDDP::backwardPass() {
+  each_direction([this](Direction& own) {
+    takeCandidate(own);
+    own.is_sound_ = own.compute(preg_, dreg_);
+    for (std::size_t t = 0; t < Vx_.size(); ++t) own.give_dx(own.Vx_[t], Vx_[t]);
+    own.give_u(own.k_, k_);
+  });
+  sound_ = std::all_of(directions_.begin(), directions_.end(), [](const auto& own) { return own->is_sound_; });
+}
+
+namespace {
+
+RiccatiDirection& as_recursion(Direction& direction) {
+  auto* own = dynamic_cast<RiccatiDirection*>(&direction);
+  if (!own) throw std::logic_error("SolverDDP: robots that hold each other have no value function of their own");
+  return *own;
+}
+
+}  // namespace
+
+void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                           const std::shared_ptr<ActionDataAbstract>& data) {
+  require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
+  each_direction([&](Direction& own) {
+    const bool whole = own.get_problem() == problem_;
+    as_recursion(own).compute_action_value_function(t, whole ? *model : *own.get_problem()->model(t),
+                                                    whole ? *data : *own.get_problem()->data(t));
+  });
+}
+
+void SolverDDP::computeGains(std::size_t t) {
+  require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
+  each_direction([&](Direction& own) {
+    own.is_sound_ = as_recursion(own).compute_gains(t);
+    own.give_u(own.k_, k_);
+  });
+  sound_ = std::all_of(directions_.begin(), directions_.end(), [](const auto& own) { return own->is_sound_; });
+}
+
+void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&) {
+  require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
+  each_direction([&](Direction& own) {
+    as_recursion(own).compute_value_function(t);
+    own.give_dx(own.Vx_[t], Vx_[t]);
+  });
 }
 
 void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
@@ -171,17 +225,6 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
   }
 }
 
-namespace {
-
-// All finite and below 1e30.
-bool is_sound(const Eigen::VectorXd& x) {
-  for (double number : x)
-    if (!(std::abs(number) < 1e30)) return false;
-  return true;
-}
-
-}  // namespace
-
 void SolverDDP::limitGuess() {
   if (!keeps_limits()) return;
   for (std::size_t t = 0; t < us_.size(); ++t) {
@@ -203,7 +246,7 @@ bool SolverDDP::rollOutCandidate() {
   problem_->rollout(us_try_, xs_try_);
   cost_try_ = problem_->total_cost();
   for (const Eigen::VectorXd& x : xs_try_)
-    if (raiseIfNaN(cost_try_) || !is_sound(x)) return false;
+    if (raiseIfNaN(cost_try_) || !internal::is_sound(x)) return false;
   setCandidate(xs_try_, us_try_, true);
   cost_ = cost_try_;
   preg_ = dreg_ = reg_min_ * scale_;
@@ -267,20 +310,18 @@ double SolverDDP::stoppingCriteria() {
   return stop_;
 }
 
-// Of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
-const Eigen::Vector2d& SolverDDP::expectedImprovement() {
-  d_.setZero();
-  for (std::size_t t = 0; t < problem_->get_T(); ++t) {
-    d_[0] += Qu_[t].dot(k_[t]);
-    d_[1] -= k_[t].dot(Quuk_[t]);
-  }
-  return d_;
+Eigen::Vector2d SolverDDP::improvement(bool gaps) {
+  Eigen::Vector2d d = Eigen::Vector2d::Zero();
+  for (const auto& own : directions_) d += own->improvement(gaps);
+  return d;
 }
 
-// Newton's: half of d0
+// Of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
+const Eigen::Vector2d& SolverDDP::expectedImprovement() { return d_ = improvement(false); }
+
 double SolverDDP::expectedReduction() const {
   double out = 0;
-  for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
+  for (const auto& own : directions_) out += own->expected_reduction();
   return out;
 }
 
@@ -299,33 +340,17 @@ void SolverDDP::forwardPass(double steplength) { rollOut(steplength, false, fals
 
 void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap) {
   require(steplength >= 0 && steplength <= 1, "Solver::forwardPass", "a step length in [0, 1] is expected");
-  const std::size_t T = problem_->get_T();
+  each_direction([&](Direction& own) {
+    takeCandidate(own);
+    own.cost_try_ = own.roll_out(steplength, keep_gaps, keep_terminal_gap);
+  });
   cost_try_ = 0;
-  xnext_ = problem_->get_x0();
-  for (std::size_t t = 0; t <= T; ++t) {
-    if (t < T ? keep_gaps : keep_terminal_gap) {
-      step_ = (steplength - 1) * fs_[t];
-      problem_->model(t)->get_state()->integrate(xnext_, step_, xs_try_[t]);
-    } else {
-      xs_try_[t] = xnext_;
-    }
-    if (!problem_->by_state_alone(t)) stepControl(t, steplength);
-    problem_->calc_node(t, xs_try_, us_try_);
-    cost_try_ += problem_->data(t)->cost;
-    if (t < T) xnext_ = problem_->data(t)->xnext;
-    if (raiseIfNaN(cost_try_) || !is_sound(xnext_)) {
-      cost_try_ = std::numeric_limits<double>::quiet_NaN();
-      return;
-    }
-  }
-}
-
-// u = us - s k - K (x (-) xs)
-void SolverDDP::stepControl(std::size_t t, double steplength) {
-  problem_->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
-  us_try_[t] = us_[t] - steplength * k_[t];
-  us_try_[t].noalias() -= K_[t] * dx_[t];
-  limitControl(t);
+  for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN where one is
+  if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
+  each_direction([this](Direction& own) {  // no two write the same number
+    for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
+    own.give_u(own.us_try_, us_try_);
+  });
 }
 
 void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_ * scale_); }
@@ -335,7 +360,7 @@ void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_
 void SolverDDP::set_scale(double scale) {
   require(scale > 0 && std::isfinite(scale), "SolverDDP::set_scale", "a positive number is expected");
   scale_ = scale;
-  adoptScale();
+  for (const auto& own : directions_) own->set_scale(scale_);
 }
 
 // The regularisation at hand was chosen for the scale before.
@@ -381,6 +406,43 @@ void SolverDDP::set_th_kkt(double th_kkt) {
 void SolverDDP::set_th_grad(double th_grad) {
   require(th_grad >= 0, "SolverDDP::set_th_grad", "a number that is not negative is expected");
   th_grad_ = th_grad;
+}
+
+// Work on each part's share of the vectors, which is put back.
+template <class Work>
+void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
+  whole.resize(us_.size());
+  for (std::size_t t = 0; t < us_.size(); ++t) whole[t].resize(us_[t].size());
+  each_direction([&](Direction& own) {
+    own.take_u(whole, own.feed_forward_);
+    work(own, own.feed_forward_);
+    own.give_u(own.feed_forward_, whole);
+  });
+}
+
+void SolverDDP::setFeedForward(const Vectors& nu) {
+  each_direction([&](Direction& own) {
+    own.take_u(nu, own.feed_forward_);
+    own.set_feed_forward(own.feed_forward_);
+    own.give_u(own.k_, k_);
+  });
+}
+
+void SolverDDP::computeFeedForwardGradient(Vectors& g) {
+  each_feed_forward(g, [this](Direction& own, Vectors& own_g) {
+    own.take_u(us_try_, own.us_try_);
+    own.held_changed_ = false;
+    own.feed_forward_gradient(own_g);
+  });
+  for (const auto& own : directions_) held_changed_ |= own->held_changed_;
+}
+
+void SolverDDP::preconditionFeedForward(Vectors& g) {
+  each_feed_forward(g, [](Direction& own, Vectors& own_g) { own.precondition_feed_forward(own_g); });
+}
+
+void SolverDDP::holdFeedForward(Vectors& nu) {
+  each_feed_forward(nu, [](Direction& own, Vectors& own_nu) { own.hold_feed_forward(own_nu); });
 }
 
 }  // namespace manycontact

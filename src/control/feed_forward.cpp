@@ -24,30 +24,6 @@ void SolverDDP::allocateDescent() {
   bfgs_.reserve(us_);
 }
 
-void SolverDDP::setFeedForward(const Vectors& nu) {
-  for (std::size_t t = 0; t < k_.size(); ++t) k_[t] = -nu[t];
-}
-
-void SolverDDP::computeFeedForwardGradient(Vectors& g) {
-  const std::size_t T = problem_->get_T();
-  g.resize(T);
-  Vx_[T] = problem_->get_terminalData()->Lx;
-  for (std::size_t t = T; t-- > 0;) {
-    const ActionDataAbstract& d = *problem_->data(t);
-    g[t].resize(d.Lu.size());
-    d.pull_back(Vx_[t + 1], Vx_[t], g[t]);
-    g[t] += d.Lu;
-    holdControls(t, g[t]);
-    Vx_[t] += d.Lx;
-    Vx_[t].noalias() -= K_[t].transpose() * g[t];
-  }
-}
-
-void SolverDDP::preconditionFeedForward(Vectors& g) {
-  for (std::size_t t = 0; t < g.size(); ++t)
-    if (g[t].size() > 0) Quu_llt_[t].solveInPlace(g[t]);
-}
-
 // A step along nu_ that lowers the cost enough, or where that drowns in rounding flattens its slope enough; g_try_ is
 // the gradient there.
 bool SolverDDP::searchFeedForward() {

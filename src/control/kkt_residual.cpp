@@ -6,7 +6,8 @@
 
 #include "constraint_rows.hpp"
 #include "coordinates.hpp"
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/joined.hpp"
 
 namespace manycontact {
 
@@ -132,7 +133,7 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
   if (work.size() < size) work.resize(size);
-  return SolverJoinedPart::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, work)
+  return CoupledDirection::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, work)
                                            : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
 }
 

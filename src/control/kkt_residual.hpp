@@ -17,8 +17,4 @@ std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingPr
 /// Whether control i of u stands at a limit that is used.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
 
-/// Of nodes that are ActionModelJoined, by the structure of their bonds; NaN where that has no answer.
-std::vector<Eigen::VectorXd> least_squares_multipliers_of_joined(const ShootingProblem& problem,
-                                                                 const std::vector<Eigen::VectorXd>& us, bool limits);
-
 }  // namespace manycontact::internal

@@ -1,8 +1,9 @@
-#include <Eigen/Cholesky>
+#include <limits>
 
 #include "kkt_residual.hpp"
-#include "manycontact/control/joined_solver.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/lq/choose.hpp"
+#include "quadratic_model.hpp"
 
 namespace manycontact {
 
@@ -10,51 +11,47 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// A node's fx, and fu, lu without the controls that stand at a limit: their slope is the limit's multiplier.
-struct FreeControls {
-  Eigen::MatrixXd fx, fu;
-  Eigen::VectorXd lu;
-  FreeControls(const ActionModelAbstract& model, const ActionDataAbstract& d, const Eigen::VectorXd& u, bool limits)
-      : lu(d.Lu) {
-    d.dynamics(fx, fu);
-    for (Eigen::Index i = 0; i < u.size(); ++i) {
-      if (!internal::stands_at_limit(model, u, i, limits)) continue;
-      fu.col(i).setZero();
-      lu[i] = 0;
+// The header's problem; wrenches of bonds are variables that cost nothing but Lw. Controls that stand at a limit are
+// left out: their slope is the limit's multiplier.
+lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool limits,
+                       const std::vector<ActionPart>& blocks) {
+  lq::Problem out = internal::structure_of(problem, blocks);
+  internal::fill_nodes(problem, internal::Terms::kWithoutHessians, out);
+  for (std::size_t t = 0; t <= us.size(); ++t)
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      lq::Group& group = out.knots[t].groups[i];
+      group.Q.setIdentity();
+      if (t == us.size()) continue;
+      for (std::size_t j = 0; j < blocks[i].u.size(); ++j) {
+        const Eigen::Index at = static_cast<Eigen::Index>(j);
+        group.R(at, at) = 1;
+        if (blocks[i].u[j] >= us[t].size() ||
+            !internal::stands_at_limit(*problem.model(t), us[t], blocks[i].u[j], limits))
+          continue;
+        group.B.col(at).setZero();
+        group.D.col(at).setZero();
+        group.r[at] = 0;
+      }
     }
-  }
-};
+  return out;
+}
 
-// The Riccati recursion of the header's problem, and its multipliers along the steps it takes from dx_0 = 0.
-Vectors of_one_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
-  const std::size_t T = problem.get_T();
-  const Eigen::Index n = problem.get_ndx();
-  std::vector<Eigen::MatrixXd> V(T + 1), K(T);
-  Vectors v(T + 1), k(T), l(T + 1);
-  V[T].setIdentity(n, n);
-  v[T] = problem.data(T)->Lx;
-  for (std::size_t t = T; t-- > 0;) {
-    const ActionDataAbstract& d = *problem.data(t);
-    const FreeControls free(*problem.model(t), d, us[t], limits);
-    const Eigen::MatrixXd Vfu = V[t + 1] * free.fu, Qux = Vfu.transpose() * free.fx;
-    Eigen::MatrixXd Quu = free.fu.transpose() * Vfu;
-    Quu.diagonal().array() += 1;
-    const Eigen::LLT<Eigen::MatrixXd> llt(Quu);
-    const Eigen::VectorXd Qu = free.lu + free.fu.transpose() * v[t + 1];
-    k[t] = llt.solve(Qu);
-    K[t] = llt.solve(Qux);
-    V[t] = free.fx.transpose() * V[t + 1] * free.fx - Qux.transpose() * K[t];
-    V[t].diagonal().array() += 1;
-    v[t] = d.Lx + free.fx.transpose() * v[t + 1] - K[t].transpose() * Qu;
-  }
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(n);
-  for (std::size_t t = 0;; ++t) {
-    l[t] = v[t] + V[t] * dx;
-    if (t == T) return l;
-    const FreeControls free(*problem.model(t), *problem.data(t), us[t], limits);
-    const Eigen::VectorXd du = -k[t] - K[t] * dx;
-    dx = free.fx * dx + free.fu * du;
-  }
+// NaN where there is no answer, as where bonds depend on each other and contradict.
+Vectors of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
+  const std::vector<ActionPart> blocks = internal::blocks_of(problem);
+  const lq::Problem lq = problem_of(problem, us, limits, blocks);
+  const std::unique_ptr<lq::DirectionSolver> solver = lq::choose(lq);
+  lq::Point z;
+  const bool answered = solver->factorize(lq).status == lq::Status::kOk;
+  const lq::Status status = answered ? solver->solve(lq, z).status : lq::Status::kSingular;
+  const lq::Layout layout(lq);
+  Vectors out(problem.get_T() + 1, Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.get_ndx()),
+                                                             std::numeric_limits<double>::quiet_NaN()));
+  if (status != lq::Status::kOk && status != lq::Status::kInaccurate) return out;
+  for (std::size_t t = 0; t < out.size(); ++t)
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      scatter(z.lambda[t].segment(layout.x[i], lq.nx[i]), blocks[i].dx, out[t]);
+  return out;
 }
 
 }  // namespace
@@ -70,9 +67,7 @@ Vectors least_squares_multipliers_of_nodes(const ShootingProblem& problem, const
   for (const ShootingPart& part : separate(problem)) {
     Vectors own_us(us.size());
     for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own_us[t]);
-    const Vectors own = SolverJoinedPart::serves(*part.problem)
-                            ? least_squares_multipliers_of_joined(*part.problem, own_us, limits)
-                            : of_one_part(*part.problem, own_us, limits);
+    const Vectors own = of_part(*part.problem, own_us, limits);
     for (std::size_t t = 0; t < out.size(); ++t) scatter(own[t], part.dx, out[t]);
   }
   return out;

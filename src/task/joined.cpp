@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/joined.hpp"
 #include "manycontact/kkt/island.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "manycontact/task/parts.hpp"

@@ -9,9 +9,12 @@
 #include <map>
 #include <random>
 
+#include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/joined.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/sparse.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
@@ -190,7 +193,7 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
   }
   const double tolerance = std::max(1e-9, kEps * condition);
   const Step expected = step_of(dense);
-  const auto& part = dynamic_cast<const SolverJoinedPart&>(*sparse.parts().at(0));
+  const auto& part = dynamic_cast<const CoupledDirection&>(*sparse.directions().at(0));
   const lq::Point& z = part.solution_of_direction();
   const auto& parts = dynamic_cast<const ActionModelJoined&>(*part.part().problem->get_terminalModel()).get_parts();
   for (std::size_t t = 0; t < z.x.size(); ++t) {
@@ -390,11 +393,11 @@ TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
 
 // ---- feed-forward terms, multipliers, limits ------------------------------------------------------------------------
 
-struct OpenJoined : SolverJoinedPart {
-  using SolverJoinedPart::computeFeedForwardGradient;
-  using SolverJoinedPart::preconditionFeedForward;
-  using SolverJoinedPart::setFeedForward;
-  using SolverJoinedPart::SolverJoinedPart;
+struct Open : SolverSparse {
+  using SolverSparse::computeFeedForwardGradient;
+  using SolverSparse::preconditionFeedForward;
+  using SolverSparse::setFeedForward;
+  using SolverSparse::SolverSparse;
 };
 
 double sum_of_products(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b) {
@@ -416,7 +419,7 @@ Candidate shaken(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& g
 TEST(JoinedFeedForward, GradientIsThatOfTheRolledOutCost) {
   for (const TaskFile& task : {chain(5), always(2, 5)}) {
     const TaskProblem joined = make_problem(task, TaskSolver::kSparse);
-    OpenJoined solver(separate(*joined.problem).at(0));
+    Open solver(joined.problem);
     SCOPED_TRACE(solver.direction());
     const Candidate at = shaken(*solver.get_problem(), joined.us);
     solver.solve(at.xs, at.us, 0, true);

@@ -19,68 +19,53 @@
 //
 // which is what FDDP's expected improvement is at x = xs (+) s dx. Acceptance, regularisation and stopping are FDDP's.
 
-#include "manycontact/control/joined.hpp"
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/control/direction.hpp"
 #include "manycontact/lq/direction_solver.hpp"
 #include "manycontact/lq/riccati.hpp"
 
 namespace manycontact {
 
-/// get_Vx: the multipliers of the states' equations at the full step; get_k: -du. There is no K or Vxx of the part.
-class SolverJoinedPart : public SolverSparsePart {
+/// get_Vx: the multipliers of the states' equations at the full step; get_k: -du.
+class CoupledDirection : public Direction {
  public:
   /// Whether this is for the problem: all its nodes are ActionModelJoined of the same parts.
   static bool serves(const ShootingProblem& problem);
-  explicit SolverJoinedPart(ShootingPart part);
+  CoupledDirection(ShootingPart part, bool is_whole);
 
-  /// Unsound also where the direction's KKT error exceeds lq::kAccurate, as where bonds depend on each other and
-  /// contradict.
-  void backwardPass() override;
-  const Eigen::Vector2d& expectedImprovement() override { return d_; }
-  double expectedReduction() const override { return d_[0] + 0.5 * d_[1]; }
-  /// Not offered: std::logic_error.
-  void computeActionValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&,
-                                  const std::shared_ptr<ActionDataAbstract>&) override;
-  void computeValueFunction(std::size_t, const std::shared_ptr<ActionModelAbstract>&) override;
-  void computeGains(std::size_t) override;
-  void allocateData() override;
-
-  const char* direction() const override { return direction_->name(); }
+  const char* name() const override { return solver_->name(); }
   std::vector<int> blocks() const override;
+  /// The clusters' of node t (lq/plan.hpp).
+  std::vector<Gains> gains(std::size_t t) const override;
   const lq::Problem& problem_of_direction() const { return lq_; }
   const lq::Point& solution_of_direction() const { return z_; }
   const lq::Outcome& outcome() const { return outcome_; }
 
-  /// Of a cluster's coordinates of the part's dx and u, where dx and du of the direction are zero: u = us - K (x (-)
-  /// xs).
-  struct Gains {
-    std::vector<int> dx, u;
-    Eigen::MatrixXd K;
-  };
-  /// The clusters' of node t; none before a direction.
-  std::vector<Gains> gains(std::size_t t) const;
-
- protected:
-  void prepareImprovement() override {}
-  void stepControl(std::size_t t, double steplength) override;
-  /// As SolverDDP's with the clusters' gains for K, and for diag(Quu) what the bonds make of it.
-  void setFeedForward(const std::vector<Eigen::VectorXd>& nu) override;
-  void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g) override;
-  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g) override;
+  void resize() override;
+  /// False also where the direction's KKT error exceeds lq::kAccurate, as where bonds depend on each other and
+  /// contradict.
+  bool compute(double preg, double dreg) override;
+  Eigen::Vector2d improvement(bool) override { return improvement_; }
+  double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
+  /// As RiccatiDirection's with the clusters' gains for K, and for diag(Quu) what the bonds make of it.
+  void set_feed_forward(const Vectors& nu) override;
+  void feed_forward_gradient(Vectors& g) override;
+  void precondition_feed_forward(Vectors& g) override;
 
  private:
-  void fill();
+  void step_control(std::size_t t, double steplength) override;
   template <class Use>
   void each_cluster(std::size_t t, Use&& use);
   void add_feedback(std::size_t t, const Eigen::VectorXd& g, Eigen::VectorXd& to);
   void add_gains_times(std::size_t t, const Eigen::VectorXd& dx, Eigen::VectorXd& to);
 
-  lq::Problem lq_;  // blocks: the nodes' parts
+  std::vector<ActionPart> blocks_;  // the nodes' parts, without models
+  lq::Problem lq_;
   lq::Layout layout_;
-  std::unique_ptr<lq::DirectionSolver> direction_;
-  const lq::Riccati* policies_ = nullptr;  // of direction_
+  std::unique_ptr<lq::DirectionSolver> solver_;
+  const lq::Riccati* policies_ = nullptr;  // of solver_
   lq::Point z_;
   lq::Outcome outcome_;
+  Eigen::Vector2d improvement_ = Eigen::Vector2d::Zero();
   lq::Point preconditioned_;
   Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
 };
