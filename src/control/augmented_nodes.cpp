@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
-#include <type_traits>
 
 #include "constraint_rows.hpp"
 #include "coordinates.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/parts.hpp"
 
 namespace manycontact {
 
@@ -40,9 +39,9 @@ AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Ei
 }
 
 // A node of parts again, with those of them that have rows augmented.
-template <class Model, class Data>
-AL::Copy AL::augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
-                           const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const {
+AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
+                           const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                           std::vector<Augmented>& out) const {
   auto parts = whole.get_parts();
   auto datas = data.parts;
   const std::vector<std::vector<int>> of_parts = internal::constraint_rows(parts, terminal);
@@ -53,36 +52,18 @@ AL::Copy AL::augment_parts(const Model& whole, const Data& data, bool terminal, 
     parts[i].model = part.model;
     datas[i] = part.data;
   }
-  std::shared_ptr<Model> model;
-  if constexpr (std::is_same_v<Model, ActionModelJoined>)
-    model = std::make_shared<Model>(std::static_pointer_cast<StateMultibody>(whole.get_state()), whole.get_scene(),
-                                    std::move(parts));
-  else
-    model = std::make_shared<Model>(whole.get_state(), whole.get_nu(), std::move(parts));
-  model->set_u_lb(whole.get_u_lb());
-  model->set_u_ub(whole.get_u_ub());
-  model->set_storage(whole.get_storage());
+  const auto model = whole.with_models(std::move(parts));
   return {model, model->createData(std::move(datas))};
 }
-
-namespace {
-
-bool is_of_parts(const ActionModelAbstract& model) {
-  return dynamic_cast<const ActionModelParts*>(&model) || dynamic_cast<const ActionModelJoined*>(&model);
-}
-
-}  // namespace
 
 // What has no rows stays what it is, unless all are asked for: but for what has no matrices. rows: of the problem's
 // node, those of this node or part.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
-  if (rows.empty() && (!augments_all_ || (of.data->Fx.size() == 0 && !is_of_parts(*of.model)))) return of;
-  if (const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get()))
+  const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());
+  if (rows.empty() && (!augments_all_ || (of.data->Fx.size() == 0 && !whole))) return of;
+  if (whole)
     return augment_parts(*whole, internal::own_data<ActionDataParts>(kAugmentedNodes, of.data), terminal, rows,
-                         multipliers, out);
-  if (const auto* whole = dynamic_cast<const ActionModelJoined*>(of.model.get()))
-    return augment_parts(*whole, internal::own_data<ActionDataJoined>(kAugmentedNodes, of.data), terminal, rows,
                          multipliers, out);
   return augment_leaf(of, rows, multipliers, out);
 }
@@ -190,7 +171,6 @@ void AL::reset() {
 namespace {
 
 void collect_values_of(const ActionModelAbstract& model, const std::shared_ptr<ActionDataAbstract>& data) {
-  if (const auto* joined = dynamic_cast<const ActionModelJoined*>(&model)) return joined->collect(data);
   const auto* whole = dynamic_cast<const ActionModelParts*>(&model);
   if (!whole) return;
   const auto& parts = static_cast<const ActionDataParts&>(*data).parts;

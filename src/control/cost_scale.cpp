@@ -5,7 +5,6 @@
 
 #include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/euler.hpp"
-#include "manycontact/control/joined.hpp"
 #include "manycontact/control/parts.hpp"
 
 namespace manycontact::internal {
@@ -36,8 +35,6 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
     for (const auto& part : whole->parts) add_node(*part, out);
-  } else if (const auto* joined = dynamic_cast<const ActionDataJoined*>(&data)) {
-    for (const auto& part : joined->parts) add_node(*part, out);
   } else if (const auto* augmented = dynamic_cast<const ActionDataAugmentedLagrangian*>(&data)) {
     add_node(*augmented->inner, out);
   } else if (euler && !euler->has_matrices()) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coordinates.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
 #include "manycontact/lq/kkt.hpp"
@@ -17,15 +17,16 @@ using Vectors = Direction::Vectors;
 
 namespace {
 
-const ActionModelJoined* as_joined(const ShootingProblem& problem, std::size_t t) {
-  return dynamic_cast<const ActionModelJoined*>(problem.model(t).get());
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
+  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+  return parts && parts->get_couplings() ? parts : nullptr;
 }
 
 bool same_coordinates(const ActionPart& a, const ActionPart& b) { return a.x == b.x && a.dx == b.dx && a.u == b.u; }
 
 }  // namespace
 
-JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<int>& nu,
+CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
                                 const std::vector<std::vector<std::pair<int, int>>>& bonds) {
   lq::Problem problem;
   problem.nx = nx;
@@ -37,9 +38,9 @@ JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<in
 }
 
 bool CoupledDirection::serves(const ShootingProblem& problem) {
-  const ActionModelJoined* last = as_joined(problem, problem.get_T());
+  const ActionModelParts* last = as_coupled(problem, problem.get_T());
   for (std::size_t t = 0; last && t < problem.get_T(); ++t) {
-    const ActionModelJoined* model = as_joined(problem, t);
+    const ActionModelParts* model = as_coupled(problem, t);
     if (!model || !std::equal(model->get_parts().begin(), model->get_parts().end(), last->get_parts().begin(),
                               last->get_parts().end(), same_coordinates))
       return false;
@@ -117,9 +118,9 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   const std::size_t T = g.size();
   VectorXd gx;
   for (std::size_t t = T + 1; t-- > 0;) {
-    const ActionModelJoined& model = *as_joined(*part_.problem, t);
+    const ActionModelParts& model = *as_coupled(*part_.problem, t);
     VectorXd& gu = t < T ? g[t] : u_of_cluster_;
-    joined_gradient(model, static_cast<const ActionDataJoined&>(*part_.problem->data(t)), Vx_[std::min(t + 1, T)], t == T,
+    coupled_gradient(model, static_cast<const ActionDataParts&>(*part_.problem->data(t)), Vx_[std::min(t + 1, T)], t == T,
                     {}, gx, gu);
     Vx_[t] = gx;
     if (t < T) add_feedback(t, gu, Vx_[t]);

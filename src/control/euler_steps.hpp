@@ -9,7 +9,11 @@ namespace manycontact::internal {
 
 /// The Euler data within a node's that may be within an augmented Lagrangian; nullptr of other nodes.
 const IntegratedActionDataEuler* find_euler(const ActionDataAbstract& node);
-/// The same, of a node that is IntegratedActionModelEuler itself (what is derived from it may have other derivatives),
+/// Where it is known to be there.
+inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
+  return const_cast<IntegratedActionDataEuler&>(*find_euler(node));
+}
+/// find_euler of a node that is IntegratedActionModelEuler itself (what is derived from it may have other derivatives),
 /// or keeps no matrices, and whose joints are known.
 const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node);
 /// J1 and h J2, in memory that is there from the second time on.

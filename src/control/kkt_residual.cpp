@@ -7,7 +7,7 @@
 #include "constraint_rows.hpp"
 #include "coordinates.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/couplings.hpp"
 
 namespace manycontact {
 
@@ -38,8 +38,10 @@ double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row
 }
 
 bool is_of_parts(const ShootingProblem& problem) {
-  for (std::size_t t = 0; t <= problem.get_T(); ++t)
-    if (dynamic_cast<const ActionModelParts*>(problem.model(t).get())) return true;
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) {
+    const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+    if (parts && !parts->get_couplings()) return true;
+  }
   return false;
 }
 
@@ -103,9 +105,9 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
-// The same of ActionModelJoined: the bonds' wrenches are eliminated from the gradients, by the scene's own derivatives
+// The same of nodes with couplings: the bonds' wrenches are eliminated from the gradients, by the scene's own derivatives
 // and not by the rows that directions are made of.
-double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                               bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
@@ -116,9 +118,9 @@ double kkt_residual_of_joined(const ShootingProblem& problem, const Vectors& xs,
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
     const ActionModelAbstract& model = *problem.model(t);
-    auto& d = static_cast<ActionDataJoined&>(*problem.data(t));
+    auto& d = static_cast<ActionDataParts&>(*problem.data(t));
     if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], worst);
-    scene_gradient(static_cast<const ActionModelJoined&>(model), d, l[std::min(t + 1, T)], t == T,
+    scene_gradient(static_cast<const ActionModelParts&>(model), d, l[std::min(t + 1, T)], t == T,
                    ys.empty() ? none : ys[t], gx, gu);
     worst.add(gx - l[t]);
     if (t == T) break;
@@ -133,7 +135,7 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
   if (work.size() < size) work.resize(size);
-  return CoupledDirection::serves(problem) ? kkt_residual_of_joined(problem, xs, us, l, limits, ys, work)
+  return CoupledDirection::serves(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, work)
                                            : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
 }
 

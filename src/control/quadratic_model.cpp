@@ -4,14 +4,15 @@
 
 #include "euler_steps.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/couplings.hpp"
 
 namespace manycontact::internal {
 
 namespace {
 
-const ActionModelJoined* as_joined(const ShootingProblem& problem, std::size_t t) {
-  return dynamic_cast<const ActionModelJoined*>(problem.model(t).get());
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
+  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+  return parts && parts->get_couplings() ? parts : nullptr;
 }
 
 // Of one block's node: its controls are u and the wrenches on it.
@@ -43,7 +44,7 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
   std::vector<ActionPart> out;
   if (CoupledDirection::serves(problem)) {
-    for (const JoinedPart& part : as_joined(problem, problem.get_T())->get_parts())
+    for (const ActionPart& part : as_coupled(problem, problem.get_T())->get_parts())
       out.push_back({nullptr, part.x, part.dx, part.u});
   } else {
     out.emplace_back();
@@ -77,8 +78,8 @@ lq::Problem structure_of(const ShootingProblem& problem, const std::vector<Actio
   }
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     std::vector<std::pair<int, int>> bonds;
-    if (const auto* joined = as_joined(problem, t); joined && t < problem.get_T())
-      for (const JoinedBond& bond : joined->get_bonds()) bonds.emplace_back(bond.part_a, bond.part_b);
+    if (const auto* coupled = as_coupled(problem, t); coupled && t < problem.get_T())
+      for (const Coupling& bond : coupled->get_couplings()->bonds()) bonds.emplace_back(bond.part_a, bond.part_b);
     out.knots.push_back(knot_of(blocks.size(), bonds));
   }
   lq::set_zero(out);
@@ -88,18 +89,18 @@ lq::Problem structure_of(const ShootingProblem& problem, const std::vector<Actio
 void fill_nodes(const ShootingProblem& problem, Terms terms, lq::Problem& out) {
   const std::size_t T = problem.get_T();
   for (std::size_t t = 0; t <= T; ++t) {
-    const ActionModelJoined* joined = as_joined(problem, t);
-    if (!joined) {
+    const ActionModelParts* coupled = as_coupled(problem, t);
+    if (!coupled) {
       fill_group(*problem.model(t), *problem.data(t), t == T, terms, out.knots[t].groups[0]);
       continue;
     }
-    const auto& data = static_cast<const ActionDataJoined&>(*problem.data(t));
+    const auto& data = static_cast<const ActionDataParts&>(*problem.data(t));
     for (std::size_t i = 0; i < data.parts.size(); ++i) {
       lq::Group& group = out.knots[t].groups[i];
-      fill_group(*joined->get_parts()[i].model, *data.parts[i], t == T, terms, group);
+      fill_group(*coupled->get_parts()[i].model, *data.parts[i], t == T, terms, group);
       if (t == T) continue;
-      group.C = data.C[i];
-      group.D = data.D[i];
+      group.C = data.couplings->C[i];
+      group.D = data.couplings->D[i];
     }
   }
 }

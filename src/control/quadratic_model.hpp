@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// The parts of nodes that are ActionModelJoined of the same parts throughout, whose bonds join them; of other nodes
-/// one, of all coordinates.
+/// The parts of nodes with couplings, the same throughout; of other nodes one, of all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 
 /// One group per block, with the bonds that touch it: pairs of blocks, of six rows each.

@@ -17,7 +17,8 @@ std::vector<int> all(std::size_t count) {
 }
 
 const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& model) {
-  return dynamic_cast<const ActionModelParts*>(model.get());
+  const auto* parts = dynamic_cast<const ActionModelParts*>(model.get());
+  return parts && !parts->get_couplings() ? parts : nullptr;
 }
 
 const ActionModelParts& parts_of(const ShootingProblem& problem, std::size_t t) {

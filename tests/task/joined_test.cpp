@@ -12,7 +12,7 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/task/forces.hpp"
@@ -94,8 +94,9 @@ void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
   for (const std::size_t t : {std::size_t(0), whole.us.size() - 1, whole.us.size()}) {
     SCOPED_TRACE("node " + std::to_string(t));
     const auto& parts = dynamic_cast<const ActionModelParts&>(*joined.problem->model(t)).get_parts();
-    const auto model = std::dynamic_pointer_cast<ActionModelJoined>(parts.at(0).model);
+    const auto model = std::dynamic_pointer_cast<ActionModelParts>(parts.at(0).model);
     ASSERT_TRUE(model);
+    EXPECT_TRUE(model->get_couplings());
     model->set_storage(MatrixStorage::kDense);
     const auto data = model->createData(), expected = whole.problem->data(t);
     EXPECT_TRUE(model->checkData(data));
@@ -195,11 +196,11 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
   const Step expected = step_of(dense);
   const auto& part = dynamic_cast<const CoupledDirection&>(*sparse.directions().at(0));
   const lq::Point& z = part.solution_of_direction();
-  const auto& parts = dynamic_cast<const ActionModelJoined&>(*part.part().problem->get_terminalModel()).get_parts();
+  const auto& parts = dynamic_cast<const ActionModelParts&>(*part.part().problem->get_terminalModel()).get_parts();
   for (std::size_t t = 0; t < z.x.size(); ++t) {
     Eigen::VectorXd dx(z.x[t].size());
     Eigen::Index first = 0;
-    for (const JoinedPart& own : parts)
+    for (const ActionPart& own : parts)
       for (const int i : own.dx) dx[i] = z.x[t][first++];
     EXPECT_LT(error_of(dx, expected.x[t]), tolerance) << t;
     if (t == expected.u.size()) continue;
@@ -504,13 +505,12 @@ TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
 std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixStorage storage, double limit) {
   const ShootingPart part = separate(problem).at(0);
   ShootingProblem::Models models;
-  std::map<ActionModelAbstract*, std::shared_ptr<ActionModelJoined>> known;
+  std::map<ActionModelAbstract*, std::shared_ptr<ActionModelParts>> known;
   for (std::size_t t = 0; t <= part.problem->get_T(); ++t) {
     auto& node = known[part.problem->model(t).get()];
     if (!node) {
-      const auto& joined = dynamic_cast<const ActionModelJoined&>(*part.problem->model(t));
-      node = std::make_shared<ActionModelJoined>(std::static_pointer_cast<StateMultibody>(joined.get_state()),
-                                                 joined.get_scene(), joined.get_parts());
+      const auto& coupled = dynamic_cast<const ActionModelParts&>(*part.problem->model(t));
+      node = coupled.with_models(coupled.get_parts());
       node->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), -limit));
       node->set_u_ub(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), limit));
       node->set_storage(storage);

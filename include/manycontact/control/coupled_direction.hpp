@@ -1,6 +1,6 @@
 #pragma once
-// A part whose nodes are ActionModelJoined: robots that hold each other. The direction of FDDP is the solution (dx, du)
-// of the linear-quadratic problem around the candidate, with the bonds' wrenches as variables (control/joined.hpp,
+// A part whose nodes are ActionModelParts with couplings: robots that hold each other. The direction of FDDP is the solution (dx, du)
+// of the linear-quadratic problem around the candidate, with the bonds' wrenches as variables (couplings.hpp,
 // lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per robot and a Schur
 // complement of the bonds, or islands through time. It equals SolverFDDP's on nodes of the whole scene, with the same
 // regularisation (rho on the states and on the controls, none on wrenches).
@@ -28,7 +28,7 @@ namespace manycontact {
 /// get_Vx: the multipliers of the states' equations at the full step; get_k: -du.
 class CoupledDirection : public Direction {
  public:
-  /// Whether this is for the problem: all its nodes are ActionModelJoined of the same parts.
+  /// Whether this is for the problem: all its nodes have couplings of the same parts.
   static bool serves(const ShootingProblem& problem);
   CoupledDirection(ShootingPart part, bool is_whole);
 
@@ -72,10 +72,10 @@ class CoupledDirection : public Direction {
 
 /// Operations of a direction: of the dense recursion on nodes of the whole, and of the cheapest that bonds allow.
 /// Structure alone: states and controls of each part, and per running node the pairs of parts that bonds join.
-struct JoinedPrediction {
-  double dense = 0, joined = 0;
+struct CoupledPrediction {
+  double dense = 0, coupled = 0;
 };
-JoinedPrediction predict_joined(const std::vector<int>& nx, const std::vector<int>& nu,
+CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
                                 const std::vector<std::vector<std::pair<int, int>>>& bonds);
 
 }  // namespace manycontact

@@ -7,7 +7,7 @@
 // at the cost of each part's backward pass: N T n^3 for N robots of n states, where SolverFDDP's is T (N n)^3. Steps,
 // regularisation and stopping are those of the sums over the parts: iterates are SolverFDDP's on the whole problem, but
 // for rounding; of one part they are the same bits. Parts are worked on in parallel, over the problem's threads; the
-// numbers do not depend on how many. A part whose nodes are ActionModelJoined takes its directions by
+// numbers do not depend on how many. A part whose nodes have couplings takes its directions by
 // control/coupled_direction.hpp, where gains differ.
 //
 // With limits the iterates are SolverBoxFDDP's: the box QP of a node is that of each part's controls, since Quu and the
@@ -23,7 +23,7 @@ namespace manycontact {
 class SolverSparse : public SolverFDDP {
  public:
   /// limits: controls stay within the models'. Throws std::invalid_argument where nodes differ in their parts (see
-  /// `separate`), and for limits of ActionModelJoined without dense matrices (with them, parts that hold each other are
+  /// `separate`), and for limits of nodes with couplings without dense matrices (with them, parts that hold each other are
   /// one dense part, whose steps are SolverBoxFDDP's). A problem without ActionModelParts is one part.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 

@@ -1,12 +1,12 @@
-// Nodes of parts that hold each other: derivatives.
+// Parts that hold each other: derivatives.
 
 #include <Eigen/LU>
 #include <cassert>
 
 #include "coordinates.hpp"
-#include "joined_parts.hpp"
+#include "euler_steps.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 
 namespace manycontact {
@@ -26,13 +26,13 @@ struct BondSystem {
   MatrixXd rows, by_w;
 };
 
-BondSystem system_of(const ActionModelJoined& model, const ActionDataJoined& d) {
-  const Index ndx = static_cast<Index>(model.get_state()->get_ndx()), nu = static_cast<Index>(model.get_nu());
-  const Index size = 6 * static_cast<Index>(model.get_bonds().size());
+BondSystem system_of(const Couplings& couplings, const std::vector<ActionPart>& parts, const CouplingData& d, Index ndx,
+                     Index nu) {
+  const Index size = 6 * static_cast<Index>(couplings.bonds().size());
   BondSystem out{MatrixXd::Zero(size, ndx + nu), MatrixXd::Zero(size, size)};
-  for (std::size_t i = 0; i < d.parts.size(); ++i) {
-    const ActionPart& part = model.get_parts()[i];
-    const std::vector<int>& bonds = model.bonds_of_parts()[i];
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ActionPart& part = parts[i];
+    const std::vector<int>& bonds = couplings.bonds_of_parts()[i];
     const Index own = static_cast<Index>(part.u.size());
     for (std::size_t a = 0; a < bonds.size(); ++a) {
       const auto C = d.C[i].middleRows<6>(static_cast<Index>(6 * a)),
@@ -46,10 +46,6 @@ BondSystem system_of(const ActionModelJoined& model, const ActionDataJoined& d) 
   }
   return out;
 }
-
-}  // namespace
-
-namespace {
 
 // An orthonormal basis of what W's rows leave out: directions in which a point is not held, and its torques.
 Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
@@ -75,48 +71,13 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-}  // namespace
-
-// The share in bond b's rows of A's part or of B's.
-void ActionModelJoined::share_of_end(ActionDataJoined& d, std::size_t b, bool of_a) const {
-  const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
-  const ActionDataJoined::OfBond& bond = d.bonds[b];
-  const auto part = static_cast<std::size_t>(of_a ? bonds_[b].part_a : bonds_[b].part_b);
-  const int r = (of_a ? contact.A : contact.B).robot;
-  const std::vector<int>& of_part = bonds_of_[part];
-  const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
-  const auto& state = static_cast<const StateMultibody&>(*parts_[part].model->get_state());
-  const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
-  const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
-  const std::vector<int>& chain = of_a ? bond.support.a : bond.support.b;
-  const Index column = of_a ? 0 : static_cast<Index>(bond.support.a.size());
-  const ContactDerivatives& dr = bond.derivatives;
-  const auto& W = bond.rows.W;
-
-  const DifferentialActionDataAbstract& a = dynamics_of_part(*d.parts[part]);
-  auto C = d.C[part].middleRows<6>(6 * at), D = d.D[part].middleRows<6>(6 * at);
-  C.setZero();
-  D.setZero();
-  auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
-  for (std::size_t k = 0; k < chain.size(); ++k) {
-    const Index from = column + static_cast<Index>(k), to = first + chain[k];
-    C_held.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
-    D_held.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
-    C_held.col(to).noalias() += W * dr.dx_dq.col(from);
-    C_held.col(nv + to).noalias() += W * dr.dx_dv.col(from);
-  }
-  if (of_a) add_force_rows(bond, first, static_cast<Index>(parts_[part].u.size()) + 6 * at, C, D);
-}
-
 // The turning of r2's frame, its delta f, and the rows of what is not transmitted. With F the force in A's moving axes,
 // and a world-aligned frame's turning, d(W F) = W (X^T w - s x* F + th x F), s = J_A dq_A.
-void ActionModelJoined::add_force_rows(const ActionDataJoined::OfBond& bond, Index first, Index w, MatrixRef C,
-                                       MatrixRef D) const {
+void add_force_rows(const CouplingData::OfBond& bond, double delta, Index first, Index w, MatrixRef C, MatrixRef D) {
   const ContactDerivatives& dr = bond.derivatives;
   const auto& W = bond.rows.W;
   const Index m = W.rows();
   const auto N = complement_of(W);
-  const double delta = scene_.damping;
   for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
     const Index column = static_cast<Index>(k), to = first + bond.support.a[k];
     Vec6<double> dF = -cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
@@ -134,74 +95,89 @@ void ActionModelJoined::add_force_rows(const ActionDataJoined::OfBond& bond, Ind
   }
 }
 
-void ActionModelJoined::differentiate_bonds(ActionDataJoined& d) const {
-  for (std::size_t r = 0; r < d.robots.size(); ++r)
-    if (d.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
-      rnea_derivatives<double>(*scene_.robots[r].model, d.robots[r]->kin, d.robots[r]->kin.Y, {}, d.robots[r]->terms);
+}  // namespace
+
+// The share in bond b's rows of A's part or of B's.
+void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b,
+                             bool of_a) const {
+  CouplingData& own = *d.couplings;
+  const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
+  const CouplingData::OfBond& bond = own.bonds[b];
+  const auto part = static_cast<std::size_t>(of_a ? bonds_[b].part_a : bonds_[b].part_b);
+  const int r = (of_a ? contact.A : contact.B).robot;
+  const std::vector<int>& of_part = bonds_of_[part];
+  const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
+  const auto& state = static_cast<const StateMultibody&>(*parts[part].model->get_state());
+  const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
+  const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
+  const std::vector<int>& chain = of_a ? bond.support.a : bond.support.b;
+  const Index column = of_a ? 0 : static_cast<Index>(bond.support.a.size());
+  const ContactDerivatives& dr = bond.derivatives;
+  const auto& W = bond.rows.W;
+
+  const DifferentialActionDataAbstract& a = dynamics_of_part(*d.parts[part]);
+  auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
+  C.setZero();
+  D.setZero();
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
+  for (std::size_t k = 0; k < chain.size(); ++k) {
+    const Index from = column + static_cast<Index>(k), to = first + chain[k];
+    C_held.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
+    D_held.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
+    C_held.col(to).noalias() += W * dr.dx_dq.col(from);
+    C_held.col(nv + to).noalias() += W * dr.dx_dv.col(from);
+  }
+  if (of_a) add_force_rows(bond, scene_.damping, first, static_cast<Index>(parts[part].u.size()) + 6 * at, C, D);
+}
+
+void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
+  CouplingData& own = *d.couplings;
+  for (std::size_t r = 0; r < own.robots.size(); ++r)
+    if (own.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
+      rnea_derivatives<double>(*scene_.robots[r].model, own.robots[r]->kin, own.robots[r]->kin.Y, {}, own.robots[r]->terms);
   for (std::size_t b = 0; b < bonds_.size(); ++b) {
     const int c = bonds_[b].contact;
     const Contact& contact = scene_.contacts[static_cast<std::size_t>(c)];
-    const ActionDataJoined::OfRobot& A = *d.robots[static_cast<std::size_t>(contact.A.robot)];
-    const ActionDataJoined::OfRobot& B = *d.robots[static_cast<std::size_t>(contact.B.robot)];
-    ActionDataJoined::OfBond& bond = d.bonds[b];
+    const CouplingData::OfRobot& A = *own.robots[static_cast<std::size_t>(contact.A.robot)];
+    const CouplingData::OfRobot& B = *own.robots[static_cast<std::size_t>(contact.B.robot)];
+    CouplingData::OfBond& bond = own.bonds[b];
     contact_derivatives<double>(contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
-                                d.solution.f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()),
+                                own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()),
                                 bond.rows, bond.derivatives);
-    share_of_end(d, b, true);
-    share_of_end(d, b, false);
+    share_of_end(parts, d, b, true);
+    share_of_end(parts, d, b, false);
   }
-}
-
-void ActionModelJoined::calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
-  check("ActionModelJoined::calcDiff", x, u);
-  auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calcDiff", data);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
-  differentiate_bonds(d);
-  if (d.Fx.size() > 0) condense(d, false);
-}
-
-void ActionModelJoined::calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) {
-  check("ActionModelJoined::calcDiff", x);
-  auto& d = internal::own_data<ActionDataJoined>("ActionModelJoined::calcDiff", data);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i]);
-  if (d.Fx.size() > 0) condense(d, true);
 }
 
 // The node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] alike
-void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
-  const Index ndx = static_cast<Index>(state_->get_ndx()), nu = static_cast<Index>(nu_);
-  MatrixXd W = MatrixXd::Zero(6 * static_cast<Index>(bonds_.size()), ndx + nu);
-  if (!terminal && !bonds_.empty()) {
-    const BondSystem system = system_of(*this, d);
-    W = -system.by_w.partialPivLu().solve(system.rows);
-  }
+void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
+  const Index ndx = d.Fu.rows(), nu = d.Fu.cols();
+  const BondSystem system = system_of(*this, parts, *d.couplings, ndx, nu);
+  const MatrixXd W = -system.by_w.partialPivLu().solve(system.rows);
   MatrixXd F = MatrixXd::Zero(ndx, ndx + nu), H = MatrixXd::Zero(ndx + nu, ndx + nu);
   MatrixXd C = MatrixXd::Zero(d.g.size(), ndx + nu), E = MatrixXd::Zero(d.h.size(), ndx + nu);
   VectorXd g = VectorXd::Zero(ndx + nu);
   Index of_g = 0, of_h = 0;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const ActionPart& part = parts_[i];
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ActionPart& part = parts[i];
     const ActionDataAbstract& from = *d.parts[i];
-    const Index nx = static_cast<Index>(part.dx.size()), nv = terminal ? 0 : from.Fu.cols();
+    const Index nx = static_cast<Index>(part.dx.size()), nv = from.Fu.cols();
     MatrixXd T = MatrixXd::Zero(nx + nv, ndx + nu), AB(nx, nx + nv), L(nx + nv, nx + nv);
     for (Index j = 0; j < nx; ++j) T(j, part.dx[static_cast<std::size_t>(j)]) = 1;
-    if (!terminal) {
-      for (std::size_t j = 0; j < part.u.size(); ++j) T(nx + static_cast<Index>(j), ndx + part.u[j]) = 1;
-      for (std::size_t b = 0; b < bonds_of_[i].size(); ++b)
-        T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * bonds_of_[i][b]);
-    }
+    for (std::size_t j = 0; j < part.u.size(); ++j) T(nx + static_cast<Index>(j), ndx + part.u[j]) = 1;
+    for (std::size_t b = 0; b < bonds_of_[i].size(); ++b)
+      T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * bonds_of_[i][b]);
     VectorXd l(nx + nv);
-    l << from.Lx, from.Lu.head(nv);
-    AB << from.Fx, from.Fu.leftCols(nv);
-    L << from.Lxx, from.Lxu.leftCols(nv), from.Lxu.leftCols(nv).transpose(), from.Luu.topLeftCorner(nv, nv);
+    l << from.Lx, from.Lu;
+    AB << from.Fx, from.Fu;
+    L << from.Lxx, from.Lxu, from.Lxu.transpose(), from.Luu;
     F(part.dx, Eigen::all) = AB * T;
     H.noalias() += T.transpose() * L * T;
     g.noalias() += T.transpose() * l;
     const auto put_rows = [&](const MatrixXd& by_x, const MatrixXd& by_u, Index& first, MatrixXd& to) {
       MatrixXd own(by_x.rows(), nx + nv);
-      own << by_x, by_u.leftCols(nv);
+      own << by_x, by_u;
       to.middleRows(first, own.rows()) = own * T;
       first += own.rows();
     };
@@ -213,7 +189,6 @@ void ActionModelJoined::condense(ActionDataJoined& d, bool terminal) const {
   d.Lxx = H.topLeftCorner(ndx, ndx);
   d.Gx = C.leftCols(ndx);
   d.Hx = E.leftCols(ndx);
-  if (terminal) return;
   d.Fu = F.rightCols(nu);
   d.Gu = C.rightCols(nu);
   d.Hu = E.rightCols(nu);
@@ -236,17 +211,13 @@ struct PartGradient {
   }
 };
 
-}  // namespace
-
-namespace {
-
 // Lx + A^T next, Lu + B^T next of all parts with the wrenches held, and what stands with these in by_w.
-void gradient_of_parts(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next,
+void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next,
                        const VectorXd& y, VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
   gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
   gu.resize(static_cast<Index>(model.get_nu()));
-  by_w.setZero(6 * static_cast<Index>(model.get_bonds().size()));
+  by_w.setZero(6 * static_cast<Index>(model.get_couplings()->bonds().size()));
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const ActionPart& part = model.get_parts()[i];
     const ActionDataAbstract& from = *d.parts[i];
@@ -255,12 +226,12 @@ void gradient_of_parts(const ActionModelJoined& model, const ActionDataJoined& d
     const VectorXd all = own.u + from.Fu.transpose() * of_next;
     gx(part.dx) = own.x + from.Fx.transpose() * of_next;
     gu(part.u) = all.head(static_cast<Index>(part.u.size()));
-    for (std::size_t b = 0; b < model.bonds_of_parts()[i].size(); ++b)
-      by_w.segment<6>(6 * model.bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
+    for (std::size_t b = 0; b < model.get_couplings()->bonds_of_parts()[i].size(); ++b)
+      by_w.segment<6>(6 * model.get_couplings()->bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
   }
 }
 
-void terminal_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& y, VectorXd& gx) {
+void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& y, VectorXd& gx) {
   const auto rows = internal::constraint_rows(model.get_parts(), true);
   gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
   for (std::size_t i = 0; i < d.parts.size(); ++i)
@@ -270,13 +241,13 @@ void terminal_gradient(const ActionModelJoined& model, const ActionDataJoined& d
 }  // namespace
 
 // With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
-void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, const VectorXd& next, bool terminal,
+void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, bool terminal,
                      const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);
   VectorXd by_w;
   gradient_of_parts(model, d, next, y, gx, gu, by_w);
   if (by_w.size() == 0) return;
-  const BondSystem system = system_of(model, d);
+  const BondSystem system = system_of(*model.get_couplings(), model.get_parts(), *d.couplings, gx.size(), gu.size());
   const VectorXd mu = -system.by_w.transpose().partialPivLu().solve(by_w);
   const VectorXd add = system.rows.transpose() * mu;
   gx += add.head(gx.size());
@@ -289,24 +260,25 @@ void joined_gradient(const ActionModelJoined& model, const ActionDataJoined& d, 
 //     R^T dw = W^T df + s x* F - th x F
 //
 // so that what stands with w stands with f, whose derivatives are the scene's, and with A's place.
-void scene_gradient(const ActionModelJoined& model, ActionDataJoined& d, const VectorXd& next, bool terminal,
+void scene_gradient(const ActionModelParts& model, ActionDataParts& d, const VectorXd& next, bool terminal,
                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);
   VectorXd by_w;
   gradient_of_parts(model, d, next, y, gx, gu, by_w);
   if (by_w.size() == 0) return;
-  const Scene& scene = model.get_scene();
-  VectorXd by_f = VectorXd::Zero(d.solution.f.size());
-  for (std::size_t b = 0; b < model.get_bonds().size(); ++b) {
-    const int c = model.get_bonds()[b].contact;
+  CouplingData& own = *d.couplings;
+  const Scene& scene = model.get_couplings()->scene();
+  VectorXd by_f = VectorXd::Zero(own.solution.f.size());
+  for (std::size_t b = 0; b < model.get_couplings()->bonds().size(); ++b) {
+    const int c = model.get_couplings()->bonds()[b].contact;
     const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
-    const ActionDataJoined::OfBond& bond = d.bonds[b];
+    const CouplingData::OfBond& bond = own.bonds[b];
     const ContactDerivatives& dr = bond.derivatives;
     const Mat3<double>& R = bond.rows.aMA.R;
     Vec6<double> g;
     g << R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b)),
         R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b) + 3);
-    by_f.segment(d.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = bond.rows.W * g;
+    by_f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = bond.rows.W * g;
     const int first = scene.robots[static_cast<std::size_t>(contact.A.robot)].idx_v;
     for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
       const Index column = static_cast<Index>(k);
@@ -316,7 +288,7 @@ void scene_gradient(const ActionModelJoined& model, ActionDataJoined& d, const V
     }
   }
   VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu);
-  vjp(scene, d.solution, VectorXd::Zero(scene.nv), by_f, wq, wv, wu);
+  vjp(scene, own.solution, VectorXd::Zero(scene.nv), by_f, wq, wv, wu);
   gx.head(scene.nv) += wq;
   gx.tail(scene.nv) += wv;
   gu += wu;
