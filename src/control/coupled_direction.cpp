@@ -17,11 +17,6 @@ using Vectors = Direction::Vectors;
 
 namespace {
 
-const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
-  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
-  return parts && parts->get_couplings() ? parts : nullptr;
-}
-
 bool same_coordinates(const ActionPart& a, const ActionPart& b) { return a.x == b.x && a.dx == b.dx && a.u == b.u; }
 
 }  // namespace
@@ -38,9 +33,9 @@ CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<
 }
 
 bool CoupledDirection::serves(const ShootingProblem& problem) {
-  const ActionModelParts* last = as_coupled(problem, problem.get_T());
+  const ActionModelParts* last = internal::as_coupled(problem, problem.get_T());
   for (std::size_t t = 0; last && t < problem.get_T(); ++t) {
-    const ActionModelParts* model = as_coupled(problem, t);
+    const ActionModelParts* model = internal::as_coupled(problem, t);
     if (!model || !std::equal(model->get_parts().begin(), model->get_parts().end(), last->get_parts().begin(),
                               last->get_parts().end(), same_coordinates))
       return false;
@@ -118,7 +113,7 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   const std::size_t T = g.size();
   VectorXd gx;
   for (std::size_t t = T + 1; t-- > 0;) {
-    const ActionModelParts& model = *as_coupled(*part_.problem, t);
+    const ActionModelParts& model = *internal::as_coupled(*part_.problem, t);
     VectorXd& gu = t < T ? g[t] : u_of_cluster_;
     coupled_gradient(model, static_cast<const ActionDataParts&>(*part_.problem->data(t)), Vx_[std::min(t + 1, T)], t == T,
                     {}, gx, gu);

@@ -10,11 +10,6 @@ namespace manycontact::internal {
 
 namespace {
 
-const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
-  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
-  return parts && parts->get_couplings() ? parts : nullptr;
-}
-
 // Of one block's node: its controls are u and the wrenches on it.
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
@@ -40,6 +35,11 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
 }
 
 }  // namespace
+
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
+  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+  return parts && parts->get_couplings() ? parts : nullptr;
+}
 
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
   std::vector<ActionPart> out;

@@ -6,6 +6,8 @@
 
 namespace manycontact::internal {
 
+/// Node t where it has couplings, else nullptr.
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);
 /// The parts of nodes with couplings, the same throughout; of other nodes one, of all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 

@@ -118,10 +118,10 @@ void RiccatiDirection::add_gap(std::size_t t) {
   Vx_[t] += Vxx_fs_[t];
 }
 
-// [fu fx], of nodes with steps the lower half: these, or nullptr.
+// [fu fx], of nodes with steps the lower half: these, or nullptr. Nodes within an augmented Lagrangian have matrices.
 const lq::Steps* RiccatiDirection::set_dynamics(const ActionModelAbstract& model, const ActionDataAbstract& data) {
-  const IntegratedActionDataEuler* euler = internal::known_steps(model, data);
-  if (!euler) {
+  const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
+  if (!euler || !internal::known_steps(model, data)) {
     riccati_.set_A(data.Fx);
     riccati_.set_B(data.Fu);
     return nullptr;
