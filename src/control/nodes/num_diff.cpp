@@ -3,7 +3,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "../action/differences.hpp"
+#include "../../action/differences.hpp"
 
 namespace manycontact {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "../multi_robot/coordinates.hpp"
 #include "constraint_rows.hpp"
-#include "coordinates.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/parts.hpp"
 

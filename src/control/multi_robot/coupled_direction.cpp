@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "../constrained/quadratic_model.hpp"
 #include "coordinates.hpp"
 #include "manycontact/control/couplings.hpp"
 #include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
 #include "manycontact/lq/kkt.hpp"
-#include "quadratic_model.hpp"
 
 namespace manycontact {
 
@@ -22,7 +22,7 @@ bool same_coordinates(const ActionPart& a, const ActionPart& b) { return a.x == 
 }  // namespace
 
 CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
-                                const std::vector<std::vector<std::pair<int, int>>>& bonds) {
+                                  const std::vector<std::vector<std::pair<int, int>>>& bonds) {
   lq::Problem problem;
   problem.nx = nx;
   problem.nu = nu;
@@ -115,8 +115,8 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   for (std::size_t t = T + 1; t-- > 0;) {
     const ActionModelParts& model = *internal::as_coupled(*part_.problem, t);
     VectorXd& gu = t < T ? g[t] : u_of_cluster_;
-    coupled_gradient(model, static_cast<const ActionDataParts&>(*part_.problem->data(t)), Vx_[std::min(t + 1, T)], t == T,
-                    {}, gx, gu);
+    coupled_gradient(model, static_cast<const ActionDataParts&>(*part_.problem->data(t)), Vx_[std::min(t + 1, T)],
+                     t == T, {}, gx, gu);
     Vx_[t] = gx;
     if (t < T) add_feedback(t, gu, Vx_[t]);
   }

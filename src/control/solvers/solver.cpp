@@ -1,8 +1,8 @@
 #include "manycontact/control/solver.hpp"
 
-#include "constraint_rows.hpp"
+#include "../constrained/constraint_rows.hpp"
+#include "../nodes/nodes.hpp"
 #include "manycontact/sparse/largest.hpp"
-#include "nodes.hpp"
 
 namespace manycontact {
 

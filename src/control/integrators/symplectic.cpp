@@ -19,7 +19,8 @@ const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
   return *static_cast<const DifferentialActionDataContactFwdDynamics&>(data).multibody;
 }
 
-std::shared_ptr<DifferentialActionModelAbstract> checked(std::shared_ptr<DifferentialActionModelAbstract> model) {
+std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
+    std::shared_ptr<DifferentialActionModelAbstract> model) {
   require(!model || dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(model.get()),
           kIntegratedActionModelSymplectic,
           "dynamics that are not DifferentialActionModelContactFwdDynamics, which this is the step of: for others take "
@@ -46,11 +47,12 @@ bool is_of(const HeldVelocities& held, const DataCollector& of) {
 SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                  std::shared_ptr<ControlParametrizationModelAbstract> control,
                                                  double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(checked(std::move(model)), std::move(control), time_step, with_cost_residual) {}
+    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), std::move(control), time_step,
+                                    with_cost_residual) {}
 
 SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                  double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(checked(std::move(model)), time_step, with_cost_residual) {}
+    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), time_step, with_cost_residual) {}
 
 SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
     : ActionDataAbstract(model),

@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <cassert>
 
+#include "../integrators/euler_steps.hpp"
 #include "coordinates.hpp"
-#include "euler_steps.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/couplings.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -56,16 +56,16 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   if (m == 6) return N;
   if (m == 5) {  // a hinge: the torque about its axis
     N.row(0).tail<3>() = Vec3<double>(W.row(3).tail<3>()).cross(Vec3<double>(W.row(4).tail<3>()));
-    return N;
-  }
-  N.bottomRightCorner<3, 3>().setIdentity();
-  const Vec3<double> a = W.row(0).head<3>();
-  if (m == 1) {
-    const Vec3<double> b = a.unitOrthogonal();
-    N.row(0).head<3>() = b;
-    N.row(1).head<3>() = a.cross(b);
-  } else if (m == 2) {
-    N.row(0).head<3>() = a.cross(Vec3<double>(W.row(1).head<3>()));
+  } else {
+    N.bottomRightCorner<3, 3>().setIdentity();
+    const Vec3<double> a = W.row(0).head<3>();
+    if (m == 1) {
+      const Vec3<double> b = a.unitOrthogonal();
+      N.row(0).head<3>() = b;
+      N.row(1).head<3>() = a.cross(b);
+    } else if (m == 2) {
+      N.row(0).head<3>() = a.cross(Vec3<double>(W.row(1).head<3>()));
+    }
   }
   assert((W * N.transpose()).isZero(1e-12) && (N * N.transpose()).isIdentity(1e-12));
   return N;
@@ -98,8 +98,7 @@ void add_force_rows(const CouplingData::OfBond& bond, double delta, Index first,
 }  // namespace
 
 // The share in bond b's rows of A's part or of B's.
-void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b,
-                             bool of_a) const {
+void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
   const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
   const CouplingData::OfBond& bond = own.bonds[b];
@@ -134,16 +133,18 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
   CouplingData& own = *d.couplings;
   for (std::size_t r = 0; r < own.robots.size(); ++r)
     if (own.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
-      rnea_derivatives<double>(*scene_.robots[r].model, own.robots[r]->kin, own.robots[r]->kin.Y, {}, own.robots[r]->terms);
+      rnea_derivatives<double>(*scene_.robots[r].model, own.robots[r]->kin, own.robots[r]->kin.Y, {},
+                               own.robots[r]->terms);
   for (std::size_t b = 0; b < bonds_.size(); ++b) {
     const int c = bonds_[b].contact;
     const Contact& contact = scene_.contacts[static_cast<std::size_t>(c)];
     const CouplingData::OfRobot& A = *own.robots[static_cast<std::size_t>(contact.A.robot)];
     const CouplingData::OfRobot& B = *own.robots[static_cast<std::size_t>(contact.B.robot)];
     CouplingData::OfBond& bond = own.bonds[b];
-    contact_derivatives<double>(contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
-                                own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()),
-                                bond.rows, bond.derivatives);
+    contact_derivatives<double>(
+        contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
+        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()), bond.rows,
+        bond.derivatives);
     share_of_end(parts, d, b, true);
     share_of_end(parts, d, b, false);
   }
@@ -212,8 +213,8 @@ struct PartGradient {
 };
 
 // Lx + A^T next, Lu + B^T next of all parts with the wrenches held, and what stands with these in by_w.
-void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next,
-                       const VectorXd& y, VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
+void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
+                       VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
   gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
   gu.resize(static_cast<Index>(model.get_nu()));
@@ -227,7 +228,8 @@ void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, 
     gx(part.dx) = own.x + from.Fx.transpose() * of_next;
     gu(part.u) = all.head(static_cast<Index>(part.u.size()));
     for (std::size_t b = 0; b < model.get_couplings()->bonds_of_parts()[i].size(); ++b)
-      by_w.segment<6>(6 * model.get_couplings()->bonds_of_parts()[i][b]) += all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
+      by_w.segment<6>(6 * model.get_couplings()->bonds_of_parts()[i][b]) +=
+          all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
   }
 }
 
@@ -242,7 +244,7 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 // With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
 void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, bool terminal,
-                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
+                      const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);
   VectorXd by_w;
   gradient_of_parts(model, d, next, y, gx, gu, by_w);

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "../multi_robot/coordinates.hpp"
+#include "../solvers/cost_scale.hpp"
 #include "constraint_rows.hpp"
-#include "coordinates.hpp"
-#include "cost_scale.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/sparse.hpp"

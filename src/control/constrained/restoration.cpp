@@ -17,10 +17,10 @@ constexpr double kWorthless = 1e-6;  // of the squared violation, what a step ma
 constexpr double kCrawling = 1e-9;   // at which iterations end
 constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
 constexpr double kRegularised = 1e-12;
-constexpr double kCreeping = 0.99;  // of the squared violation, what kWindow iterations of a slow search leave
-constexpr std::size_t kWindow = 8;
-constexpr double kNearer = 0.5;     // of the violation: worth going on from
-constexpr std::size_t kMost = 500;  // iterations
+constexpr double kCreeping = 0.99;  // of the squared violation, what kCreepingWindow iterations of a slow search leave
+constexpr std::size_t kCreepingWindow = 8;
+constexpr double kMuchNearer = 0.5;  // of the violation: worth going on from
+constexpr std::size_t kMost = 500;   // iterations
 constexpr std::size_t kRestorations = 5;
 
 }  // namespace
@@ -33,7 +33,7 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back()) last_.push_back(left);  // else regularised more, and tried again
-    const bool creeps = last_.size() > kWindow && left > kCreeping * last_[last_.size() - 1 - kWindow];
+    const bool creeps = last_.size() > kCreepingWindow && left > kCreeping * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
 
@@ -155,7 +155,7 @@ StopReason AL::restore(std::size_t maxiter) {
   // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer although
   // nothing else was asked for: nothing is shown then.
   const bool absurd = !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_));
-  const bool nearer = violation_ <= std::max(th_constraint_, kNearer * violation_before);
+  const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
   if (absurd || !nearer) return StopReason::kNoStep;
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;

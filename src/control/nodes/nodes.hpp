@@ -4,7 +4,7 @@
 #include <exception>
 #include <mutex>
 
-#include "../dynamics/parallel.hpp"
+#include "../../dynamics/parallel.hpp"
 
 namespace manycontact::internal {
 

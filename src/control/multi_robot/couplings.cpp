@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "euler_steps.hpp"
+#include "../integrators/euler_steps.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/kkt/island.hpp"
 

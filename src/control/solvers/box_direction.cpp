@@ -1,4 +1,4 @@
-#include "../lq/dense.hpp"
+#include "../../lq/dense.hpp"
 #include "manycontact/control/riccati_direction.hpp"
 
 namespace manycontact {

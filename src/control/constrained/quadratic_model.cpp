@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "euler_steps.hpp"
+#include "../integrators/euler_steps.hpp"
 #include "manycontact/control/coupled_direction.hpp"
 #include "manycontact/control/couplings.hpp"
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <ostream>
 
-#include "../action/terms.hpp"
+#include "../../action/terms.hpp"
+#include "../integrators/steps.hpp"
 #include "impact_actuation.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 

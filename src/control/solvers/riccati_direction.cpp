@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "../lq/dense.hpp"
-#include "euler_steps.hpp"
+#include "../../lq/dense.hpp"
+#include "../integrators/euler_steps.hpp"
 
 namespace manycontact {
 
@@ -95,7 +95,8 @@ bool RiccatiDirection::compute(double preg, double) {
   MatrixXd& V = value(T);
   if (const auto* euler = without_matrices(terminal)) {
     V.setZero();
-    add(euler->differential->Lxx_sparse(), false, 1, Block(V.data(), V.rows(), V.cols(), Eigen::OuterStride<>(V.rows())));
+    add(euler->differential->Lxx_sparse(), false, 1,
+        Block(V.data(), V.rows(), V.cols(), Eigen::OuterStride<>(V.rows())));
   } else {
     V = terminal.Lxx;
   }
@@ -191,8 +192,7 @@ bool RiccatiDirection::compute_gains(std::size_t t) {
 }
 
 void RiccatiDirection::compute_value_function(std::size_t t) {
-  require(t == node_, "SolverDDP::computeValueFunction",
-          "computeActionValueFunction of this node is expected first");
+  require(t == node_, "SolverDDP::computeValueFunction", "computeActionValueFunction of this node is expected first");
   Vx_[t] = Qx_[t];
   if (Qu_[t].size() > 0) {
     Quuk_[t].noalias() = riccati_.Qvv().selfadjointView<Eigen::Lower>() * k_[t];
@@ -270,8 +270,6 @@ void RiccatiDirection::precondition_feed_forward(Vectors& g) {
   }
 }
 
-std::vector<Direction::Gains> RiccatiDirection::gains(std::size_t t) const {
-  return {{part_.dx, part_.u[t], K_[t]}};
-}
+std::vector<Direction::Gains> RiccatiDirection::gains(std::size_t t) const { return {{part_.dx, part_.u[t], K_[t]}}; }
 
 }  // namespace manycontact

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "../multi_robot/coordinates.hpp"
 #include "constraint_rows.hpp"
-#include "coordinates.hpp"
 #include "manycontact/control/coupled_direction.hpp"
 #include "manycontact/control/couplings.hpp"
 
@@ -105,10 +105,10 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
-// The same of nodes with couplings: the bonds' wrenches are eliminated from the gradients, by the scene's own derivatives
-// and not by the rows that directions are made of.
+// The same of nodes with couplings: the bonds' wrenches are eliminated from the gradients, by the scene's own
+// derivatives and not by the rows that directions are made of.
 double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                              bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+                               bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
   Eigen::VectorXd gx, gu;

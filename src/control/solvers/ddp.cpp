@@ -4,10 +4,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "../constrained/kkt_residual.hpp"
+#include "../nodes/nodes.hpp"
 #include "cost_scale.hpp"
 #include "fit.hpp"
-#include "kkt_residual.hpp"
-#include "nodes.hpp"
 #include "step_lengths.hpp"
 
 namespace manycontact {
