@@ -2,9 +2,9 @@
 
 #include <map>
 
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
-#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/symplectic.hpp"
 

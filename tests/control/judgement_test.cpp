@@ -77,11 +77,15 @@ TEST(TightLimits, GuessesBeyondThemAreClampedAndOnlyTheOptimumIsCalledConverged)
       solver.set_th_stop(1e-12);
       solver.set_th_kkt(1e-9);
       const bool converged = solver.solve(Vectors(T + 1, x0), Vectors(T, Eigen::VectorXd::Constant(1, guess)), 300);
-      if (limit > 50) EXPECT_TRUE(converged) << guess << " " << to_string(solver.reason());
+      if (limit > 50) {
+        EXPECT_TRUE(converged) << guess << " " << to_string(solver.reason());
+      }
       for (int t = 0; t < T; ++t) {
         const double u = solver.get_us()[static_cast<std::size_t>(t)][0];
         EXPECT_LE(std::abs(u), limit);
-        if (converged) EXPECT_NEAR(u, best[t], 1e-5 * std::max(1.0, limit)) << limit << " " << guess << " " << t;
+        if (converged) {
+          EXPECT_NEAR(u, best[t], 1e-5 * std::max(1.0, limit)) << limit << " " << guess << " " << t;
+        }
       }
     }
   }
@@ -171,7 +175,9 @@ TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
     const Reached found = reach(T, h, weight, INFINITY);
     EXPECT_NE(found.reason, StopReason::kInfeasible) << T << " " << h << " " << weight;
     // beyond, the KKT residual's rounding is above its absolute tolerance
-    if (weight < 100) EXPECT_TRUE(found.converged) << T << " " << h << " " << weight << " " << to_string(found.reason);
+    if (weight < 100) {
+      EXPECT_TRUE(found.converged) << T << " " << h << " " << weight << " " << to_string(found.reason);
+    }
     EXPECT_NEAR(found.cost, right, 1e-5 * right) << T << " " << h << " " << weight;
   }
 }
@@ -184,9 +190,13 @@ TEST(Infeasible, IsSaidOfWhatCannotAndOfNothingElse) {
   for (int t = 0; t < T; ++t) most += h * h * (T - t) * (t < T / 2 ? limit : -limit);
   for (const double share : {0.2, 0.9, 0.99, 1.01, 1.2, 3.0}) {
     const Reached found = reach(T, h, 1e-3, limit, share * most);
-    if (share < 0.95) EXPECT_TRUE(found.converged) << share << " " << to_string(found.reason);
+    if (share < 0.95) {
+      EXPECT_TRUE(found.converged) << share << " " << to_string(found.reason);
+    }
     EXPECT_EQ(found.reason == StopReason::kInfeasible, share > 1) << share << " " << to_string(found.reason);
-    if (share > 1) EXPECT_GT(found.violation, 0.1 * (share - 1) * most) << share;
+    if (share > 1) {
+      EXPECT_GT(found.violation, 0.1 * (share - 1) * most) << share;
+    }
   }
 }
 

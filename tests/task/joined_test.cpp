@@ -143,8 +143,8 @@ TEST(JoinedNodes, WithConstraints) { expect_nodes_of_the_whole(chain(3, "local",
 
 TEST(JoinedNodes, AreThoseOfTheWholeScene) { expect_nodes_of_the_whole(chain(3), 3); }
 TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "local_world_aligned"), 2); }
-TEST(JoinedNodes, OfPointContacts) {
-  for (const char* type : {"1d", "2d", "3d"})
+TEST(JoinedNodes, OfContactsOfFewerRows) {
+  for (const char* type : {"1d", "2d", "3d", "5d"})
     for (const char* frame : {"local", "local_world_aligned"}) {
       SCOPED_TRACE(std::string(type) + " " + frame);
       expect_nodes_of_the_whole(chain(2, frame, "0", type), 2);
@@ -222,8 +222,8 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
 }
 
 TEST(JoinedDirections, OfAChainBySchurComplement) { expect_dense_direction(chain(5), "Schur complement of bonds"); }
-TEST(JoinedDirections, OfPointContacts) {
-  for (const char* type : {"1d", "2d", "3d"}) {
+TEST(JoinedDirections, OfContactsOfFewerRows) {
+  for (const char* type : {"1d", "2d", "3d", "5d"}) {
     SCOPED_TRACE(type);
     expect_dense_direction(chain(5, "local", "0", type), "Schur complement of bonds");
     expect_dense_direction(chain(2, "local", "0", type), "Riccati by islands");

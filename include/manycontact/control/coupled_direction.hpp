@@ -1,9 +1,9 @@
 #pragma once
-// A part whose nodes are ActionModelParts with couplings: robots that hold each other. The direction of FDDP is the solution (dx, du)
-// of the linear-quadratic problem around the candidate, with the bonds' wrenches as variables (couplings.hpp,
-// lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per robot and a Schur
-// complement of the bonds, or islands through time. It equals SolverFDDP's on nodes of the whole scene, with the same
-// regularisation (rho on the states and on the controls, none on wrenches).
+// A part whose nodes are ActionModelParts with couplings: robots that hold each other. The direction of FDDP is the
+// solution (dx, du) of the linear-quadratic problem around the candidate, with the bonds' wrenches as variables
+// (couplings.hpp, lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per
+// robot and a Schur complement of the bonds, or islands through time. It equals SolverFDDP's on nodes of the whole
+// scene, with the same regularisation (rho on the states and on the controls, none on wrenches).
 //
 // The forward pass is FDDP's with other gains. SolverFDDP's K = -du/dx of the whole scene is dense, and never appears;
 // here each robot has the gains K_i of its own recursion, which takes the wrenches on it as given, and
@@ -76,6 +76,6 @@ struct CoupledPrediction {
   double dense = 0, coupled = 0;
 };
 CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
-                                const std::vector<std::vector<std::pair<int, int>>>& bonds);
+                                  const std::vector<std::vector<std::pair<int, int>>>& bonds);
 
 }  // namespace manycontact

@@ -91,8 +91,8 @@ struct CouplingData {  // of a node, bond by bond
 };
 
 /// Gradients of l(x, u) + next^T x'(x, u) + y^T [g; h](x, u) of a node with couplings, the wrenches eliminated, at the
-/// data's last calcDiff; of a terminal node gu is left alone. y: of the node's constraints, or none. Throws nothing; not
-/// finite where bonds depend on each other.
+/// data's last calcDiff; of a terminal node gu is left alone. y: of the node's constraints, or none. Throws nothing;
+/// not finite where bonds depend on each other.
 void coupled_gradient(const ActionModelParts& model, const ActionDataParts& data, const Eigen::VectorXd& next,
                       bool terminal, const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
 /// The same by other means, for those who judge an answer: how the wrenches answer to x and u is the whole scene's

@@ -68,9 +68,9 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
   const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
   /// The same node of other models, in the same places, with this one's limits and storage.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;
-  /// kDense (at first): the node's data hold its derivatives as dense matrices too, for any solver, with the wrenches of
-  /// couplings eliminated. kSparse: only the parts' data hold theirs, which SolverSparse reads; Lx, Lu and the matrices
-  /// of the node's are empty. Of data created from then on.
+  /// kDense (at first): the node's data hold its derivatives as dense matrices too, for any solver, with the wrenches
+  /// of couplings eliminated. kSparse: only the parts' data hold theirs, which SolverSparse reads; Lx, Lu and the
+  /// matrices of the node's are empty. Of data created from then on.
   void set_storage(MatrixStorage storage);
   MatrixStorage get_storage() const { return storage_; }
 
@@ -93,7 +93,8 @@ struct ShootingPart {
 };
 
 /// The parts of a problem whose nodes are ActionModelParts without couplings, of the same x and dx in each, else
-/// std::invalid_argument. A problem without any such node is one part. They follow no later change of the problem's nodes.
+/// std::invalid_argument. A problem without any such node is one part. They follow no later change of the problem's
+/// nodes.
 std::vector<ShootingPart> separate(const ShootingProblem& problem);
 
 /// The part's numbers: part = whole(index), and back.

@@ -23,8 +23,8 @@ namespace manycontact {
 class SolverSparse : public SolverFDDP {
  public:
   /// limits: controls stay within the models'. Throws std::invalid_argument where nodes differ in their parts (see
-  /// `separate`), and for limits of nodes with couplings without dense matrices (with them, parts that hold each other are
-  /// one dense part, whose steps are SolverBoxFDDP's). A problem without ActionModelParts is one part.
+  /// `separate`), and for limits of nodes with couplings without dense matrices (with them, parts that hold each other
+  /// are one dense part, whose steps are SolverBoxFDDP's). A problem without ActionModelParts is one part.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
   /// Where nodes were replaced, as in a receding horizon, parts of the same coordinates follow with their memory; those

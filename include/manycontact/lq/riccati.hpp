@@ -68,7 +68,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   std::vector<std::vector<Policy>> policies_;
   std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the pass at hand: corrections add to the policies'
   std::vector<int> x_of_block_;
-  RiccatiStep step_;                   // of the cluster at hand
+  RiccatiStep step_;                      // of the cluster at hand
   std::vector<double> next_, with_rows_;  // scratch, for matrices of it
   Eigen::VectorXd t_, x_, v_, f_;
 };

@@ -41,9 +41,7 @@ class RiccatiStep {
   /// The blocks of H, of Qvv and Qxx the lower triangles.
   Matrix Qvv() { return {H_.data(), nv_, nv_, Eigen::OuterStride<>(ld_)}; }
   Matrix Qxv() { return {H_.data() + u_, nx_, nv_, Eigen::OuterStride<>(ld_)}; }
-  Matrix Qxx() {
-    return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)};
-  }
+  Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
 
   /// qv = B^T t, qx = A^T t, with F as for the last multiply.
   void multiply_vector(const Eigen::VectorXd& t, const Steps* steps, Eigen::Ref<Eigen::VectorXd> qv,
