@@ -53,7 +53,7 @@ void Riccati::do_analyse(const Problem& problem) {
   plan_ = make_plan(problem, join_);
   flops_ = riccati_flops(problem, plan_);
   policies_.assign(plan_.size(), {});
-  Index n = 0, m = 0, e = 0;
+  Index n = 0, e = 0;
   for (std::size_t k = 0; k < plan_.size(); ++k)
     for (const Cluster& c : plan_[k]) {
       const Index rows = c.nv + c.rows;
@@ -61,7 +61,7 @@ void Riccati::do_analyse(const Problem& problem) {
                               VectorXd::Zero(c.nx), MatrixXd::Zero(rows, rows),
                               Eigen::PartialPivLU<MatrixXd>(c.rows ? rows : 0)});
       n = std::max<Index>(n, c.nx);
-      m = std::max<Index>(m, c.nv);
+      step_.lay_out(c.nv, c.nx);
       e = std::max(e, rows);
     }
   k_.assign(plan_.size(), {});
@@ -73,12 +73,7 @@ void Riccati::do_analyse(const Problem& problem) {
     }
   x_of_block_.assign(problem.blocks(), 0);
   next_.resize(n * n);
-  PA_.resize(n * n);
-  PB_.resize(n * m);
-  PG_.resize(n * n);
-  halves_.resize(n * n);
-  Qxv_.resize(n * e);
-  Qvv_.resize(e * e);
+  with_rows_.resize(n * e);
   t_.resize(layout_.x.back());
   x_.resize(n);
   f_.resize(n);
@@ -104,17 +99,18 @@ Eigen::Ref<const MatrixXd> Riccati::next_value(const Problem& problem, int k, in
   return P;
 }
 
-// Qxx (lower triangle, in the policy's P), Qxv, Qvv (lower triangle) of cluster `index`.
+// Qxx, Qxv, Qvv of cluster `index`, in step_.
 void Riccati::expand(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
-  MatrixXd& Qxx = policies_[k][index].P;
-  MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
-  Qxx.setZero();
-  Qxv.setZero();
-  Qvv.setZero();
+  step_.lay_out(c.nv, c.nx);
+  if (k == problem.horizon())
+    step_.set_zero();
+  else
+    expand_next_value(problem, k, index);
+  auto Qxx = step_.Qxx(), Qxv = step_.Qxv(), Qvv = step_.Qvv();
   for (const Member& m : c.members) {
     const Group& g = problem.knots[k].groups[m.group];
-    Qxx.block(m.x, m.x, m.nx, m.nx) = g.Q;
+    Qxx.block(m.x, m.x, m.nx, m.nx).triangularView<Eigen::Lower>() += g.Q;
     for (const Piece& a : m.v) {
       Qxv.block(m.x, a.to, m.nx, a.size) += g.S.middleCols(a.from, a.size);
       for (const Piece& b : m.v) Qvv.block(b.to, a.to, b.size, a.size) += g.R.block(b.from, a.from, b.size, a.size);
@@ -122,103 +118,40 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
   }
   Qxx.diagonal().array() += reg.x;
   if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
-  if (k == problem.horizon()) return;
+}
 
-  if (const Steps* known = steps(problem, k, index))
-    add_next_value_by_steps(problem, k, index, *known);
+// F^T P+ F
+void Riccati::expand_next_value(const Problem& problem, int k, int index) {
+  const Cluster& c = plan_[k][index];
+  const Steps* known = steps(problem, k, index);
+  for (const Member& m : c.members) {
+    const Group& g = problem.knots[k].groups[m.group];
+    const Index rows = known ? m.nx / 2 : m.nx;
+    step_.set_A(g.A.bottomRows(rows), m.x, m.x);
+    for (const Piece& a : m.v) step_.set_B(g.B.bottomRows(rows).middleCols(a.from, a.size), m.x, a.to);
+  }
+  if (known)
+    step_.multiply(next_value(problem, k, index), *known);
   else
-    add_next_value(problem, k, index);
-}
-
-// A^T P+ A, A^T P+ B, B^T P+ B
-void Riccati::add_next_value(const Problem& problem, int k, int index) {
-  const Cluster& c = plan_[k][index];
-  MatrixXd& Qxx = policies_[k][index].P;
-  MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
-  const Eigen::Ref<const MatrixXd> P = next_value(problem, k, index);
-  MatrixMap PA = as_matrix(PA_, c.nx, c.nx), PB = as_matrix(PB_, c.nx, c.nv);
-  PA.setZero();
-  PB.setZero();
-  for (const Member& m : c.members) {
-    const Group& g = problem.knots[k].groups[m.group];
-    add_AB(PA.middleCols(m.x, m.nx), 1, P.middleCols(m.x, m.nx), g.A);  // P+ A
-    for (const Piece& a : m.v)                                          // P+ B
-      add_AB(PB.middleCols(a.to, a.size), 1, P.middleCols(m.x, m.nx), g.B.middleCols(a.from, a.size));
-  }
-  for (const Member& m : c.members) {
-    const Group& g = problem.knots[k].groups[m.group];
-    add_AtB(Qxx.block(m.x, 0, m.nx, m.x), 1, g.A, PA.block(m.x, 0, m.nx, m.x));  // A^T P+ A
-    add_lower_AtB(Qxx.block(m.x, m.x, m.nx, m.nx), 1, g.A, PA.block(m.x, m.x, m.nx, m.nx));
-    add_AtB(Qxv.middleRows(m.x, m.nx), 1, g.A, PB.middleRows(m.x, m.nx));  // A^T P+ B
-    for (const Piece& a : m.v) {                                           // B^T P+ B
-      const auto B = g.B.middleCols(a.from, a.size);
-      add_AtB(Qvv.block(a.to, 0, a.size, a.to), 1, B, PB.block(m.x, 0, m.nx, a.to));
-      add_lower_AtB(Qvv.block(a.to, a.to, a.size, a.size), 1, B, PB.block(m.x, a.to, m.nx, a.size));
-    }
-  }
-}
-
-// The same with A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z:  with W = [G; 1]^T P+ [G; 1], Y = [G; 1]^T P+ [J; 0] and
-// E = [1 0],
-//
-//     A^T P+ A = A_z^T (W A_z + Y E) + E^T Y^T A_z + E^T J^T P+_yy J E
-//     A^T P+ B = A_z^T W B_z + E^T Y^T B_z        B^T P+ B = B_z^T W B_z
-void Riccati::add_next_value_by_steps(const Problem& problem, int k, int index, const Steps& steps) {
-  const Cluster& c = plan_[k][index];
-  const Member& m = c.members.front();
-  const Group& g = problem.knots[k].groups[m.group];
-  const Index n = c.nx, half = n / 2;
-  MatrixXd& Qxx = policies_[k][index].P;
-  MatrixMap Qxv = as_matrix(Qxv_, n, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
-  const Eigen::Ref<const MatrixXd> P = next_value(problem, k, index);
-  const auto square = [&](Index i) { return MatrixMap(halves_.data() + i * half * half, half, half); };
-  MatrixMap PG = as_matrix(PG_, n, half), W = square(0), Yt = square(1), PJ = square(2), JPJ = square(3);
-  PG = P.rightCols(half);  // P+ [G; 1]
-  add_XD(PG, 1, P.leftCols(half), steps.G);
-  W = PG.bottomRows(half);
-  add_DtX(W, 1, steps.G, PG.topRows(half));
-  add_DtX(Yt, 0, steps.J, PG.topRows(half));
-  add_XD(PJ, 0, P.topLeftCorner(half, half), steps.J);
-  add_DtX(JPJ, 0, steps.J, PJ);
-
-  const auto A = g.A.bottomRows(half);
-  MatrixMap WA = as_matrix(PA_, half, n), WB = as_matrix(PB_, half, c.nv);
-  WA.setZero();
-  WB.setZero();
-  add_AB(WA, 1, W, A);
-  WA.leftCols(half) += Yt.transpose();
-  add_lower_AtB(Qxx, 1, A, WA);
-  add_AB(Qxx.topLeftCorner(half, half), 1, Yt, A.leftCols(half));
-  Qxx.topLeftCorner(half, half) += JPJ;
-  for (const Piece& a : m.v) add_AB(WB.middleCols(a.to, a.size), 1, W, g.B.block(half, a.from, half, a.size));
-  add_AtB(Qxv, 1, A, WB);
-  for (const Piece& a : m.v) {
-    const auto B = g.B.block(half, a.from, half, a.size);
-    add_AB(Qxv.block(0, a.to, half, a.size), 1, Yt, B);
-    add_AtB(Qvv.block(a.to, 0, a.size, a.to), 1, B, WB.leftCols(a.to));
-    add_lower_AtB(Qvv.block(a.to, a.to, a.size, a.size), 1, B, WB.middleCols(a.to, a.size));
-  }
+    step_.multiply(next_value(problem, k, index), c.members);
 }
 
 // K and P.
 Status Riccati::eliminate(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
-  MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
+  copy_lower_to_upper(step_.Qvv());
   if (c.rows == 0) {
-    policy.L = Qvv;
-    if (!cholesky(policy.L, tolerance::kPivotLeft)) return finite(Qvv) ? Status::kNotConvex : Status::kNotFinite;
-    policy.K = Qxv.transpose();
-    solve_L(policy.L, policy.K);
-    add_lower_AtB(policy.P, -1, policy.K, policy.K);  // P = Qxx - Qxv Qvv^-1 Qxv^T
-    solve_Lt(policy.L, policy.K);
-    policy.K = -policy.K;
+    if (!step_.eliminate(policy.L, tolerance::kPivotLeft))
+      return finite(step_.Qvv()) ? Status::kNotConvex : Status::kNotFinite;
+    policy.K = -step_.Kt().transpose();
+    step_.value(policy.P);
   } else {
-    copy_lower_to_upper(Qvv);
+    policy.P = step_.Qxx();
     const Status status = eliminate_with_rows(problem, k, index, reg);
     if (status != Status::kOk) return status;
+    copy_lower_to_upper(policy.P);
   }
-  copy_lower_to_upper(policy.P);
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
@@ -227,7 +160,7 @@ Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, co
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
   const Index size = c.nv + c.rows;
-  MatrixMap Qxv = as_matrix(Qxv_, c.nx, c.nv), Qvv = as_matrix(Qvv_, c.nv, c.nv);
+  auto Qxv = step_.Qxv(), Qvv = step_.Qvv();
   MatrixXd& right = policy.K;  // [Qxv^T; C]
   right.topRows(c.nv) = Qxv.transpose();
   right.bottomRows(c.rows).setZero();
@@ -257,7 +190,7 @@ Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, co
   if (!(pivots.minCoeff() > kSingularPivot * pivots.maxCoeff())) return Status::kSingular;
   if (!cholesky(Qvv, 0)) return Status::kNotConvex;
 
-  MatrixMap both = as_matrix(Qxv_, c.nx, size);
+  MatrixMap both = as_matrix(with_rows_, c.nx, size);
   both = right.transpose();
   for (Index i = 0; i < size; ++i) right.row(policy.lu.permutationP().indices()[i]) = -both.col(i).transpose();
   policy.lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(right);

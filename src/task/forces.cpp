@@ -2,9 +2,9 @@
 
 #include <map>
 
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
-#include "manycontact/control/joined.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/symplectic.hpp"
 
@@ -24,15 +24,14 @@ const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbst
 }
 
 // By contact; of a node of parts, of all of them. An impact's are impulses.
-void collect(const ActionDataAbstract& data, Forces& out) {
+void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, Forces& out) {
   if (dynamic_cast<const ActionDataImpulseFwdDynamics*>(&data)) return;
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
-    for (const auto& part : whole->parts) collect(*part, out);
-    return;
-  }
-  if (const auto* joined = dynamic_cast<const ActionDataJoined*>(&data)) {
-    for (const auto& part : joined->parts) collect(*part, out);
-    for (std::size_t b = 0; b < joined->bonds.size(); ++b) out[joined->name_of_bond(b)] = joined->force_of_bond(b);
+    const auto& node = static_cast<const ActionModelParts&>(model);
+    for (std::size_t i = 0; i < whole->parts.size(); ++i) collect(*node.get_parts()[i].model, *whole->parts[i], out);
+    const Couplings* couplings = node.get_couplings().get();
+    for (std::size_t b = 0; couplings && b < couplings->bonds().size(); ++b)
+      out[couplings->name(b)] = couplings->force(b, *whole->couplings);
     return;
   }
   for (const auto& [name, contact] : dynamics_of(data).multibody->contacts->contacts) out[name] = contact->f;
@@ -43,7 +42,7 @@ void collect(const ActionDataAbstract& data, Forces& out) {
 std::vector<Eigen::VectorXd> contact_forces(const TaskFile& task, const TaskProblem& problem, std::size_t t) {
   require(t < problem.problem->get_T(), "contact_forces", "a running node is expected");
   Forces forces;
-  collect(*problem.problem->get_runningDatas()[t], forces);
+  collect(*problem.problem->model(t), *problem.problem->data(t), forces);
   std::vector<Eigen::VectorXd> out;
   for (const Contact& contact : task.scene.scene.contacts) {
     const auto found = forces.find(contact.name);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/kkt/island.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "manycontact/task/parts.hpp"
@@ -82,12 +83,12 @@ bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>
   std::vector<std::vector<std::pair<int, int>>> bonds;
   for (const TaskPhase& phase : task.phases) {
     std::vector<std::pair<int, int>> of_phase;
-    for (const JoinedBond& bond : bonds_between(task::scene_with(task, phase.active), blocks))
+    for (const Coupling& bond : couplings_between(task::scene_with(task, phase.active), blocks))
       of_phase.emplace_back(bond.part_a, bond.part_b);
     bonds.insert(bonds.end(), static_cast<std::size_t>(phase.nodes), of_phase);
   }
-  const JoinedPrediction flops = predict_joined(nx, nu, bonds);
-  return flops.joined < flops.dense;
+  const CoupledPrediction flops = predict_coupled(nx, nu, bonds);
+  return flops.coupled < flops.dense;
 }
 
 bool bonds_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
@@ -96,7 +97,7 @@ bool bonds_are_independent(const TaskFile& task, const std::vector<std::vector<i
     Scene scene = task::scene_with(task, phase.active);
     const int of_all = dependent_rows(scene, x0);
     if (of_all == 0) continue;
-    for (const JoinedBond& bond : bonds_between(scene, blocks))
+    for (const Coupling& bond : couplings_between(scene, blocks))
       scene.contacts[static_cast<std::size_t>(bond.contact)].active = false;
     if (dependent_rows(scene, x0) != of_all) return false;
   }
@@ -108,13 +109,12 @@ namespace task {
 namespace {
 
 // One block's node of a phase.
-JoinedPart joined_part(const TaskFile& own, const TaskPhase& phase, const std::vector<WrenchEnd>& ends, bool terminal) {
+std::shared_ptr<ActionModelAbstract> block_of(const TaskFile& own, const TaskPhase& phase,
+                                              const std::vector<WrenchEnd>& ends, bool terminal) {
   auto state = std::make_shared<StateMultibody>(own.scene.scene);
   auto actuation = std::make_shared<ActuationModelWrenches>(state, actuation_of(state), ends);
   const auto model = model_of(own, phase, state, actuation, MatrixStorage::kDense);
-  JoinedPart out;
-  out.model = terminal ? terminal_of(model) : integrated(own, model);
-  return out;
+  return terminal ? terminal_of(model) : integrated(own, model);
 }
 
 }  // namespace
@@ -130,17 +130,15 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
     Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
     for (std::size_t c = 0; c < scene.contacts.size(); ++c)
       if (phase.active[c] && task::holds_where_it_closed(task, phase, c)) scene.contacts[c].alpha = 0;
-    const std::vector<JoinedBond> bonds = bonds_between(scene, groups);
-    std::vector<JoinedPart> parts;
+    const std::vector<Coupling> bonds = couplings_between(scene, groups);
+    std::vector<ActionPart> parts;
     for (std::size_t i = 0; i < groups.size(); ++i) {
-      parts.push_back(joined_part(own[i], terminal ? own[i].terminal : own[i].phases[k],
-                                  wrench_ends(scene, bonds, groups, static_cast<int>(i)), terminal));
-      const std::shared_ptr<ActionModelAbstract> model = parts.back().model;
-      static_cast<ActionPart&>(parts.back()) = coordinates_of(task.scene.scene, groups[i]);
-      parts.back().model = model;
+      parts.push_back(coordinates_of(task.scene.scene, groups[i]));
+      parts.back().model = block_of(own[i], terminal ? own[i].terminal : own[i].phases[k],
+                                    wrench_ends(scene, bonds, groups, static_cast<int>(i)), terminal);
       parts.back().robots = groups[i];
     }
-    auto node = std::make_shared<ActionModelJoined>(state, scene, std::move(parts));
+    auto node = std::make_shared<ActionModelParts>(state, scene, std::move(parts));
     node->set_storage(MatrixStorage::kSparse);
     if (terminal)
       out.terminal = std::move(node);

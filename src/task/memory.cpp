@@ -43,7 +43,7 @@ double solver_bytes(double n, double m) { return 8 * (2 * n * n + 2 * n * m + 2 
 
 double solver_bytes(const ActionModelAbstract& model) {
   const auto* whole = dynamic_cast<const ActionModelParts*>(&model);
-  if (!whole)
+  if (!whole || whole->get_couplings())
     return solver_bytes(static_cast<double>(model.get_state()->get_ndx()), static_cast<double>(model.get_nu()));
   double out = 0;
   for (const ActionPart& part : whole->get_parts()) out += solver_bytes(*part.model);

@@ -39,7 +39,7 @@ bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::si
 /// Torques of each phase: quasi-static at x0 without its velocity, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 
-/// ActionModelJoined of these groups of the task's robots.
+/// ActionModelParts, coupled, of these groups of the task's robots.
 Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
 
 }  // namespace manycontact::task

@@ -9,7 +9,7 @@
 #include "beside.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/sparse.hpp"
 #include "manycontact/control/timer.hpp"
 #include "memory.hpp"
 #include "torque_bounds.hpp"
@@ -92,41 +92,21 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, bool by_parts,
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-TaskGains gains_of_part(const SolverDDP& solver, const ShootingPart& part) {
-  const auto& K = solver.get_K();
-  return {part.dx, part.u.front(), {K.begin(), K.end()}};
-}
-
-std::vector<int> mapped(const std::vector<int>& of_part, const std::vector<int>& to) {
-  std::vector<int> out;
-  for (const int i : of_part) out.push_back(to[static_cast<std::size_t>(i)]);
-  return out;
-}
-
-// By clusters, which may change from node to node.
-void add_gains(const SolverJoinedPart& solver, std::vector<TaskGains>& out) {
-  const ShootingPart& part = solver.part();
-  std::map<std::vector<int>, std::size_t> known;  // by dx
-  for (std::size_t t = 0; t < part.u.size(); ++t)
-    for (const SolverJoinedPart::Gains& own : solver.gains(t)) {
-      const std::vector<int> dx = mapped(own.dx, part.dx);
-      const auto [at, is_new] = known.emplace(dx, out.size());
-      if (is_new) out.push_back({dx, mapped(own.u, part.u[t]), std::vector<Eigen::MatrixXd>(part.u.size())});
-      out[at->second].K[t] = own.K;
-    }
-}
-
+// Of each part, by clusters, which may change from node to node.
 std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
-  if (const auto* sparse = dynamic_cast<const SolverSparse*>(&solver))
-    for (const auto& own : sparse->parts()) {
-      if (const auto* joined = dynamic_cast<const SolverJoinedPart*>(own.get()))
-        add_gains(*joined, out);
-      else
-        out.push_back(gains_of_part(*own, own->part()));
-    }
-  else if (!solver.get_K().empty())
-    out.push_back(gains_of_part(solver, separate(*solver.get_problem()).front()));
+  const std::size_t T = solver.get_problem()->get_T();
+  for (const auto& direction : solver.directions()) {
+    std::map<std::vector<int>, std::size_t> known;  // by dx
+    for (std::size_t t = 0; t < T; ++t)
+      for (Direction::Gains& own : direction->gains(t)) {
+        const auto [at, is_new] = known.emplace(own.dx, out.size());
+        if (is_new) out.push_back({own.dx, {}, std::vector<Eigen::MatrixXd>(T)});
+        TaskGains& gains = out[at->second];
+        if (gains.u.empty()) gains.u = std::move(own.u);  // an impact's are none
+        gains.K[t] = std::move(own.K);
+      }
+  }
   return out;
 }
 

@@ -8,7 +8,8 @@
 #include <tuple>
 
 #include "manycontact/algorithm/frames.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/euler.hpp"
+#include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/symplectic.hpp"
 
@@ -144,9 +145,6 @@ struct Adder {
     if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {
       const auto& parts = static_cast<const ActionDataParts&>(data).parts;
       for (std::size_t i = 0; i < parts.size(); ++i) node(*whole->get_parts()[i].model, *parts[i]);
-    } else if (const auto* joined = dynamic_cast<const ActionModelJoined*>(&model)) {
-      const auto& blocks = static_cast<const ActionDataJoined&>(data).parts;
-      for (std::size_t i = 0; i < blocks.size(); ++i) node(*joined->get_parts()[i].model, *blocks[i]);
     } else if (const auto* rk = dynamic_cast<const IntegratedActionModelRK*>(&model)) {
       const auto& stages = static_cast<const IntegratedActionDataRK&>(data).differential;
       for (std::size_t i = 0; i < stages.size(); ++i)

@@ -35,7 +35,7 @@ void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
 
 void set_limits(const TorqueBounds& bounds, ActionModelAbstract& model) {
   if (model.get_nu() == 0) return;
-  if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model))
+  if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model); whole && !whole->get_couplings())
     for (const ActionPart& part : whole->get_parts()) {
       TorqueBounds own;
       gather(bounds.lower, part.u, own.lower);

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "manycontact/control/integrated_action.hpp"
-#include "manycontact/control/joined.hpp"
+#include "manycontact/control/parts.hpp"
 
 namespace manycontact {
 
@@ -48,10 +48,6 @@ void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, co
     const auto& parts = dynamic_cast<const ActionDataParts&>(data).parts;
     for (std::size_t i = 0; i < parts.size(); ++i)
       add_node(t, *whole->get_parts()[i].model, terminal, *parts[i], worst);
-  } else if (const auto* joined = dynamic_cast<const ActionModelJoined*>(&model)) {
-    const auto& blocks = dynamic_cast<const ActionDataJoined&>(data).parts;
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      add_node(t, *joined->get_parts()[i].model, terminal, *blocks[i], worst);
   } else if (const auto* node = dynamic_cast<const IntegratedActionModelAbstract*>(&model)) {
     const auto& dynamics = dynamic_cast<const DifferentialActionModelContactFwdDynamics&>(*node->get_differential());
     if (dynamics.get_constraints()) add_rows(t, *dynamics.get_constraints(), terminal, data, worst);

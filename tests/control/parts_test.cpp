@@ -89,14 +89,16 @@ TEST(Parts, RefuseCoordinatesOfNoneOrOfTwo) {
 TEST(SolverSparse, DirectionsAreTheDenseOnes) {
   SolverFDDP dense(unicycles(MatrixStorage::kDense));
   SolverSparse sparse(unicycles(MatrixStorage::kSparse));
-  ASSERT_EQ(sparse.parts().size(), 3u);
+  ASSERT_EQ(sparse.directions().size(), 3u);
   const Vectors xs = random_vectors(21, 9, 4), us = random_vectors(20, 6, 5);
   for (SolverAbstract* solver : {static_cast<SolverAbstract*>(&dense), static_cast<SolverAbstract*>(&sparse)}) {
     solver->setCandidate(xs, us, false);
     solver->set_preg(1e-3);
     solver->computeDirection(true);
   }
-  for (const auto& own : sparse.parts()) {
+  for (const auto& direction : sparse.directions()) {
+    const auto* own = dynamic_cast<const RiccatiDirection*>(direction.get());
+    ASSERT_NE(own, nullptr);
     const ShootingPart& part = own->part();
     for (std::size_t t = 0; t < 20; ++t) {
       const std::vector<int>& u = part.u[t];
@@ -141,10 +143,11 @@ TEST(SolverSparse, PartsWithLimitsKeepTheirHessians) {
     solver->set_preg(1e-3);
     solver->computeDirection(true);
   }
-  for (const auto& own : sparse.parts())
+  for (const auto& direction : sparse.directions())
     for (std::size_t t = 0; t <= 20; ++t) {
-      const std::vector<int>& dx = own->part().dx;
-      EXPECT_LT(error_of(own->get_Vxx()[t], Eigen::MatrixXd(dense.get_Vxx()[t](dx, dx))), 1e-12);
+      const auto& own = dynamic_cast<const RiccatiDirection&>(*direction);
+      const std::vector<int>& dx = own.part().dx;
+      EXPECT_LT(error_of(own.get_Vxx()[t], Eigen::MatrixXd(dense.get_Vxx()[t](dx, dx))), 1e-12);
     }
 }
 

@@ -9,9 +9,12 @@
 #include <map>
 #include <random>
 
+#include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
-#include "manycontact/control/joined_solver.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/sparse.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
@@ -85,8 +88,9 @@ void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
   for (const std::size_t t : {std::size_t(0), whole.us.size() - 1, whole.us.size()}) {
     SCOPED_TRACE("node " + std::to_string(t));
     const auto& parts = dynamic_cast<const ActionModelParts&>(*joined.problem->model(t)).get_parts();
-    const auto model = std::dynamic_pointer_cast<ActionModelJoined>(parts.at(0).model);
+    const auto model = std::dynamic_pointer_cast<ActionModelParts>(parts.at(0).model);
     ASSERT_TRUE(model);
+    EXPECT_TRUE(model->get_couplings());
     model->set_storage(MatrixStorage::kDense);
     const auto data = model->createData(), expected = whole.problem->data(t);
     EXPECT_TRUE(model->checkData(data));
@@ -133,8 +137,8 @@ TEST(JoinedNodes, WithConstraints) { expect_nodes_of_the_whole(chain(3, "local",
 
 TEST(JoinedNodes, AreThoseOfTheWholeScene) { expect_nodes_of_the_whole(chain(3), 3); }
 TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "local_world_aligned"), 2); }
-TEST(JoinedNodes, OfPointContacts) {
-  for (const char* type : {"1d", "2d", "3d"})
+TEST(JoinedNodes, OfContactsOfFewerRows) {
+  for (const char* type : {"1d", "2d", "3d", "5d"})
     for (const char* frame : {"local", "local_world_aligned"}) {
       SCOPED_TRACE(std::string(type) + " " + frame);
       expect_nodes_of_the_whole(chain(2, frame, "0", type), 2);
@@ -184,13 +188,13 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
   }
   const double tolerance = std::max(1e-9, kEps * condition);
   const Step expected = step_of(dense);
-  const auto& part = dynamic_cast<const SolverJoinedPart&>(*sparse.parts().at(0));
+  const auto& part = dynamic_cast<const CoupledDirection&>(*sparse.directions().at(0));
   const lq::Point& z = part.solution_of_direction();
-  const auto& parts = dynamic_cast<const ActionModelJoined&>(*part.part().problem->get_terminalModel()).get_parts();
+  const auto& parts = dynamic_cast<const ActionModelParts&>(*part.part().problem->get_terminalModel()).get_parts();
   for (std::size_t t = 0; t < z.x.size(); ++t) {
     Eigen::VectorXd dx(z.x[t].size());
     Eigen::Index first = 0;
-    for (const JoinedPart& own : parts)
+    for (const ActionPart& own : parts)
       for (const int i : own.dx) dx[i] = z.x[t][first++];
     EXPECT_LT(error_of(dx, expected.x[t]), tolerance) << t;
     if (t == expected.u.size()) continue;
@@ -212,8 +216,8 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
 }
 
 TEST(JoinedDirections, OfAChainBySchurComplement) { expect_dense_direction(chain(5), "Schur complement of bonds"); }
-TEST(JoinedDirections, OfPointContacts) {
-  for (const char* type : {"1d", "2d", "3d"}) {
+TEST(JoinedDirections, OfContactsOfFewerRows) {
+  for (const char* type : {"1d", "2d", "3d", "5d"}) {
     SCOPED_TRACE(type);
     expect_dense_direction(chain(5, "local", "0", type), "Schur complement of bonds");
     expect_dense_direction(chain(2, "local", "0", type), "Riccati by islands");
@@ -384,11 +388,11 @@ TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
 
 // ---- feed-forward terms, multipliers, limits ------------------------------------------------------------------------
 
-struct OpenJoined : SolverJoinedPart {
-  using SolverJoinedPart::computeFeedForwardGradient;
-  using SolverJoinedPart::preconditionFeedForward;
-  using SolverJoinedPart::setFeedForward;
-  using SolverJoinedPart::SolverJoinedPart;
+struct Open : SolverSparse {
+  using SolverSparse::computeFeedForwardGradient;
+  using SolverSparse::preconditionFeedForward;
+  using SolverSparse::setFeedForward;
+  using SolverSparse::SolverSparse;
 };
 
 double sum_of_products(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b) {
@@ -410,7 +414,7 @@ Candidate shaken(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& g
 TEST(JoinedFeedForward, GradientIsThatOfTheRolledOutCost) {
   for (const TaskFile& task : {chain(5), always(2, 5)}) {
     const TaskProblem joined = make_problem(task, TaskSolver::kSparse);
-    OpenJoined solver(separate(*joined.problem).at(0));
+    Open solver(joined.problem);
     SCOPED_TRACE(solver.direction());
     const Candidate at = shaken(*solver.get_problem(), joined.us);
     solver.solve(at.xs, at.us, 0, true);
@@ -495,13 +499,12 @@ TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
 std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixStorage storage, double limit) {
   const ShootingPart part = separate(problem).at(0);
   ShootingProblem::Models models;
-  std::map<ActionModelAbstract*, std::shared_ptr<ActionModelJoined>> known;
+  std::map<ActionModelAbstract*, std::shared_ptr<ActionModelParts>> known;
   for (std::size_t t = 0; t <= part.problem->get_T(); ++t) {
     auto& node = known[part.problem->model(t).get()];
     if (!node) {
-      const auto& joined = dynamic_cast<const ActionModelJoined&>(*part.problem->model(t));
-      node = std::make_shared<ActionModelJoined>(std::static_pointer_cast<StateMultibody>(joined.get_state()),
-                                                 joined.get_scene(), joined.get_parts());
+      const auto& coupled = dynamic_cast<const ActionModelParts&>(*part.problem->model(t));
+      node = coupled.with_models(coupled.get_parts());
       node->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), -limit));
       node->set_u_ub(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(node->get_nu()), limit));
       node->set_storage(storage);

@@ -227,7 +227,9 @@ void expect_dense_direction(const TaskFile& task) {
   for (std::size_t t = 0; t < us.size(); ++t) {
     Eigen::MatrixXd K = dense.get_K()[t];
     const double largest = K.lpNorm<Eigen::Infinity>();
-    for (const auto& own : sparse.parts()) {
+    for (const auto& direction : sparse.directions()) {
+      const auto* own = dynamic_cast<const RiccatiDirection*>(direction.get());
+      ASSERT_NE(own, nullptr);
       const ShootingPart& part = own->part();
       EXPECT_LT(error_of(own->get_k()[t], Eigen::VectorXd(dense.get_k()[t](part.u[t]))), 1e-9) << t;
       EXPECT_LT(error_of(own->get_K()[t], Eigen::MatrixXd(dense.get_K()[t](part.u[t], part.dx))), 1e-9) << t;
@@ -324,7 +326,7 @@ TEST(SparseTask, PartsFollowAHorizonThatMoves) {
   const TaskProblem moved = make_problem(task, TaskSolver::kSparse);
   SolverSparse solver(moved.problem);
   (void)solver.solve(moved.xs, moved.us, 2);
-  const std::vector<const SolverSparsePart*> parts = {solver.parts()[0].get(), solver.parts()[1].get()};
+  const std::vector<const Direction*> parts = {solver.directions()[0].get(), solver.directions()[1].get()};
   std::vector<Eigen::VectorXd> us = moved.us;
   for (int shift = 0; shift < 5; ++shift) {  // phases end and begin: the first four nodes stand on another foot
     ShootingProblem& horizon = *moved.problem;
@@ -337,7 +339,7 @@ TEST(SparseTask, PartsFollowAHorizonThatMoves) {
     EXPECT_TRUE(solver.get_xs() == afresh.get_xs());
     EXPECT_TRUE(solver.get_us() == afresh.get_us());
   }
-  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_EQ(solver.parts()[i].get(), parts[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_EQ(solver.directions()[i].get(), parts[i]);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: by calcDiff
 
   /// False where the derivatives are kept in a shape of their own, and matrices above are empty: of
-  /// IntegratedActionModelEuler with storage kPanel, of ActionModelParts and ActionModelJoined with kSparse.
+  /// IntegratedActionModelEuler with storage kPanel, of ActionModelParts with kSparse.
   virtual bool has_matrices() const { return true; }
   /// gx = Fx^T p, gu = Fu^T p for p of ndx numbers, and [Fx Fu] as matrices: of the last calcDiff. Throw
   /// std::logic_error where only the parts' data have derivatives.

@@ -100,7 +100,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
  private:
   class Relay;  // the unconstrained solver's callback
   class Watch;  // that of the least violation's
-  /// A node with constraints, or such a part of ActionModelParts or ActionModelJoined, within the augmented Lagrangian.
+  /// A node with constraints, or such a part of ActionModelParts, within the augmented Lagrangian.
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
@@ -119,9 +119,9 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
                std::vector<Augmented>& out) const;
   Copy augment_leaf(const Copy& of, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                     std::vector<Augmented>& out) const;
-  template <class Model, class Data>
-  Copy augment_parts(const Model& whole, const Data& data, bool terminal, const std::vector<int>& rows,
-                     const Eigen::VectorXd& multipliers, std::vector<Augmented>& out) const;
+  Copy augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
+                     const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
+                     std::vector<Augmented>& out) const;
   std::shared_ptr<ShootingProblem> violationAlone(std::vector<Augmented>& augmented) const;
   void leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most);
   bool isStationary(SolverDDP& solver);

@@ -10,20 +10,15 @@
 // and the forward pass of step length s rolls u = us - s k - K (x (-) xs) out from x0, closing all gaps. Interface,
 // algorithm and defaults of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
 
-#include <Eigen/Cholesky>
-#include <array>
-
 #include "manycontact/control/limited_bfgs.hpp"
+#include "manycontact/control/riccati_direction.hpp"
 #include "manycontact/control/solver.hpp"
 
 namespace manycontact {
 
-struct IntegratedActionDataEuler;
-
 class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
-  using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  using Source = std::shared_ptr<ShootingProblem>;  // what it is made of
+  using MatrixXdRowMajor = RiccatiDirection::MatrixXdRowMajor;
 
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
 
@@ -44,11 +39,12 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool direction_is_sound() const { return sound_; }
   /// xs_try, us_try and cost_try, which is NaN where numbers are not finite. The step length is in [0, 1].
   virtual void forwardPass(double steplength);
-  virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
-                                          const std::shared_ptr<ActionDataAbstract>& data);
+  /// A node's step of the backward pass; of SolverSparse every part's, which are of its own nodes.
+  void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                  const std::shared_ptr<ActionDataAbstract>& data);
   /// Of the node that computeActionValueFunction was last of, else std::invalid_argument.
-  virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model);
-  virtual void computeGains(std::size_t t);
+  void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model);
+  void computeGains(std::size_t t);
   void increaseRegularization();
   void decreaseRegularization();
   virtual void allocateData();
@@ -71,7 +67,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   /// The memory of `descend`, which takes it at its first call otherwise.
   void allocateDescent();
   /// Whether controls stay within the models' limits.
-  virtual bool keeps_limits() const { return false; }
+  bool keeps_limits() const { return limits_; }
   /// Whether the last iteration took a step.
   bool has_stepped() const { return stepped_; }
   /// Whether the last solve, of a solver that keeps limits, found no step from a candidate with gaps and went on from
@@ -79,7 +75,9 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   /// which tight limits never let happen.
   bool has_rolled_out() const { return rolled_out_; }
   /// What a full step is expected to reduce the cost by, at the direction of a candidate without gaps.
-  virtual double expectedReduction() const;
+  double expectedReduction() const;
+  /// One, of the whole; of SolverSparse one for each part.
+  const std::vector<std::unique_ptr<Direction>>& directions() const { return directions_; }
 
   /// The size of the cost. Thresholds and the limits of the regularisation are numbers for a cost whose Hessian is of
   /// ordinary size; they are multiplied by it (th_stop, th_grad, th_kkt, reg_min, reg_max), so that the weights of a
@@ -104,14 +102,15 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   double get_kkt_residual() const { return kkt_; }
   /// Steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
   std::size_t get_polishing_iter() const { return polishing_; }
-  const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
+  /// Of several parts: their directions have Vxx and K, and what stands with these; here they are empty.
+  const std::vector<Eigen::MatrixXd>& get_Vxx() const;
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const;
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const;
+  const std::vector<Eigen::MatrixXd>& get_Quu() const;
+  const std::vector<Eigen::VectorXd>& get_Qx() const;
+  const std::vector<Eigen::VectorXd>& get_Qu() const;
+  const std::vector<MatrixXdRowMajor>& get_K() const;
   const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }
-  const std::vector<Eigen::MatrixXd>& get_Qxx() const { return Qxx_; }
-  const std::vector<Eigen::MatrixXd>& get_Qxu() const { return Qxu_; }
-  const std::vector<Eigen::MatrixXd>& get_Quu() const { return Quu_; }
-  const std::vector<Eigen::VectorXd>& get_Qx() const { return Qx_; }
-  const std::vector<Eigen::VectorXd>& get_Qu() const { return Qu_; }
-  const std::vector<MatrixXdRowMajor>& get_K() const { return K_; }
   const std::vector<Eigen::VectorXd>& get_k() const { return k_; }
   /// Throw std::invalid_argument for numbers out of range.
   void set_reg_incfactor(double reg_factor);           // > 1
@@ -127,8 +126,10 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void set_th_kkt(double th_kkt);
 
  protected:
-  /// For solvers that keep the passes' memory elsewhere.
-  SolverDDP(std::shared_ptr<ShootingProblem> problem, WithoutMatrices);
+  enum class Limits { kIgnored, kKept };
+  SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
+  /// For solvers that make the directions themselves.
+  SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Sets up the candidate and the regularisation.
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
              double init_reg);
@@ -143,78 +144,50 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
   StopReason descendWithinLimits(std::size_t maxiter);
-  /// What depends on scale_ besides the thresholds.
-  virtual void adoptScale() {}
-  /// us_try[t] at xs_try[t].
-  virtual void stepControl(std::size_t t, double steplength);
-  /// Rolls out with the gaps of the running nodes (of the terminal one) shortened by the step length only.
+  /// Of every part, in parallel: work(direction).
+  template <class Work>
+  void each_direction(Work&& work);
+  /// xs_try, us_try and cost_try, with the gaps of the running nodes (of the terminal one) shortened by the step length
+  /// only.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
+  /// The sum of the directions' dg and dq; gaps: with what they add.
+  Eigen::Vector2d improvement(bool gaps);
   /// Of `descend`: k = -nu, for the next forward passes.
-  virtual void setFeedForward(const std::vector<Eigen::VectorXd>& nu);
-  /// g at xs_try, us_try, where nodes are differentiated; zero of controls that stand at a limit and would leave it.
-  virtual void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g);
+  void setFeedForward(const std::vector<Eigen::VectorXd>& nu);
+  /// g at us_try, where nodes are differentiated; zero of controls that stand at a limit and would leave it.
+  void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g);
   /// g <- diag(Quu)^-1 g
-  virtual void preconditionFeedForward(std::vector<Eigen::VectorXd>& g);
-  /// Sets to zero what the last gradient has as zero for limits.
-  virtual void holdFeedForward(std::vector<Eigen::VectorXd>&) {}
-  /// The same for node t's gradient, whose controls at limits become those of the last gradient.
-  virtual void holdControls(std::size_t, Eigen::VectorXd&) {}
-  /// us_try[t] onto the control limits, for box solvers.
-  virtual void limitControl(std::size_t) {}
+  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g);
   /// The guess us onto the limits that are kept; without gaps it is one no longer where that changes it.
   void limitGuess();
   /// Whether the search ended with gaps left and the motion of the guess's controls became the candidate.
   bool rollOutCandidate();
 
+  std::vector<std::unique_ptr<Direction>> directions_;
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
   double scale_ = 1;
   bool measures_scale_ = false;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_, us_guess_;
-  std::vector<Eigen::VectorXd> dx_;            // T
-  std::vector<Eigen::MatrixXd> Vxx_;           // T + 1
-  std::array<Eigen::MatrixXd, 2> two_values_;  // in their place: the two last ones of the backward pass, see value()
-  std::vector<Eigen::VectorXd> Vx_;
-  std::vector<Eigen::MatrixXd> Qxx_, Qxu_, Quu_;
-  std::vector<Eigen::VectorXd> Qx_, Qu_;
-  std::vector<MatrixXdRowMajor> K_;
-  std::vector<Eigen::VectorXd> k_;
-  std::vector<Eigen::VectorXd> Vxx_fs_;  // T + 1: Vxx fs, where the candidate has gaps
-  Eigen::VectorXd xnext_, step_;         // nx, ndx
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> Quu_llt_;
-  std::vector<Eigen::VectorXd> Quuk_;
+  std::vector<Eigen::VectorXd> Vx_, k_;  // T + 1, T
   std::vector<double> alphas_;
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
   bool sound_ = false, stepped_ = false, rolled_out_ = false;
-  bool keeps_values_ = true;   // whether Vxx, Qxx, Qxu, Quu of all nodes are kept
   bool held_changed_ = false;  // other controls stand at limits than at the gradient before
 
  private:
-  /// Row-major panels [u | x] of the backward pass; the x part begins at a column that is a multiple of eight.
-  struct Panels {
-    int u = 0, x = 0, ld = 0;      // where x begins, its columns, columns of a row
-    std::vector<double> F, VF, H;  // [fu fx], Vxx' [fu fx]; the upper triangle of [Quu Qux; . Qxx]
-    std::vector<double> K, QuxK;   // nu and ndx rows of x
-    Eigen::MatrixXd U, W, Y, A;    // of symplectic Euler
-    std::vector<double> YF, Fv;
-    Eigen::VectorXd g, j1v;
-  };
   void measureScale();
+  void takeCandidate(Direction& direction) const;
+  const RiccatiDirection* recursion() const;
+  template <class Work>
+  void each_feed_forward(std::vector<Eigen::VectorXd>& whole, Work&& work);
+  /// Sets to zero what the last gradient has as zero for limits.
+  void holdFeedForward(std::vector<Eigen::VectorXd>& nu);
   void computeFeedForwardDirection();
   bool searchFeedForward();
-  void layOutPanels(Eigen::Index nu);
-  Eigen::MatrixXd& value(std::size_t t) { return keeps_values_ ? Vxx_[t] : two_values_[t % 2]; }
-  void addGap(std::size_t t);
-  void addHessian(const ActionDataAbstract& data);
-  using QuuView = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-  QuuView currentQuu(std::size_t t) const;
-  void multiplyDense(const ActionDataAbstract& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
-  void multiplyEuler(const IntegratedActionDataEuler& data, const Eigen::MatrixXd& V, const Eigen::VectorXd& v);
-  Panels panels_;
-  static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
-  std::size_t panel_node_ = kNoNode;  // whose Hessians panels_ hold
+  bool limits_;
   LimitedBfgs bfgs_;
   std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // of descend: direction, gradients
   double slope_ = 0;                             // g^T nu

@@ -16,6 +16,7 @@
 
 #include "manycontact/lq/direction_solver.hpp"
 #include "manycontact/lq/plan.hpp"
+#include "manycontact/lq/riccati_step.hpp"
 
 namespace manycontact::lq {
 
@@ -53,8 +54,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
  private:
   friend class BondSchur;
   void expand(const Problem& problem, int k, int c, const Regularisation& reg);
-  void add_next_value(const Problem& problem, int k, int c);
-  void add_next_value_by_steps(const Problem& problem, int k, int c, const Steps& steps);
+  void expand_next_value(const Problem& problem, int k, int c);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
   /// x, u, lambda (w and mu of bonds within clusters) of the z with H z + h = 0, the policies' k and p left alone.
@@ -68,7 +68,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   std::vector<std::vector<Policy>> policies_;
   std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the pass at hand: corrections add to the policies'
   std::vector<int> x_of_block_;
-  std::vector<double> next_, PA_, PB_, PG_, halves_, Qxv_, Qvv_;  // scratch, for matrices of the cluster at hand
+  RiccatiStep step_;                      // of the cluster at hand
+  std::vector<double> next_, with_rows_;  // scratch, for matrices of it
   Eigen::VectorXd t_, x_, v_, f_;
 };
 

@@ -29,7 +29,7 @@ struct TaskProblem {  // A task as a shooting problem.
 bool has_constraints(const TaskFile& task);
 
 /// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; parts that
-/// divide_robots takes apart (task/joined.hpp) are ActionModelJoined of these blocks, unless their bonds depend on each
+/// divide_robots takes apart (task/joined.hpp) are coupled nodes of these blocks, unless their bonds depend on each
 /// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. kBoxFddp: parts
 /// are not taken apart. With a single block, and for kFddp, nodes of the whole scene.
 /// Throws InputError where a term does not fit the models, with the task's file and line, and where the nodes would not

@@ -1,6 +1,6 @@
 #pragma once
 // Robots of one part that hold each other, taken apart where contacts between their bodies are all that joins them:
-// blocks of ActionModelJoined, whose bonds these contacts are.
+// blocks of ActionModelParts, whose couplings these contacts are.
 
 #include "manycontact/io/task_file.hpp"
 

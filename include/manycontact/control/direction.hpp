@@ -1,0 +1,98 @@
+#pragma once
+// How SolverDDP finds its steps: the linear-quadratic problem around a candidate of one part of the problem (of the
+// whole, but for SolverSparse), its solution, and what follows it on the way. Solvers decide, directions compute: line
+// search, regularisation and stopping see sums over the parts, and nothing of what a part is.
+//
+//   RiccatiDirection   the recursion of ddp.hpp, on nodes of matrices (control/riccati_direction.hpp)
+//   BoxDirection       the same with the models' limits on controls
+//   CoupledDirection   robots that hold each other, by an lq::DirectionSolver (control/coupled_direction.hpp)
+
+#include "manycontact/control/parts.hpp"
+
+namespace manycontact {
+
+class Direction {
+ public:
+  using Vectors = std::vector<Eigen::VectorXd>;
+
+  virtual ~Direction() = default;
+  /// The part's problem, and which coordinates of the solver's are the part's.
+  const ShootingPart& part() const { return part_; }
+  const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
+  /// How it is found.
+  virtual const char* name() const = 0;
+  /// Controls of the matrices that are factorized at a node: the largest number over the nodes, of each matrix.
+  virtual std::vector<int> blocks() const;
+  /// Of some of the part's coordinates: u = us - K (x (-) xs) where the direction is zero.
+  struct Gains {
+    std::vector<int> dx, u;  // of the solver's
+    Eigen::MatrixXd K;
+  };
+  /// Of node t, whose controls all are in one of them; none before a direction.
+  virtual std::vector<Gains> gains(std::size_t t) const = 0;
+
+  /// Gradients of the value function (T + 1), feed-forward terms (T): u = us - s k - ... for a step of length s.
+  const Vectors& get_Vx() const { return Vx_; }
+  const Vectors& get_k() const { return k_; }
+
+  // ---- what solvers ask of it
+
+  /// Fits the memory to the problem's nodes; part: the same coordinates of other nodes.
+  virtual void resize();
+  void follow(ShootingPart part) { part_ = std::move(part); }
+  /// The part's share of the solver's candidate; fs: its gaps, which count where it is not feasible.
+  void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
+                      bool is_feasible);
+  /// From the nodes' derivatives at the candidate: Vx, k and what else serves the rest. False where numbers are not
+  /// finite or the problem is not convex.
+  virtual bool compute(double preg, double dreg) = 0;
+  /// States, controls and cost tried, with the gaps of the running nodes (of the terminal one) shortened by the step
+  /// length only. The cost is NaN where numbers are not finite.
+  double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
+  /// (dg, dq): a step of length s is expected to reduce the cost by s (dg + s dq / 2); gaps: with what they add.
+  virtual Eigen::Vector2d improvement(bool gaps) = 0;
+  /// dv of fddp.cpp, at the states tried.
+  virtual double gap_improvement() { return 0; }
+  /// Of a full step from a candidate without gaps.
+  virtual double expected_reduction() const = 0;
+
+  /// Of SolverDDP::descend: k = -nu for the next steps; the gradient at the controls tried, where nodes are
+  /// differentiated; and g <- H^-1 g, H Gauss-Newton's Hessian by nu.
+  virtual void set_feed_forward(const Vectors& nu);
+  virtual void feed_forward_gradient(Vectors& g) = 0;
+  virtual void precondition_feed_forward(Vectors& g) = 0;
+  /// Zero of controls that stood at a limit at the last gradient.
+  virtual void hold_feed_forward(Vectors&) {}
+  /// The size of the cost, where thresholds depend on it.
+  virtual void set_scale(double) {}
+
+ protected:
+  /// is_whole: the part is all of the solver's problem, in its order; it follows the problem's nodes.
+  Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
+  /// us_try[t] at xs_try[t].
+  virtual void step_control(std::size_t t, double steplength) = 0;
+
+  ShootingPart part_;
+  // The part's share of the solver's candidate, and of what is tried.
+  Vectors xs_, us_, fs_, xs_try_, us_try_;
+  bool is_feasible_ = false;
+  Vectors Vx_, k_, dx_;        // T + 1, T, T
+  Eigen::VectorXd step_;       // ndx: workspace
+  bool held_changed_ = false;  // other controls stand at limits than at the gradient before
+
+ private:
+  friend class SolverDDP;  // gathers and scatters
+  void take_x(const Eigen::VectorXd& whole, Eigen::VectorXd& own) const;
+  void take_dx(const Eigen::VectorXd& whole, Eigen::VectorXd& own) const;
+  void take_u(const Vectors& whole, Vectors& own) const;
+  void give_x(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
+  void give_dx(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
+  void give_u(const Vectors& own, Vectors& whole) const;
+  bool is_whole_;
+  Eigen::VectorXd xnext_;  // nx: workspace
+  Vectors feed_forward_;   // its share of the solver's
+  double cost_try_ = 0;
+  bool is_sound_ = false;
+};
+
+}  // namespace manycontact

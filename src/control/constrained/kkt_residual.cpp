@@ -1,0 +1,185 @@
+#include "kkt_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../multi_robot/coordinates.hpp"
+#include "constraint_rows.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/couplings.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+using internal::ConstraintRows;
+
+// The largest |number| so far, infinite after one that is not finite.
+struct Largest {
+  double value = 0;
+  void add(double number) {
+    if (!std::isfinite(number)) value = std::numeric_limits<double>::infinity();
+    value = std::max(value, std::abs(number));
+  }
+  void add(const ConstVectorRef& x) {
+    for (const double number : x) add(number);
+  }
+};
+
+// y^T (column i of dc/dx, or of dc/du)
+template <class Row>
+double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
+  double sum = 0;
+  for (Eigen::Index k = 0; y && k < rows.size(); ++k)
+    if ((*y)[k] != 0) sum += (*y)[k] * row(k)[i];
+  return sum;
+}
+
+bool is_of_parts(const ShootingProblem& problem) {
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) {
+    const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+    if (parts && !parts->get_couplings()) return true;
+  }
+  return false;
+}
+
+// c - P(c + y) of each row
+void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y,
+                     Largest& worst) {
+  check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
+  for (Eigen::Index k = 0; k < rows.size(); ++k) {
+    const double c = rows.value(d, k);
+    worst.add(c - std::min(std::max(c + y[k], rows.lower(k)), rows.upper(k)));
+  }
+}
+
+// u - P(u - slope) of control i where limits are used, else the slope.
+void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
+               Largest& worst) {
+  if (limits && model.get_has_control_limits())
+    slope = u[i] - std::min(std::max(u[i] - slope, model.get_u_lb()[i]), model.get_u_ub()[i]);
+  worst.add(slope);
+}
+
+}  // namespace
+
+namespace internal {
+
+namespace {
+
+double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  const Eigen::Index ndx = static_cast<Eigen::Index>(problem.get_ndx());
+  auto gap = work.head(ndx), gx = work.segment(ndx, ndx);
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionModelAbstract& model = *problem.model(t);
+    const ActionDataAbstract& d = *problem.data(t);
+    auto gu = work.segment(2 * ndx, t < T ? us[t].size() : 0);
+    if (t < T)
+      d.pull_back(l[t + 1], gx, gu);
+    else
+      gx.setZero();
+    const ConstraintRows rows = rows_at(problem, t);
+    const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
+    if (y) add_constraints(rows, d, *y, worst);
+    for (Eigen::Index i = 0; i < l[t].size(); ++i)
+      worst.add(d.Lx[i] - l[t][i] + gx[i] +
+                pull_back(
+                    rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i));
+    if (t == T) break;
+    model.get_state()->diff(xs[t + 1], d.xnext, gap);
+    worst.add(gap);
+    for (Eigen::Index i = 0; i < us[t].size(); ++i) {
+      const double slope = d.Lu[i] + gu[i] +
+                           pull_back(
+                               rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
+      add_slope(model, us[t], i, limits, slope, worst);
+    }
+  }
+  return worst.value;
+}
+
+// The same of nodes with couplings: the bonds' wrenches are eliminated from the gradients, by the scene's own
+// derivatives and not by the rows that directions are made of.
+double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                               bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  const std::size_t T = problem.get_T();
+  Largest worst;
+  Eigen::VectorXd gx, gu;
+  const Eigen::VectorXd none;
+  auto gap = work.head(static_cast<Eigen::Index>(problem.get_ndx()));
+  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
+  worst.add(gap);
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionModelAbstract& model = *problem.model(t);
+    auto& d = static_cast<ActionDataParts&>(*problem.data(t));
+    if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], worst);
+    scene_gradient(static_cast<const ActionModelParts&>(model), d, l[std::min(t + 1, T)], t == T,
+                   ys.empty() ? none : ys[t], gx, gu);
+    worst.add(gx - l[t]);
+    if (t == T) break;
+    for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i], worst);
+    model.get_state()->diff(xs[t + 1], d.xnext, gap);
+    worst.add(gap);
+  }
+  return worst.value;
+}
+
+double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
+  if (work.size() < size) work.resize(size);
+  return CoupledDirection::serves(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, work)
+                                           : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
+}
+
+}  // namespace
+
+double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, work);
+  const std::vector<ShootingPart> parts = separate(problem);
+  std::vector<Vectors> own_ys(parts.size(), Vectors(ys.size()));
+  for (std::size_t t = 0; t < ys.size(); ++t) {
+    const ConstraintRows all = rows_at(problem, t);
+    check_size("kkt_residual", "multipliers of a node", ys[t].size(), static_cast<std::size_t>(all.size()));
+    const auto& node = static_cast<const ActionModelParts&>(*problem.model(t));
+    const auto rows = constraint_rows(node.get_parts(), problem.by_state_alone(t));
+    for (std::size_t i = 0; i < parts.size(); ++i) gather(ys[t], rows[i], own_ys[i][t]);
+  }
+  double worst = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ShootingPart& part = parts[i];
+    Vectors own_xs(xs.size()), own_us(us.size()), own_l(xs.size());
+    for (std::size_t t = 0; t < xs.size(); ++t) {
+      gather(xs[t], part.x, own_xs[t]);
+      gather(l[t], part.dx, own_l[t]);
+      if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
+    }
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], work));
+  }
+  return worst;
+}
+
+}  // namespace internal
+
+double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,
+                    const Vectors& ys) {
+  const std::size_t nodes = problem.get_T() + 1;
+  require(l.size() == nodes && (ys.empty() || ys.size() == nodes), "kkt_residual",
+          "the number of multipliers is not T + 1");
+  for (const Eigen::VectorXd& l_t : l)
+    check_size("kkt_residual", "multipliers of a node", l_t.size(), problem.get_ndx());
+  problem.calc(xs, us);
+  problem.calcDiff(xs, us);
+  Eigen::VectorXd work;
+  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, work);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "manycontact/control/kkt_residual.hpp"
+
+namespace manycontact::internal {
+
+/// kkt_residual of nodes that are evaluated. work: memory, of the size that was largest so far. Several parts take more
+/// of it each time.
+double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                             const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
+                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);
+
+/// least_squares_multipliers of nodes that are evaluated.
+std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,
+                                                                const std::vector<Eigen::VectorXd>& us, bool limits);
+
+/// Whether control i of u stands at a limit that is used.
+bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,108 @@
+#include "quadratic_model.hpp"
+
+#include <numeric>
+
+#include "../integrators/euler_steps.hpp"
+#include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/couplings.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+// Of one block's node: its controls are u and the wrenches on it.
+void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
+                lq::Group& to) {
+  to.q = from.Lx;
+  if (terms == Terms::kAll) to.Q = from.Lxx;
+  if (terminal) return;
+  to.r = from.Lu;
+  from.dynamics(to.A, to.B);
+  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // nodes of other controls have more
+    to.B.conservativeResize(Eigen::NoChange, u);
+    to.B.rightCols(u - own).setZero();
+    to.r.conservativeResize(u);
+    to.r.tail(u - own).setZero();
+  }
+  if (terms == Terms::kAll) {
+    to.S = from.Lxu;
+    to.R = from.Luu;
+  }
+  const IntegratedActionDataEuler* euler = known_steps(model, from);
+  if (!euler) return to.steps.reset();
+  if (!to.steps) to.steps.emplace();
+  fill_steps(*euler, *to.steps);
+}
+
+}  // namespace
+
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t) {
+  const auto* parts = dynamic_cast<const ActionModelParts*>(problem.model(t).get());
+  return parts && parts->get_couplings() ? parts : nullptr;
+}
+
+std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
+  std::vector<ActionPart> out;
+  if (CoupledDirection::serves(problem)) {
+    for (const ActionPart& part : as_coupled(problem, problem.get_T())->get_parts())
+      out.push_back({nullptr, part.x, part.dx, part.u});
+  } else {
+    out.emplace_back();
+    out[0].dx.resize(problem.get_ndx());
+    std::iota(out[0].dx.begin(), out[0].dx.end(), 0);
+    out[0].u.resize(problem.get_nu_max());
+    std::iota(out[0].u.begin(), out[0].u.end(), 0);
+  }
+  return out;
+}
+
+lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& bonds) {
+  lq::Knot knot;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    lq::Group group;
+    group.blocks = {static_cast<int>(i)};
+    for (std::size_t b = 0; b < bonds.size(); ++b)
+      if (bonds[b].first == static_cast<int>(i) || bonds[b].second == static_cast<int>(i))
+        group.bonds.push_back(static_cast<int>(b));
+    knot.groups.push_back(std::move(group));
+  }
+  knot.bonds.assign(bonds.size(), {6, 6});
+  return knot;
+}
+
+lq::Problem structure_of(const ShootingProblem& problem, const std::vector<ActionPart>& blocks) {
+  lq::Problem out;
+  for (const ActionPart& block : blocks) {
+    out.nx.push_back(static_cast<int>(block.dx.size()));
+    out.nu.push_back(static_cast<int>(block.u.size()));
+  }
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) {
+    std::vector<std::pair<int, int>> bonds;
+    if (const auto* coupled = as_coupled(problem, t); coupled && t < problem.get_T())
+      for (const Coupling& bond : coupled->get_couplings()->bonds()) bonds.emplace_back(bond.part_a, bond.part_b);
+    out.knots.push_back(knot_of(blocks.size(), bonds));
+  }
+  lq::set_zero(out);
+  return out;
+}
+
+void fill_nodes(const ShootingProblem& problem, Terms terms, lq::Problem& out) {
+  const std::size_t T = problem.get_T();
+  for (std::size_t t = 0; t <= T; ++t) {
+    const ActionModelParts* coupled = as_coupled(problem, t);
+    if (!coupled) {
+      fill_group(*problem.model(t), *problem.data(t), t == T, terms, out.knots[t].groups[0]);
+      continue;
+    }
+    const auto& data = static_cast<const ActionDataParts&>(*problem.data(t));
+    for (std::size_t i = 0; i < data.parts.size(); ++i) {
+      lq::Group& group = out.knots[t].groups[i];
+      fill_group(*coupled->get_parts()[i].model, *data.parts[i], t == T, terms, group);
+      if (t == T) continue;
+      group.C = data.couplings->C[i];
+      group.D = data.couplings->D[i];
+    }
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,22 @@
+#pragma once
+// Nodes of symplectic Euler, whose new configuration is the old one stepped by the new velocity, as lq::Steps.
+
+#include "manycontact/control/augmented_action.hpp"
+#include "manycontact/control/euler.hpp"
+#include "manycontact/lq/problem.hpp"
+
+namespace manycontact::internal {
+
+/// The Euler data within a node's that may be within an augmented Lagrangian; nullptr of other nodes.
+const IntegratedActionDataEuler* find_euler(const ActionDataAbstract& node);
+/// Where it is known to be there.
+inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
+  return const_cast<IntegratedActionDataEuler&>(*find_euler(node));
+}
+/// find_euler of a node that is IntegratedActionModelEuler itself (what is derived from it may have other derivatives),
+/// or keeps no matrices, and whose joints are known.
+const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node);
+/// J1 and h J2, in memory that is there from the second time on.
+void fill_steps(const IntegratedActionDataEuler& euler, lq::Steps& out);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,135 @@
+#include "manycontact/control/symplectic.hpp"
+
+#include "held_velocities.hpp"
+#include "steps.hpp"
+
+namespace manycontact {
+
+using SymplecticModel = IntegratedActionModelSymplectic;
+using SymplecticData = IntegratedActionDataSymplectic;
+using DataPtr = std::shared_ptr<ActionDataAbstract>;
+using internal::HeldVelocities;
+using internal::own_data;
+
+namespace {
+
+constexpr const char* kIntegratedActionModelSymplectic = "IntegratedActionModelSymplectic";
+
+const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
+  return *static_cast<const DifferentialActionDataContactFwdDynamics&>(data).multibody;
+}
+
+std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
+    std::shared_ptr<DifferentialActionModelAbstract> model) {
+  require(!model || dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(model.get()),
+          kIntegratedActionModelSymplectic,
+          "dynamics that are not DifferentialActionModelContactFwdDynamics, which this is the step of: for others take "
+          "IntegratedActionModelEuler");
+  return model;
+}
+
+// The robots and contacts that the data were made for, or others by now.
+bool is_of(const HeldVelocities& held, const DataCollector& of) {
+  for (std::size_t r = 0; r < of.scene.robots.size(); ++r)
+    if (held.scene.robots[r].model != of.scene.robots[r].model) return false;
+  const auto same = [](const Attachment& a, const Attachment& b) { return a.robot == b.robot && a.joint == b.joint; };
+  for (std::size_t c = 0; c < of.scene.contacts.size(); ++c) {
+    const Contact &a = held.scene.contacts[c], &b = of.scene.contacts[c];
+    if (a.type != b.type || !same(a.A, b.A) || !same(a.B, b.B) || a.axis != b.axis ||
+        a.A.placement.p != b.A.placement.p || a.A.placement.R != b.A.placement.R)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
+                                                 double time_step, bool with_cost_residual)
+    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), std::move(control), time_step,
+                                    with_cost_residual) {}
+
+SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 double time_step, bool with_cost_residual)
+    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), time_step, with_cost_residual) {}
+
+SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
+    : ActionDataAbstract(model),
+      differential(model->get_differential()->createData()),
+      control(model->get_control()->createData()) {
+  const Eigen::Index ndx = model->get_state()->get_ndx();
+  const std::size_t nw = model->get_control()->get_nw();
+  internal::check_dense(kIntegratedActionModelSymplectic, *differential);
+  dx.setZero(ndx);
+  F.setZero(ndx, ndx + static_cast<Eigen::Index>(nw));
+  Lwu.setZero(static_cast<Eigen::Index>(nw), model->get_nu());
+  held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw);
+}
+
+SymplecticData::~IntegratedActionDataSymplectic() = default;
+
+void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("IntegratedActionModelSymplectic::calc", x, u);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
+  control_->calc(d.control, 0, u);
+  differential_->calc(d.differential, x, d.control->w);
+  const DataCollector& m = dynamics_of(*d.differential);
+  if (!is_of(*d.held, m)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw());
+  d.held->solve_at(x, time_step_, m);
+  internal::calc_semi_implicit(*state_, x, time_step_, d.held->solution.a, *d.differential, with_cost_residual_, d);
+  d.held->finish_step(m, d.xnext);
+}
+
+void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
+  check("IntegratedActionModelSymplectic::calc", x);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
+  differential_->calc(d.differential, x);
+  internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
+}
+
+// With J1, J2 of x (+) dx, and before momentum is seen to:
+//     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fw = J2 [h^2 a_w; h a_w],    Fu = Fw dw/du
+void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("IntegratedActionModelSymplectic::calcDiff", x, u);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
+  const Eigen::Index nv = state_->get_nv(), ndx = state_->get_ndx(), nw = control_->get_nw();
+  differential_->calcDiff(d.differential, x, d.control->w);
+  const DataCollector& m = dynamics_of(*d.differential);
+  d.held->differentiate_at(m, d.F.bottomRows(nv));
+  d.F.topRows(nv) = time_step2_ * d.F.bottomRows(nv);
+  d.F.bottomRows(nv) *= time_step_;
+  d.F.block(0, nv, nv, nv).diagonal().array() += time_step_;
+  state_->JintegrateTransport(x, d.dx, d.F, second);
+  state_->Jintegrate(x, d.dx, d.F.leftCols(ndx), d.F.leftCols(ndx), first, addto);
+  d.held->differentiate_finish(m, time_step_, d.F);
+  d.Fx = d.F.leftCols(ndx);
+  control_->multiplyByJacobian(d.control, d.F.rightCols(nw), d.Fu);
+  internal::integrate_cost_derivatives(time_step_, *control_, d.control, *d.differential, d.Lwu, d);
+  internal::copy_constraint_derivatives(*control_, d.control, *d.differential, d);
+}
+
+void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+  check("IntegratedActionModelSymplectic::calcDiff", x);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
+  differential_->calcDiff(d.differential, x);
+  internal::copy_terminal_derivatives(*d.differential, d);
+}
+
+DataPtr SymplecticModel::createData() { return std::make_shared<SymplecticData>(this); }
+
+bool SymplecticModel::checkData(const DataPtr& data) {
+  const auto* d = dynamic_cast<SymplecticData*>(data.get());
+  return d && differential_->checkData(d->differential);
+}
+
+void SymplecticModel::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
+                                  double tol) {
+  check("IntegratedActionModelSymplectic::quasiStatic", x, u);
+  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::quasiStatic", data);
+  internal::quasi_static(*differential_, d.differential, *control_, d.control, u, x, maxiter, tol);
+}
+
+void SymplecticModel::print(std::ostream& os) const { print_as(kIntegratedActionModelSymplectic, os); }
+
+}  // namespace manycontact

@@ -1,0 +1,183 @@
+// Parts that hold each other: structure and values.
+
+#include "manycontact/control/couplings.hpp"
+
+#include <algorithm>
+
+#include "../integrators/euler_steps.hpp"
+#include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr const char* kCouplings = "ActionModelParts";
+constexpr int kRows = 6;  // of a bond, and numbers of its wrench, whatever the contact's type
+
+std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
+  std::vector<int> out(scene.robots.size(), -1);
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    for (const int r : robots[i]) {
+      require(r >= 0 && r < scene.nrobots() && out[static_cast<std::size_t>(r)] < 0, kCouplings,
+              "a robot that does not exist or is another part's, one part's is expected");
+      out[static_cast<std::size_t>(r)] = static_cast<int>(i);
+    }
+  for (const int i : out) require(i >= 0, kCouplings, "a robot is no part's");
+  return out;
+}
+
+std::vector<std::vector<int>> robots_of(const std::vector<ActionPart>& parts) {
+  std::vector<std::vector<int>> out;
+  for (const ActionPart& part : parts) out.push_back(part.robots);
+  return out;
+}
+
+const DifferentialActionModelContactFwdDynamics& dynamics_of(const ActionPart& part) {
+  const auto* augmented = dynamic_cast<const ActionModelAugmentedLagrangian*>(part.model.get());
+  const ActionModelAbstract* node = augmented ? augmented->get_model().get() : part.model.get();
+  const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(node);
+  const auto* model =
+      euler ? dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(euler->get_differential().get()) : nullptr;
+  require(
+      model != nullptr, kCouplings,
+      "a part's model is an IntegratedActionModelEuler of DifferentialActionModelContactFwdDynamics, others are not "
+      "supported");
+  return *model;
+}
+
+ActuationDataWrenches& wrenches_of(ActionDataAbstract& part) {
+  auto& dynamics = static_cast<DifferentialActionDataContactFwdDynamics&>(*internal::euler_of(part).differential);
+  return static_cast<ActuationDataWrenches&>(*dynamics.multibody->actuation);
+}
+
+bool same(const std::vector<WrenchEnd>& a, const std::vector<WrenchEnd>& b) {
+  bool out = a.size() == b.size();
+  for (std::size_t i = 0; out && i < a.size(); ++i)
+    out = a[i].robot == b[i].robot && a[i].joint == b[i].joint && a[i].sign == b[i].sign;
+  return out;
+}
+
+}  // namespace
+
+std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<std::vector<int>>& robots) {
+  const std::vector<int> part = part_of_robots(scene, robots);
+  std::vector<Coupling> out;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (!contact.active || contact.A.robot < 0 || contact.B.robot < 0) continue;
+    const int a = part[static_cast<std::size_t>(contact.A.robot)], b = part[static_cast<std::size_t>(contact.B.robot)];
+    if (a == b) continue;
+    require(joins_robots(contact), kCouplings,
+            "contact " + contact.name + " is between parts, and one of its bodies does not move");
+    out.push_back({static_cast<int>(c), a, b});
+  }
+  return out;
+}
+
+std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& bonds,
+                                   const std::vector<std::vector<int>>& robots, int part) {
+  const std::vector<int>& own = robots[static_cast<std::size_t>(part)];
+  const auto end = [&](const Attachment& at, double sign) {
+    const auto found = std::find(own.begin(), own.end(), at.robot);
+    return WrenchEnd{static_cast<int>(found - own.begin()), at.joint, sign};
+  };
+  std::vector<WrenchEnd> out;
+  for (const Coupling& bond : bonds) {
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(bond.contact)];
+    if (bond.part_a == part) out.push_back(end(contact.A, 1));
+    if (bond.part_b == part) out.push_back(end(contact.B, -1));
+  }
+  return out;
+}
+
+Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
+    : scene_(std::move(scene)),
+      bonds_(couplings_between(scene_, robots_of(parts))),
+      bonds_of_(parts.size()),
+      local_robot_(scene_.robots.size()) {
+  for (std::size_t b = 0; b < bonds_.size(); ++b)
+    for (const int i : {bonds_[b].part_a, bonds_[b].part_b})
+      bonds_of_[static_cast<std::size_t>(i)].push_back(static_cast<int>(b));
+  const std::vector<std::vector<int>> robots = robots_of(parts);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ActionPart& part = parts[i];
+    for (std::size_t l = 0; l < part.robots.size(); ++l)
+      local_robot_[static_cast<std::size_t>(part.robots[l])] = static_cast<int>(l);
+    const auto& dynamics = dynamics_of(part);
+    const auto* actuation = dynamic_cast<const ActuationModelWrenches*>(dynamics.get_actuation().get());
+    require(actuation && same(actuation->ends(), wrench_ends(scene_, bonds_, robots, static_cast<int>(i))), kCouplings,
+            "a part is expected to be actuated by ActuationModelWrenches of its wrench_ends");
+    check_size(kCouplings, "a part's robots", static_cast<Index>(part.robots.size()),
+               static_cast<std::size_t>(dynamics.get_model().scene().nrobots()));
+    check_size(kCouplings, "a part's u", static_cast<Index>(part.u.size()), actuation->nu_own());
+  }
+}
+
+CouplingData::CouplingData(const Couplings& of, const std::vector<ActionPart>& parts) : solution(of.scene()) {
+  const Scene& scene = of.scene();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Index rows = static_cast<Index>(kRows * of.bonds_of_parts()[i].size());
+    C.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].dx.size())));
+    D.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].model->get_nu())));
+  }
+  robots.resize(scene.robots.size());
+  for (const Coupling& bond : of.bonds()) {
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(bond.contact)];
+    for (const int r : {contact.A.robot, contact.B.robot})
+      if (!robots[static_cast<std::size_t>(r)])
+        robots[static_cast<std::size_t>(r)] =
+            std::make_unique<OfRobot>(*scene.robots[static_cast<std::size_t>(r)].model);
+    const ContactSupport support = contact_support(scene, contact);
+    bonds.push_back({support, {contact, support}, {scene, contact, support}});
+  }
+}
+
+const std::string& Couplings::name(std::size_t bond) const {
+  return scene_.contacts[static_cast<std::size_t>(bonds_[bond].contact)].name;
+}
+
+VectorXd Couplings::force(std::size_t bond, const CouplingData& data) const {
+  const auto c = static_cast<std::size_t>(bonds_[bond].contact);
+  return data.solution.f.segment(data.solution.f_offset[c], scene_.contacts[c].rows());
+}
+
+// Dynamics of the whole scene, and from it the bonds' wrenches.
+void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef& x, const ConstVectorRef& u,
+                      ActionDataParts& d) const {
+  CouplingData& own = *d.couplings;
+  const auto q = x.head(scene_.nq), v = x.tail(scene_.nv);
+  (void)manycontact::solve(scene_, q, v, u, own.solution);
+  for (std::size_t r = 0; r < own.robots.size(); ++r) {
+    if (!own.robots[r]) continue;
+    const Robot& robot = scene_.robots[r];
+    Kinematics<double>& kin = own.robots[r]->kin;
+    forward_kinematics<double>(*robot.model, robot.base, q.segment(robot.idx_q, robot.model->nq), kin);
+    forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv),
+                                  own.solution.a.data() + robot.idx_v, scene_.gravity, kin);
+  }
+  for (std::size_t b = 0; b < bonds_.size(); ++b) {
+    const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
+    CouplingData::OfBond& bond = own.bonds[b];
+    const Kinematics<double>& A = own.robots[static_cast<std::size_t>(contact.A.robot)]->kin;
+    contact_rows<double>(scene_, contact, bond.support, A, &own.robots[static_cast<std::size_t>(contact.B.robot)]->kin,
+                         bond.rows);
+    const Mat3<double>& R = bond.rows.aMA.R;
+    const Vec6<double> F =
+        bond.rows.W.transpose() *
+        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(bonds_[b].contact)], contact.rows());
+    for (const int i : {bonds_[b].part_a, bonds_[b].part_b}) {
+      const std::vector<int>& of_part = bonds_of_[static_cast<std::size_t>(i)];
+      const auto k = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
+      const auto part = static_cast<std::size_t>(i);
+      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin(contact.A.joint) + bond.rows.aMA.p;
+      auto w = d.u[part].segment<kRows>(static_cast<Index>(parts[part].u.size()) + kRows * k);
+      w << R * F.head<3>(), R * F.tail<3>();
+    }
+  }
+}
+
+}  // namespace manycontact

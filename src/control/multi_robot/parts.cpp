@@ -1,0 +1,241 @@
+#include "manycontact/control/parts.hpp"
+
+#include <ostream>
+
+#include "coordinates.hpp"
+#include "manycontact/control/couplings.hpp"
+
+namespace manycontact {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using DataPtr = std::shared_ptr<ActionDataAbstract>;
+using internal::put;
+using internal::take;
+using internal::total;
+
+namespace {
+
+constexpr const char* kActionModelParts = "ActionModelParts";
+
+// The parts' matrices on the rows one after the other, each on its own columns.
+template <class Get>
+void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
+  Index row = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) row += get(i).rows();
+  out.setZero(row, out.cols());
+  row = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const MatrixXd& part = get(i);
+    const std::vector<int>& cols = parts[i].*columns;
+    for (std::size_t j = 0; j < cols.size(); ++j)
+      out.col(cols[j]).segment(row, part.rows()) = part.col(static_cast<Index>(j));
+    row += part.rows();
+  }
+}
+
+}  // namespace
+
+void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) {
+  part.resize(static_cast<Index>(index.size()));
+  take(whole, index, part);
+}
+void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
+
+ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
+    : ActionModelAbstract(std::move(state), nu, 0, total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+      parts_(std::move(parts)) {
+  check_parts();
+  for (const ActionPart& part : parts_) {
+    check_size(kActionModelParts, "a part's u", part.u.size(), part.model->get_nu());
+    put(part.model->get_u_lb(), part.u, u_lb_);
+    put(part.model->get_u_ub(), part.u, u_ub_);
+  }
+  update_has_control_limits();
+}
+
+ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<ActionPart> parts)
+    : ActionModelAbstract(state, static_cast<std::size_t>(scene.nu), 0,
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
+                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+      parts_(std::move(parts)),
+      couplings_(std::make_shared<Couplings>(std::move(scene), parts_)) {
+  const Scene& own = couplings_->scene();
+  check_size(kActionModelParts, "the scene's q and v", own.nq + own.nv, state_->get_nx());
+  check_parts();
+  const VectorXd& effort = state->get_model()->effortLimit;
+  for (const Robot& robot : own.robots)
+    for (int k = 0; k < robot.model->nu(); ++k)
+      u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+  u_lb_ = -u_ub_;
+  update_has_control_limits();
+}
+
+void ActionModelParts::check_parts() {
+  require(!parts_.empty(), kActionModelParts, "there is no part, one at least is expected");
+  internal::check_cover(kActionModelParts, "x", state_->get_nx(), parts_, &ActionPart::x);
+  internal::check_cover(kActionModelParts, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
+  internal::check_cover(kActionModelParts, "u", nu_, parts_, &ActionPart::u);
+  for (const ActionPart& part : parts_) {
+    check_size(kActionModelParts, "a part's x", part.x.size(), part.model->get_state()->get_nx());
+    check_size(kActionModelParts, "a part's dx", part.dx.size(), part.model->get_state()->get_ndx());
+  }
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb, g_lb_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub, g_ub_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb_T, g_lb_T_);
+  internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub_T, g_ub_T_);
+}
+
+std::shared_ptr<ActionModelParts> ActionModelParts::with_models(std::vector<ActionPart> parts) const {
+  auto out = couplings_ ? std::make_shared<ActionModelParts>(std::static_pointer_cast<StateMultibody>(state_),
+                                                             couplings_->scene(), std::move(parts))
+                        : std::make_shared<ActionModelParts>(state_, nu_, std::move(parts));
+  out->set_u_lb(u_lb_);
+  out->set_u_ub(u_ub_);
+  out->set_storage(storage_);
+  return out;
+}
+
+void ActionModelParts::set_storage(MatrixStorage storage) {
+  require(storage == MatrixStorage::kDense || storage == MatrixStorage::kSparse, "ActionModelParts::set_storage",
+          "kDense or kSparse is expected");
+  storage_ = storage;
+}
+
+DataPtr ActionModelParts::createData() {
+  std::vector<DataPtr> parts;
+  for (const ActionPart& part : parts_) parts.push_back(part.model->createData());
+  return createData(std::move(parts));
+}
+
+DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
+  check_size("ActionModelParts::createData", "the parts' data", parts.size(), parts_.size());
+  const bool without = storage_ == MatrixStorage::kSparse && !couplings_;
+  for (const DataPtr& part : parts)
+    require(without || check_data("ActionModelParts::createData", part).has_matrices(), "ActionModelParts::createData",
+            "a part's data have no matrices, storage kSparse is expected, and no couplings");
+  auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
+                                                : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
+  data->parts = std::move(parts);
+  for (const ActionPart& part : parts_) {
+    data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
+    data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.model->get_nu())));
+  }
+  if (couplings_) data->couplings = std::make_shared<CouplingData>(*couplings_, parts_);
+  return data;
+}
+
+bool ActionModelParts::checkData(const DataPtr& data) {
+  const auto* own = dynamic_cast<const ActionDataParts*>(data.get());
+  if (!own || own->parts.size() != parts_.size() || !own->couplings != !couplings_) return false;
+  if (couplings_ && own->couplings->bonds.size() != couplings_->bonds().size()) return false;
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (!parts_[i].model->checkData(own->parts[i])) return false;
+  return true;
+}
+
+// Each part's share; the wrenches that stand behind its controls are solve's.
+void ActionModelParts::take_values(const ConstVectorRef& x, ActionDataParts& d) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) take(x, parts_[i].x, d.x[i]);
+}
+void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef& u, ActionDataParts& d) const {
+  take_values(x, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    take(u, parts_[i].u, d.u[i].head(static_cast<Index>(parts_[i].u.size())));
+}
+
+void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelParts::calc", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
+  take_values(x, u, d);
+  if (couplings_) couplings_->solve(parts_, x, u, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calc(d.parts[i], d.x[i], d.u[i]);
+  internal::collect_values(parts_, d.parts, d);
+}
+
+void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelParts::calc", x);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
+  take_values(x, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calc(d.parts[i], d.x[i]);
+  internal::collect_values(parts_, d.parts, d);
+}
+
+void ActionModelParts::collect(const DataPtr& data) const {
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::collect", data);
+  internal::collect_values(parts_, d.parts, d);
+}
+
+void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelParts::calcDiff", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
+  take_values(x, u, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
+  internal::collect_values(parts_, d.parts, d);
+  const bool coupled = couplings_ && !couplings_->bonds().empty();
+  if (coupled) couplings_->differentiate(parts_, d);
+  if (d.Fx.size() == 0) return;
+  coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
+}
+
+void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelParts::calcDiff", x);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
+  take_values(x, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i]);
+  internal::collect_values(parts_, d.parts, d);
+  if (d.Fx.size() > 0) collect_derivatives(d);
+}
+
+// What stands between parts is zero since createData.
+void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const ActionPart& p = parts_[i];
+    const ActionDataAbstract& from = *d.parts[i];
+    put(from.Fx, p.dx, p.dx, d.Fx);
+    put(from.Fu, p.dx, p.u, d.Fu);
+    put(from.Lx, p.dx, d.Lx);
+    put(from.Lu, p.u, d.Lu);
+    put(from.Lxx, p.dx, p.dx, d.Lxx);
+    put(from.Lxu, p.dx, p.u, d.Lxu);
+    put(from.Luu, p.u, p.u, d.Luu);
+  }
+  const auto data = [&](std::size_t i) -> const ActionDataAbstract& { return *d.parts[i]; };
+  stack(
+      parts_, &ActionPart::dx, [&](std::size_t i) -> const MatrixXd& { return data(i).Gx; }, d.Gx);
+  stack(
+      parts_, &ActionPart::u, [&](std::size_t i) -> const MatrixXd& { return data(i).Gu; }, d.Gu);
+  stack(
+      parts_, &ActionPart::dx, [&](std::size_t i) -> const MatrixXd& { return data(i).Hx; }, d.Hx);
+  stack(
+      parts_, &ActionPart::u, [&](std::size_t i) -> const MatrixXd& { return data(i).Hu; }, d.Hu);
+}
+
+void ActionModelParts::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
+                                   double tol) {
+  if (couplings_) return ActionModelAbstract::quasiStatic(data, u, x, maxiter, tol);
+  check("ActionModelParts::quasiStatic", x, u);
+  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::quasiStatic", data);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].u.empty()) continue;
+    take(x, parts_[i].x, d.x[i]);
+    take(u, parts_[i].u, d.u[i]);
+    parts_[i].model->quasiStatic(d.parts[i], d.u[i], d.x[i], maxiter, tol);
+    put(d.u[i], parts_[i].u, u);
+  }
+}
+
+void ActionModelParts::print(std::ostream& os) const {
+  os << "ActionModelParts {";
+  if (couplings_) os << "bonds=" << couplings_->bonds().size() << ", ";
+  for (std::size_t i = 0; i < parts_.size(); ++i) os << (i ? ", " : "") << *parts_[i].model;
+  os << "}";
+}
+
+}  // namespace manycontact

@@ -1,0 +1,252 @@
+#include "manycontact/control/impulse_fwddyn.hpp"
+
+#include <cmath>
+#include <ostream>
+
+#include "../../action/terms.hpp"
+#include "../integrators/steps.hpp"
+#include "impact_actuation.hpp"
+
+namespace manycontact {
+
+using Model_ = ActionModelImpulseFwdDynamics;
+using DataPtr = std::shared_ptr<ActionDataAbstract>;
+using internal::own_data;
+using internal::Stage;
+
+namespace {
+
+constexpr const char* kActionModelImpulseFwdDynamics = "ActionModelImpulseFwdDynamics";
+const std::shared_ptr<ConstraintModelManager> kNoConstraints;
+const std::vector<int> kNoColumns;
+
+// What costs and constraints write their derivatives into: a differential model's data without controls.
+class Terms : public DifferentialActionModelAbstract {
+ public:
+  explicit Terms(const Model_& model)
+      : DifferentialActionModelAbstract(model.get_state(), 0, model.get_nr(), model.get_ng(), model.get_nh()) {
+    set_storage(MatrixStorage::kDense);
+  }
+  void calc(const std::shared_ptr<DifferentialActionDataAbstract>&, const ConstVectorRef&,
+            const ConstVectorRef&) override {}
+  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>&, const ConstVectorRef&,
+                const ConstVectorRef&) override {}
+};
+
+void check_residual(const std::string& name, const ResidualModelAbstract& residual, bool) {
+  require(!residual.depends_on().u && !residual.depends_on().acceleration, kActionModelImpulseFwdDynamics,
+          "\"" + name + "\" depends on controls or accelerations, which an impact does not have");
+}
+
+}  // namespace
+
+Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
+                                      std::shared_ptr<ImpulseModelMultiple> impulses,
+                                      std::shared_ptr<CostModelSum> costs, double r_coeff, double damping,
+                                      bool enable_force)
+    : Model_(state, impulses, costs, kNoConstraints, r_coeff, damping, enable_force) {}
+
+Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
+                                      std::shared_ptr<ImpulseModelMultiple> impulses,
+                                      std::shared_ptr<CostModelSum> costs,
+                                      std::shared_ptr<ConstraintModelManager> constraints, double r_coeff,
+                                      double damping, bool)
+    : Base(internal::given(kActionModelImpulseFwdDynamics, state, "the state"), 0,
+           internal::given(kActionModelImpulseFwdDynamics, costs, "the stack of costs")->get_nr(),
+           constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0,
+           constraints ? constraints->get_ng_T() : 0, constraints ? constraints->get_nh_T() : 0),
+      multibody_(std::move(state)),
+      impulses_(internal::given(kActionModelImpulseFwdDynamics, impulses, "the stack of impulses")),
+      costs_(std::move(costs)),
+      constraints_(std::move(constraints)),
+      actuation_(std::make_shared<internal::ImpactActuation>(multibody_)) {
+  const auto check_part = [this](const auto& part, const char* what, std::size_t nu) {
+    require(part.get_state() == state_, kActionModelImpulseFwdDynamics,
+            std::string(what) + " of another state, this one's is expected");
+    require(nu == 0, kActionModelImpulseFwdDynamics,
+            std::string(what) + " of nu = " + std::to_string(nu) + ", 0 is expected");
+  };
+  check_part(*impulses_, "impulses", 0);
+  check_part(*costs_, "costs", costs_->get_nu());
+  if (constraints_) check_part(*constraints_, "constraints", constraints_->get_nu());
+  dynamics_ = std::make_shared<DifferentialActionModelContactFwdDynamics>(
+      multibody_, actuation_, impulses_->get_contacts(),
+      std::make_shared<CostModelSum>(multibody_, multibody_->get_nv()), damping, true);
+  dynamics_->set_storage(MatrixStorage::kDense);
+  set_restitution_coefficient(r_coeff);
+}
+
+void Model_::set_restitution_coefficient(double r_coeff) {
+  require(r_coeff >= 0 && std::isfinite(r_coeff),
+          std::string(kActionModelImpulseFwdDynamics) + "::set_restitution_coefficient",
+          std::to_string(r_coeff) + " was given, a finite number that is not negative is expected");
+  r_coeff_ = actuation_->restitution = r_coeff;
+}
+
+void Model_::set_armature(const Eigen::VectorXd& armature) {
+  dynamics_->set_armature(armature);
+  actuation_->armature = armature;
+}
+
+ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model)
+    : ActionDataAbstract(model),
+      dynamics(std::dynamic_pointer_cast<DifferentialActionDataContactFwdDynamics>(model->dynamics_->createData())),
+      multibody(dynamics->multibody.get()) {
+  const StateAbstract& state = *model->get_state();
+  multibody->scene.gravity.setZero();
+  multibody->impact = std::make_unique<Impact>();
+  Impact& impact = *multibody->impact;
+  for (const Robot& robot : multibody->scene.robots) impact.motion.emplace_back(*robot.model);
+  impact.vnext.setZero(state.get_nv());
+  impact.dvnext_dx.setZero(state.get_nv(), state.get_ndx());
+  x.setZero(state.get_nx());
+  x_rest.setZero(state.get_nx());
+  v.setZero(state.get_nv());
+  Terms shape(*model);
+  terms = std::make_shared<DifferentialActionDataAbstract>(&shape);
+  for (auto& [name, contact] : multibody->contacts->contacts) contact->f_u_columns = &kNoColumns;
+  costs = model->costs_->createData(multibody, terms.get());
+  if (model->constraints_) constraints = model->constraints_->createData(multibody, terms.get());
+}
+
+DataPtr Model_::createData() {
+  internal::each_residual({*costs_, constraints_.get()}, check_residual);
+  return std::make_shared<Data>(this);
+}
+
+bool Model_::checkData(const DataPtr& data) {
+  const auto* d = dynamic_cast<Data*>(data.get());
+  return d && dynamics_->checkData(d->dynamics);
+}
+
+// Lays out the residuals' blocks when impulses were switched, or something was given another frame.
+void Model_::lay_out(Data& d) const {
+  bool fits = d.laid_out.size() == impulses_->get_impulses().size();
+  std::size_t k = 0;
+  for (const auto& [name, item] : impulses_->get_impulses()) {
+    fits = fits && d.laid_out[k] == item->active && d.frames[k] == item->impulse->get_id();
+    ++k;
+  }
+  fits = internal::residuals_fit({*costs_, constraints_.get()}, *d.costs, d.constraints.get()) && fits;
+  for (auto& [name, contact] : d.multibody->contacts->contacts) contact->f_u_columns = &kNoColumns;
+  if (fits) return;
+  d.laid_out.clear();
+  d.frames.clear();
+  for (const auto& [name, item] : impulses_->get_impulses()) {
+    d.laid_out.push_back(item->active);
+    d.frames.push_back(item->impulse->get_id());
+  }
+  costs_->lay_out(*d.costs);
+  if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
+}
+
+// v+ = w - e v, with w = xout of the dynamics at rest.
+void Model_::calc_impact(const char* where, Data& d, const ConstVectorRef& x) const {
+  const internal::ActionTerms terms{*costs_, constraints_.get()};
+  internal::check_terms(where, terms, *d.costs, d.constraints.get());
+  for (const auto& [name, item] : impulses_->get_impulses())
+    require(item->active == impulses_->get_contacts()->getContactStatus(name), where,
+            "the status of an impulse was written into its item, changeImpulseStatus is expected");
+  const Eigen::Index nq = state_->get_nq(), nv = state_->get_nv();
+  d.stage = Stage::kFresh;
+  d.x = x;
+  d.v = x.tail(nv);
+  d.x_rest.head(nq) = x.head(nq);
+  internal::read_status(terms, d.status);
+  dynamics_->calc(d.dynamics, d.x_rest, d.v);
+  DataCollector& m = *d.multibody;
+  m.impact->vnext = d.dynamics->xout - r_coeff_ * d.v;
+  d.xnext.head(nq) = x.head(nq);
+  d.xnext.tail(nv) = m.impact->vnext;
+  for (std::size_t r = 0; r < m.scene.robots.size(); ++r) {
+    const Robot& robot = m.scene.robots[r];
+    const Model& model = *robot.model;
+    Kinematics<double>& kin = m.impact->motion[r];
+    forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), kin);
+    forward_accelerations<double>(model, d.v.segment(robot.idx_v, model.nv), nullptr, m.scene.gravity, kin);
+  }
+  lay_out(d);
+}
+
+void Model_::finish(Data& d, Stage stage) const {
+  d.cost = d.costs->cost;
+  internal::stack_residuals(*costs_, *d.costs, d.r);
+  internal::copy_values(*d.terms, false, d);
+  d.stage = stage;
+}
+
+void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelImpulseFwdDynamics::calc", x, u);
+  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calc", data);
+  calc_impact("ActionModelImpulseFwdDynamics::calc", d, x);
+  costs_->calc(d.costs, x, u);
+  if (constraints_) constraints_->calc(d.constraints, x, u);
+  finish(d, Stage::kRunning);
+}
+
+void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelImpulseFwdDynamics::calc", x);
+  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calc", data);
+  calc_impact("ActionModelImpulseFwdDynamics::calc", d, x);
+  costs_->calc(d.costs, x);
+  if (constraints_) constraints_->calc(d.constraints, x);
+  finish(d, Stage::kTerminal);
+}
+
+// dv+/dq = dw/dq, dv+/dv = dw/dv - e I; the dynamics have v as their controls.
+void Model_::differentiate_impact(Data& d, Stage stage) const {
+  internal::check_stage(kActionModelImpulseFwdDynamics,
+                        d.stage == stage && internal::has_status({*costs_, constraints_.get()}, d.status), stage);
+  const Eigen::Index nv = state_->get_nv();
+  dynamics_->calcDiff(d.dynamics, d.x_rest, d.v);
+  DataCollector& m = *d.multibody;
+  Eigen::MatrixXd& dvnext = m.impact->dvnext_dx;
+  dvnext.leftCols(nv) = d.dynamics->Fx.leftCols(nv);
+  dvnext.rightCols(nv) = d.dynamics->Fu;
+  dvnext.rightCols(nv).diagonal().array() -= r_coeff_;
+  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // which df_dx look at
+  for (auto& [name, contact] : m.contacts->contacts)
+    if (contact->active) new (&contact->df_du) PanelView(nullptr, contact->Jc.rows(), 0, Eigen::OuterStride<>(0));
+  d.Fx.topLeftCorner(nv, nv).setIdentity();
+  d.Fx.topRightCorner(nv, nv).setZero();
+  d.Fx.bottomRows(nv) = dvnext;
+}
+
+void Model_::copy_derivatives(Data& d) const {
+  d.Lx = d.terms->Lx;
+  d.Lxx = d.terms->Lxx;
+  d.Gx = d.terms->Gx;
+  d.Hx = d.terms->Hx;
+  d.Gu.resize(d.Gx.rows(), 0);
+  d.Hu.resize(d.Hx.rows(), 0);
+}
+
+void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActionModelImpulseFwdDynamics::calcDiff", x, u);
+  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calcDiff", data);
+  differentiate_impact(d, Stage::kRunning);
+  costs_->calcDiff(d.costs, d.x, u);
+  if (constraints_) constraints_->calcDiff(d.constraints, d.x, u);
+  copy_derivatives(d);
+}
+
+void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+  check("ActionModelImpulseFwdDynamics::calcDiff", x);
+  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calcDiff", data);
+  differentiate_impact(d, Stage::kTerminal);
+  costs_->calcDiff(d.costs, d.x);
+  if (constraints_) constraints_->calcDiff(d.constraints, d.x);
+  copy_derivatives(d);
+}
+
+void Model_::quasiStatic(const DataPtr&, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
+  check("ActionModelImpulseFwdDynamics::quasiStatic", x, u);
+}
+
+void Model_::print(std::ostream& os) const {
+  os << kActionModelImpulseFwdDynamics << " {nx=" << state_->get_nx() << ", ndx=" << state_->get_ndx()
+     << ", nc=" << impulses_->get_nc() << ", nr=" << get_nr() << ", ng=" << get_ng() << ", nh=" << get_nh()
+     << ", r_coeff=" << r_coeff_ << ", damping=" << get_damping_factor() << "}";
+}
+
+}  // namespace manycontact

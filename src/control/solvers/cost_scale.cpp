@@ -1,0 +1,70 @@
+#include "cost_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/control/augmented_action.hpp"
+#include "manycontact/control/euler.hpp"
+#include "manycontact/control/parts.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // of the controls' Hessians; of any
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // where they are brought to
+
+// The largest numbers of the diagonals.
+struct Sizes {
+  double all = 0, controls = 0;
+};
+
+template <class Matrix>
+double largest_diagonal(const Matrix& H) {
+  double out = 0;
+  const Eigen::VectorXd diagonal = H.diagonal();
+  for (const double h : diagonal) out = std::max(out, std::abs(h));
+  return out;
+}
+
+void add_node(const ActionDataAbstract& data, Sizes& out) {
+  const auto add = [&](const auto& Lxx, const auto& Luu, double factor) {
+    if (Luu.rows() > 0) out.controls = std::max(out.controls, factor * largest_diagonal(Luu));
+    if (Lxx.rows() > 0) out.all = std::max(out.all, factor * largest_diagonal(Lxx));
+  };
+  const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
+  if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
+    for (const auto& part : whole->parts) add_node(*part, out);
+  } else if (const auto* augmented = dynamic_cast<const ActionDataAugmentedLagrangian*>(&data)) {
+    add_node(*augmented->inner, out);
+  } else if (euler && !euler->has_matrices()) {
+    const double factor = euler->step > 0 ? euler->step : 1;  // of a terminal node
+    add(euler->differential->Lxx_sparse(), euler->differential->Luu_sparse(), factor);
+  } else {
+    add(data.Lxx, data.Luu, 1);
+  }
+}
+
+}  // namespace
+
+double cost_scale(const ShootingProblem& problem) {
+  double controls = 0, all = 0;  // of the nodes whose controls have any, the least
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) {
+    Sizes own;
+    add_node(*problem.data(t), own);
+    all = std::max({all, own.all, own.controls});
+    if (own.controls > 0) controls = controls > 0 ? std::min(controls, own.controls) : own.controls;
+  }
+  double scale = 1;
+  if (controls > 0 && controls < kSmall)
+    scale = controls / kUsualControls;
+  else if (controls == 0 && all > 0 && all < kSmall)
+    scale = all / kUsualAll;
+  else if (all > kLarge)
+    scale = all / kUsualAll;
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // without making others too large
+  if (!std::isfinite(scale) || scale == 1) return 1;
+  return std::exp2(std::round(std::log2(scale)));
+}
+
+}  // namespace manycontact::internal

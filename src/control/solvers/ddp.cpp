@@ -1,0 +1,448 @@
+#include "manycontact/control/ddp.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "../constrained/kkt_residual.hpp"
+#include "../nodes/nodes.hpp"
+#include "cost_scale.hpp"
+#include "fit.hpp"
+#include "step_lengths.hpp"
+
+namespace manycontact {
+
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
+
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)
+    : SolverDDP(std::move(problem), limits, WithoutMatrices{}) {
+  ShootingPart whole;
+  whole.problem = problem_;
+  if (limits_)
+    directions_.push_back(std::make_unique<BoxDirection>(std::move(whole), true));
+  else
+    directions_.push_back(std::make_unique<RiccatiDirection>(std::move(whole), true, true));
+  SolverDDP::allocateData();
+}
+
+// The multipliers of limits are not part of the expected improvement, which stays larger than without them.
+SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices)
+    : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()), limits_(limits == Limits::kKept) {
+  if (limits_) th_stop_ = 5e-5;
+}
+
+void SolverDDP::resizeData() {
+  SolverAbstract::resizeData();
+  allocateData();
+}
+
+// Only what does not fit yet is allocated.
+void SolverDDP::allocateData() {
+  internal::fit_all(problem_->get_T() + 1, problem_->get_nx(), xs_try_);
+  internal::fit_all(problem_->get_T() + 1, problem_->get_ndx(), Vx_);
+  internal::fit_controls(*problem_, us_try_, k_);
+  for (const auto& own : directions_) own->resize();
+}
+
+template <class Work>
+void SolverDDP::each_direction(Work&& work) {
+  if (directions_.size() == 1) return work(*directions_[0]);
+  internal::each_node(problem_->get_nthreads(), directions_.size(), [&](std::size_t i) { work(*directions_[i]); });
+}
+
+const RiccatiDirection* SolverDDP::recursion() const {
+  return directions_.size() == 1 ? dynamic_cast<const RiccatiDirection*>(directions_[0].get()) : nullptr;
+}
+
+namespace {
+
+// What one recursion keeps of its nodes, or nothing.
+template <class Kept>
+const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
+  static const Kept none;
+  return recursion ? (recursion->*get)() : none;
+}
+
+}  // namespace
+
+using Matrices = std::vector<Eigen::MatrixXd>;
+using Vectors = std::vector<Eigen::VectorXd>;
+const Matrices& SolverDDP::get_Vxx() const { return kept(recursion(), &RiccatiDirection::get_Vxx); }
+const Matrices& SolverDDP::get_Qxx() const { return kept(recursion(), &RiccatiDirection::get_Qxx); }
+const Matrices& SolverDDP::get_Qxu() const { return kept(recursion(), &RiccatiDirection::get_Qxu); }
+const Matrices& SolverDDP::get_Quu() const { return kept(recursion(), &RiccatiDirection::get_Quu); }
+const Vectors& SolverDDP::get_Qx() const { return kept(recursion(), &RiccatiDirection::get_Qx); }
+const Vectors& SolverDDP::get_Qu() const { return kept(recursion(), &RiccatiDirection::get_Qu); }
+const std::vector<SolverDDP::MatrixXdRowMajor>& SolverDDP::get_K() const {
+  return kept(recursion(), &RiccatiDirection::get_K);
+}
+
+void SolverDDP::takeCandidate(Direction& own) const { own.take_candidate(*problem_, xs_, us_, fs_, is_feasible_); }
+
+void SolverDDP::backwardPass() {
+  each_direction([this](Direction& own) {
+    takeCandidate(own);
+    own.is_sound_ = own.compute(preg_, dreg_);
+    for (std::size_t t = 0; t < Vx_.size(); ++t) own.give_dx(own.Vx_[t], Vx_[t]);
+    own.give_u(own.k_, k_);
+  });
+  sound_ = std::all_of(directions_.begin(), directions_.end(), [](const auto& own) { return own->is_sound_; });
+}
+
+namespace {
+
+RiccatiDirection& as_recursion(Direction& direction) {
+  auto* own = dynamic_cast<RiccatiDirection*>(&direction);
+  if (!own) throw std::logic_error("SolverDDP: robots that hold each other have no value function of their own");
+  return *own;
+}
+
+}  // namespace
+
+void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                           const std::shared_ptr<ActionDataAbstract>& data) {
+  require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
+  each_direction([&](Direction& own) {
+    const bool whole = own.get_problem() == problem_;
+    as_recursion(own).compute_action_value_function(t, whole ? *model : *own.get_problem()->model(t),
+                                                    whole ? *data : *own.get_problem()->data(t));
+  });
+}
+
+void SolverDDP::computeGains(std::size_t t) {
+  require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
+  each_direction([&](Direction& own) {
+    own.is_sound_ = as_recursion(own).compute_gains(t);
+    own.give_u(own.k_, k_);
+  });
+  sound_ = std::all_of(directions_.begin(), directions_.end(), [](const auto& own) { return own->is_sound_; });
+}
+
+void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&) {
+  require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
+  each_direction([&](Direction& own) {
+    as_recursion(own).compute_value_function(t);
+    own.give_dx(own.Vx_[t], Vx_[t]);
+  });
+}
+
+void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
+                      bool is_feasible, double init_reg) {
+  (void)problem_->is_updated();
+  resizeData();
+  setCandidate(init_xs, init_us, is_feasible);
+  limitGuess();
+  us_guess_ = us_;
+  rolled_out_ = false;
+  preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ * scale_ : init_reg;
+  was_feasible_ = false;
+  interrupted_ = false;
+  kkt_ = NAN;
+  polishing_ = 0;
+  reason_ = StopReason::kNone;
+}
+
+bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
+                      std::size_t maxiter, bool is_feasible, double init_reg) {
+  start(init_xs, init_us, is_feasible, init_reg);
+  bool recalc = true;
+  reason_ = StopReason::kIterations;
+  for (iter_ = 0; iter_ < maxiter; ++iter_) {
+    if (!findDirection(recalc)) {
+      reason_ = StopReason::kNoDirection;
+      break;
+    }
+    recalc = searchLine() || rollOutCandidate();
+    if (!adaptRegularization()) {
+      reason_ = StopReason::kNoStep;
+      break;
+    }
+    stoppingCriteria();
+    callCallbacks();
+    if (was_feasible_ && stop_ < th_stop_ * scale_) {
+      reason_ = StopReason::kConverged;
+      break;
+    }
+    if (interrupted_) {
+      reason_ = StopReason::kInterrupted;
+      break;
+    }
+  }
+  if (reason_ == StopReason::kConverged && std::isfinite(th_kkt_)) reason_ = polish(maxiter);
+  if (reason_ == StopReason::kNoStep && keeps_limits() && is_feasible_) reason_ = descendWithinLimits(maxiter);
+  return reason_ == StopReason::kConverged;
+}
+
+// Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
+// function, so that directions may be no descent. The gradient of `descend` is exact.
+StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
+  struct Restore {
+    double &number, value;
+    ~Restore() { number = value; }
+  } restore{th_stop_, th_stop_};
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
+  constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
+    if (std::isfinite(th_kkt_)) th_stop_ = std::max(1e-6 * restore.value, rounding);
+    preg_ = dreg_ = reg_min_ * scale_;
+    const StopReason reason = descend(maxiter);
+    if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
+    if (!std::isfinite(th_kkt_)) return reason;
+    problem_->calc(xs_, us_);
+    calcDiff();
+    const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, true);
+    Eigen::VectorXd work;
+    kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, true, {}, work);
+    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+    idle = kkt_ < 0.5 * least ? 0 : idle + 1;
+    least = std::min(least, kkt_);
+  }
+  return StopReason::kNoStep;
+}
+
+// From a candidate that meets the stopping rule. Steps are accepted unseen where what they are to gain is less than the
+// cost's rounding.
+StopReason SolverDDP::polish(std::size_t maxiter) {
+  struct Restore {
+    double &number, value;
+    ~Restore() { number = value; }
+  } restore{th_grad_, th_grad_};
+  th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
+  for (bool moved = true;; ++polishing_) {
+    if (moved) {
+      calcDiff();
+      const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, keeps_limits());
+      Eigen::VectorXd work;
+      kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, work);
+    }
+    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+    if (polishing_ == maxiter) return StopReason::kIterations;
+    if (!findDirection(false)) return StopReason::kNoDirection;
+    moved = searchLine();
+    if (!adaptRegularization()) return StopReason::kNoStep;
+  }
+}
+
+void SolverDDP::limitGuess() {
+  if (!keeps_limits()) return;
+  for (std::size_t t = 0; t < us_.size(); ++t) {
+    const ActionModelAbstract& model = *problem_->model(t);
+    if (!model.get_has_control_limits()) continue;
+    us_try_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    if (us_try_[t] == us_[t]) continue;
+    us_[t] = us_try_[t];
+    is_feasible_ = false;
+  }
+}
+
+// Directions from a candidate with gaps are those without limits, of which no step may be worth anything, and which
+// leave controls at one limit or the other. What the guess's controls lead to has no gaps, and from there on the limits
+// are in the direction.
+bool SolverDDP::rollOutCandidate() {
+  if (!keeps_limits() || is_feasible_) return false;
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];
+  problem_->rollout(us_try_, xs_try_);
+  cost_try_ = problem_->total_cost();
+  for (const Eigen::VectorXd& x : xs_try_)
+    if (raiseIfNaN(cost_try_) || !internal::is_sound(x)) return false;
+  setCandidate(xs_try_, us_try_, true);
+  cost_ = cost_try_;
+  preg_ = dreg_ = reg_min_ * scale_;
+  steplength_ = 1;
+  return stepped_ = rolled_out_ = true;
+}
+
+// More and more regularised until there is one.
+bool SolverDDP::findDirection(bool recalc) {
+  for (computeDirection(recalc); !sound_; computeDirection(false)) {
+    increaseRegularization();
+    if (preg_ == reg_max_ * scale_) return false;
+  }
+  return true;
+}
+
+// Less after long steps, more after short ones; false at the largest.
+bool SolverDDP::adaptRegularization() {
+  if (steplength_ > th_stepdec_) decreaseRegularization();
+  if (steplength_ > th_stepinc_) return true;
+  increaseRegularization();
+  return preg_ != reg_max_ * scale_;
+}
+
+// The first of the step lengths that is accepted becomes the candidate; false when none is.
+bool SolverDDP::searchLine() {
+  prepareImprovement();
+  stepped_ = false;
+  for (double alpha : alphas_) {
+    steplength_ = alpha;
+    const double dV = tryStep(alpha);
+    if (std::isnan(dV)) continue;
+    dV_ = dV;
+    updateImprovement();
+    dVexp_ = alpha * (d_[0] + 0.5 * alpha * d_[1]);
+    if (!accepts()) continue;
+    was_feasible_ = is_feasible_;
+    setCandidate(xs_try_, us_try_, closesGaps());
+    cost_ = cost_try_;
+    return stepped_ = true;
+  }
+  return false;
+}
+
+bool SolverDDP::accepts() const {
+  return dVexp_ >= 0 && (std::abs(d_[0]) < th_grad_ * scale_ || !is_feasible_ || dV_ > th_acceptstep_ * dVexp_);
+}
+
+void SolverDDP::computeDirection(bool recalc) {
+  if (recalc) calcDiff();
+  backwardPass();
+}
+
+double SolverDDP::tryStep(double steplength) {
+  forwardPass(steplength);
+  return cost_ - cost_try_;
+}
+
+double SolverDDP::stoppingCriteria() {
+  stop_ = std::abs(d_[0] + 0.5 * d_[1]);
+  return stop_;
+}
+
+Eigen::Vector2d SolverDDP::improvement(bool gaps) {
+  Eigen::Vector2d d = Eigen::Vector2d::Zero();
+  for (const auto& own : directions_) d += own->improvement(gaps);
+  return d;
+}
+
+// Of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
+const Eigen::Vector2d& SolverDDP::expectedImprovement() { return d_ = improvement(false); }
+
+double SolverDDP::expectedReduction() const {
+  double out = 0;
+  for (const auto& own : directions_) out += own->expected_reduction();
+  return out;
+}
+
+double SolverDDP::calcDiff() {
+  if (iter_ == 0) problem_->calc(xs_, us_);
+  cost_ = problem_->calcDiff(xs_, us_);
+  if (iter_ == 0 && measures_scale_) measureScale();
+  ffeas_ = computeDynamicFeasibility();
+  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // else limits would wait for gaps to close
+  gfeas_ = computeInequalityFeasibility();
+  hfeas_ = computeEqualityFeasibility();
+  return cost_;
+}
+
+void SolverDDP::forwardPass(double steplength) { rollOut(steplength, false, false); }
+
+void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap) {
+  require(steplength >= 0 && steplength <= 1, "Solver::forwardPass", "a step length in [0, 1] is expected");
+  each_direction([&](Direction& own) {
+    takeCandidate(own);
+    own.cost_try_ = own.roll_out(steplength, keep_gaps, keep_terminal_gap);
+  });
+  cost_try_ = 0;
+  for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN where one is
+  if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
+  each_direction([this](Direction& own) {  // no two write the same number
+    for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
+    own.give_u(own.us_try_, us_try_);
+  });
+}
+
+void SolverDDP::increaseRegularization() { dreg_ = preg_ = std::min(preg_ * reg_incfactor_, reg_max_ * scale_); }
+
+void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_decfactor_, reg_min_ * scale_); }
+
+void SolverDDP::set_scale(double scale) {
+  require(scale > 0 && std::isfinite(scale), "SolverDDP::set_scale", "a positive number is expected");
+  scale_ = scale;
+  for (const auto& own : directions_) own->set_scale(scale_);
+}
+
+// The regularisation at hand was chosen for the scale before.
+void SolverDDP::measureScale() {
+  const double before = scale_;
+  set_scale(internal::cost_scale(*problem_));
+  preg_ *= scale_ / before;
+  dreg_ *= scale_ / before;
+}
+
+void SolverDDP::set_reg_incfactor(double regfactor) {
+  require(regfactor > 1, "SolverDDP::set_reg_incfactor", "a number above 1 is expected");
+  reg_incfactor_ = regfactor;
+}
+void SolverDDP::set_reg_decfactor(double regfactor) {
+  require(regfactor > 1, "SolverDDP::set_reg_decfactor", "a number above 1 is expected");
+  reg_decfactor_ = regfactor;
+}
+void SolverDDP::set_reg_min(double regmin) {
+  require(regmin >= 0, "SolverDDP::set_reg_min", "a number that is not negative is expected");
+  reg_min_ = regmin;
+}
+void SolverDDP::set_reg_max(double regmax) {
+  require(regmax >= 0, "SolverDDP::set_reg_max", "a number that is not negative is expected");
+  reg_max_ = regmax;
+}
+void SolverDDP::set_alphas(const std::vector<double>& alphas) {
+  internal::check_alphas("SolverDDP::set_alphas", alphas);
+  alphas_ = alphas;
+}
+void SolverDDP::set_th_stepdec(double th_stepdec) {
+  require(th_stepdec > 0 && th_stepdec <= 1, "SolverDDP::set_th_stepdec", "a number in (0, 1] is expected");
+  th_stepdec_ = th_stepdec;
+}
+void SolverDDP::set_th_stepinc(double th_stepinc) {
+  require(th_stepinc > 0 && th_stepinc <= 1, "SolverDDP::set_th_stepinc", "a number in (0, 1] is expected");
+  th_stepinc_ = th_stepinc;
+}
+void SolverDDP::set_th_kkt(double th_kkt) {
+  require(th_kkt > 0, "SolverDDP::set_th_kkt", "a positive tolerance is expected");
+  th_kkt_ = th_kkt;
+}
+void SolverDDP::set_th_grad(double th_grad) {
+  require(th_grad >= 0, "SolverDDP::set_th_grad", "a number that is not negative is expected");
+  th_grad_ = th_grad;
+}
+
+// Work on each part's share of the vectors, which is put back.
+template <class Work>
+void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
+  whole.resize(us_.size());
+  for (std::size_t t = 0; t < us_.size(); ++t) whole[t].resize(us_[t].size());
+  each_direction([&](Direction& own) {
+    own.take_u(whole, own.feed_forward_);
+    work(own, own.feed_forward_);
+    own.give_u(own.feed_forward_, whole);
+  });
+}
+
+void SolverDDP::setFeedForward(const Vectors& nu) {
+  each_direction([&](Direction& own) {
+    own.take_u(nu, own.feed_forward_);
+    own.set_feed_forward(own.feed_forward_);
+    own.give_u(own.k_, k_);
+  });
+}
+
+void SolverDDP::computeFeedForwardGradient(Vectors& g) {
+  each_feed_forward(g, [this](Direction& own, Vectors& own_g) {
+    own.take_u(us_try_, own.us_try_);
+    own.held_changed_ = false;
+    own.feed_forward_gradient(own_g);
+  });
+  for (const auto& own : directions_) held_changed_ |= own->held_changed_;
+}
+
+void SolverDDP::preconditionFeedForward(Vectors& g) {
+  each_feed_forward(g, [](Direction& own, Vectors& own_g) { own.precondition_feed_forward(own_g); });
+}
+
+void SolverDDP::holdFeedForward(Vectors& nu) {
+  each_feed_forward(nu, [](Direction& own, Vectors& own_nu) { own.hold_feed_forward(own_nu); });
+}
+
+}  // namespace manycontact

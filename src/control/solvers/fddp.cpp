@@ -1,0 +1,37 @@
+#include "manycontact/control/fddp.hpp"
+
+namespace manycontact {
+
+// What the gaps fs add to the expected improvement of DDP's, with V of the backward pass and the states tried x:
+//     dv = - sum fs^T Vxx (xs (-) x),    d0 = dg + dv,    d1 = dq - 2 dv
+const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
+  dv_ = 0;
+  for (const auto& own : directions_) dv_ += own->gap_improvement();
+  d_[0] = dg_ + dv_;
+  d_[1] = dq_ - 2 * dv_;
+  return d_;
+}
+
+//     dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
+void SolverFDDP::updateExpectedImprovement() {
+  const Eigen::Vector2d d = improvement(true);
+  dg_ = d[0];
+  dq_ = d[1];
+}
+
+bool SolverFDDP::accepts() const {
+  if (dVexp_ >= 0) return std::abs(d_[0]) < th_grad_ * scale_ || dV_ > th_acceptstep_ * dVexp_;
+  return !is_feasible_ && dV_ > th_acceptnegstep_ * dVexp_;  // the cost may rise while gaps close
+}
+
+void SolverFDDP::forwardPass(double steplength) {
+  const bool gaps = !is_feasible_ && steplength != 1;
+  rollOut(steplength, gaps, gaps);
+}
+
+void SolverFDDP::set_th_acceptnegstep(double th_acceptnegstep) {
+  require(th_acceptnegstep >= 0, "SolverFDDP::set_th_acceptnegstep", "a number that is not negative is expected");
+  th_acceptnegstep_ = th_acceptnegstep;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,125 @@
+// Quasi-Newton steps of SolverDDP on its feed-forward terms.
+
+#include <algorithm>
+#include <limits>
+
+#include "manycontact/control/ddp.hpp"
+
+namespace manycontact {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+
+namespace {
+
+constexpr double kArmijo = 1e-4;             // of what the slope promises
+constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
+constexpr double kLeast = 0.1, kMost = 0.5;  // of a step that was too long: the next one
+constexpr int kTrials = 12;
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // step lengths: twice, once, and it ends
+
+}  // namespace
+
+void SolverDDP::allocateDescent() {
+  nu_ = g_ = g_try_ = us_;
+  bfgs_.reserve(us_);
+}
+
+// A step along nu_ that lowers the cost enough, or where that drowns in rounding flattens its slope enough; g_try_ is
+// the gradient there.
+bool SolverDDP::searchFeedForward() {
+  const double rounding = std::max(th_grad_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  setFeedForward(nu_);
+  steplength_ = 1;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const double shortest = kLeast * steplength_, longest = kMost * steplength_, expected = -steplength_ * slope_;
+    const double dV = tryStep(steplength_);
+    if (std::isnan(dV)) {
+      steplength_ = shortest;
+      continue;
+    }
+    dV_ = dV;
+    dVexp_ = expected;
+    double next = steplength_ * expected / (2 * (expected - dV));  // where the parabola is least
+    if (dV >= kArmijo * expected || (expected < rounding && dV > -rounding)) {
+      problem_->calcDiff(xs_try_, us_try_);
+      computeFeedForwardGradient(g_try_);
+      const double slope = dot(g_try_, nu_);
+      if (expected >= rounding || slope <= kSlope * -slope_) return true;
+      next = steplength_ * slope_ / (slope_ - slope);
+    }
+    steplength_ = std::clamp(next, shortest, longest);
+  }
+  return false;
+}
+
+// nu_ = -H g_, and what Gauss-Newton alone would gain. Controls that nu_ takes beyond a limit go as far as that: a step
+// is judged by the slope of what it does, not of what the limits take from it.
+void SolverDDP::computeFeedForwardDirection() {
+  nu_ = g_;
+  preconditionFeedForward(nu_);
+  stop_ = 0.5 * dot(g_, nu_);
+  const auto finish = [this] {
+    for (Eigen::VectorXd& nu : nu_) nu = -nu;
+    holdFeedForward(nu_);
+    for (std::size_t t = 0; keeps_limits() && t < nu_.size(); ++t) {
+      const ActionModelAbstract& model = *problem_->model(t);
+      if (!model.get_has_control_limits()) continue;
+      nu_[t] += us_[t];
+      nu_[t] = nu_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+      nu_[t] -= us_[t];
+    }
+    slope_ = dot(g_, nu_);
+  };
+  if (bfgs_.pairs() > 0) {
+    nu_ = g_;
+    bfgs_.begin(nu_);
+    preconditionFeedForward(nu_);
+    bfgs_.finish(nu_);
+    finish();
+    if (slope_ >= 0) {  // what the limits left of it is no descent
+      bfgs_.forget();
+      nu_ = g_;
+      preconditionFeedForward(nu_);
+      finish();
+    }
+  } else {
+    finish();
+  }
+  d_ << -slope_, slope_;
+}
+
+StopReason SolverDDP::descend(std::size_t maxiter) {
+  require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
+  interrupted_ = false;
+  iter_ = 0;
+  if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
+  for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  allocateDescent();
+  computeFeedForwardGradient(g_);
+  bfgs_.forget();
+  int short_steps = 0;
+  for (; iter_ < maxiter; ++iter_) {
+    computeFeedForwardDirection();
+    held_changed_ = false;
+    stepped_ = slope_ < 0 && searchFeedForward();
+    if (stepped_) {
+      if (held_changed_)
+        bfgs_.forget();
+      else
+        bfgs_.add(steplength_, nu_, g_, g_try_);
+      std::swap(g_, g_try_);
+      setCandidate(xs_try_, us_try_, true);
+      was_feasible_ = true;
+      cost_ = cost_try_;
+    }
+    callCallbacks();
+    if (stop_ < th_stop_ * scale_) return reason_ = StopReason::kConverged;
+    if (interrupted_) return reason_ = StopReason::kInterrupted;
+    short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;
+    if (!stepped_ || steplength_ < kVeryShort || short_steps == 2) return reason_ = StopReason::kNoStep;
+  }
+  return reason_ = StopReason::kIterations;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,36 @@
+#pragma once
+// Vectors by node that fit a problem's nodes: zeros where they did not, and no memory where they did; and whether their
+// numbers are sound.
+
+#include <cmath>
+
+#include "manycontact/control/shooting.hpp"
+
+namespace manycontact::internal {
+
+inline void fit(Eigen::VectorXd& x, std::size_t size) {
+  if (x.size() != static_cast<Eigen::Index>(size)) x.setZero(static_cast<Eigen::Index>(size));
+}
+
+/// `count` vectors of one size, each of the lists.
+template <class... Lists>
+void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
+  (lists.resize(count), ...);
+  for (std::size_t t = 0; t < count; ++t) (fit(lists[t], size), ...);
+}
+
+/// Of each running node's controls.
+template <class... Lists>
+void fit_controls(const ShootingProblem& problem, Lists&... lists) {
+  (lists.resize(problem.get_T()), ...);
+  for (std::size_t t = 0; t < problem.get_T(); ++t) (fit(lists[t], problem.model(t)->get_nu()), ...);
+}
+
+/// All finite and below 1e30.
+inline bool is_sound(const Eigen::VectorXd& x) {
+  for (const double number : x)
+    if (!(std::abs(number) < 1e30)) return false;
+  return true;
+}
+
+}  // namespace manycontact::internal
