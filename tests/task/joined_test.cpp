@@ -140,6 +140,7 @@ TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "lo
 TEST(JoinedNodes, OfContactsOfFewerRows) {
   for (const char* type : {"1d", "2d", "3d", "5d"})
     for (const char* frame : {"local", "local_world_aligned"}) {
+      if (std::string(type) == "5d" && frame[5] != 0) continue;  // an axis of both bodies
       SCOPED_TRACE(std::string(type) + " " + frame);
       expect_nodes_of_the_whole(chain(2, frame, "0", type), 2);
       expect_nodes_of_the_whole(chain(2, frame, "1e-3", type), 2);

@@ -146,6 +146,11 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
                       std::size_t maxiter, bool is_feasible, double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
   bool recalc = true;
+  // Directions within limits may be good for short steps only, for hundreds of them; those of `descend` are not. Not
+  // where Crocoddyl's iterates are asked for, and nothing more.
+  constexpr double kShort = 1. / 16;
+  constexpr int kManyShort = 10;
+  int short_steps = 0;  // in a row
   reason_ = StopReason::kIterations;
   for (iter_ = 0; iter_ < maxiter; ++iter_) {
     if (!findDirection(recalc)) {
@@ -165,6 +170,11 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
     }
     if (interrupted_) {
       reason_ = StopReason::kInterrupted;
+      break;
+    }
+    short_steps = stepped_ && is_feasible_ && steplength_ <= kShort ? short_steps + 1 : 0;
+    if (keeps_limits() && std::isfinite(th_kkt_) && short_steps == kManyShort) {
+      reason_ = StopReason::kNoStep;
       break;
     }
   }
