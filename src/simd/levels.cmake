@@ -64,7 +64,8 @@ foreach(level IN LISTS lane_levels)
       # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
       target_compile_options(${target} PRIVATE
         $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
-        -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64)
+        -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64
+        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC 12 warns of its own AVX-512 header
     endif()
     list(APPEND objects $<TARGET_OBJECTS:${target}>)
   endforeach()
