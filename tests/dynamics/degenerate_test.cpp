@@ -162,6 +162,12 @@ TEST(Dependent, NothingIsLeftForTheStatesAfter) {
           EXPECT_EQ(data.report.rank, fresh.report.rank);
           EXPECT_TRUE(((data.a.array() == fresh.a.array()) || fresh.a.array().isNaN()).all());
           EXPECT_TRUE(((data.f.array() == fresh.f.array()) || fresh.f.array().isNaN()).all());
+          if (way.options.method != Method::kAuto || fresh.report.status != Status::kOk) continue;
+          estimate_condition(scene, data), estimate_condition(scene, fresh);  // by K, whoever answered
+          EXPECT_EQ(data.report.condition, fresh.report.condition);
+          const Eigen::SparseMatrix<double> D = (differentiate(scene, data), sparse_derivatives(scene, data));
+          const Eigen::SparseMatrix<double> E = (differentiate(scene, fresh), sparse_derivatives(scene, fresh));
+          EXPECT_EQ((D - E).norm(), 0);
         }
       EXPECT_TRUE(dependent || way.options.method == Method::kDenseSchur);
     }
