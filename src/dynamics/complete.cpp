@@ -10,11 +10,11 @@ void complete(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
-    const bool bodies = d.answered && d.answered == d.bodies.get() && d.bodies->make_current(scene, data);
-    if (bodies && joint_space_size(*d.shape) <= kMostJointSpace)
-      internal::evaluate_at_solution(scene, data, d);
-    else if (!bodies && d.answered && d.matrix.make_current(scene, data, thread) && d.answered == &d.alone)
-      d.answered = &d.matrix, d.alone.state = 0;  // derivatives are to be looked at, too
+    if (d.answered_by(d.bodies.get()) && d.bodies->make_current(scene, data)) {
+      if (internal::joint_space_fits(d)) internal::evaluate_at_solution(scene, data, d);
+    } else if (d.answered && d.matrix.make_current(scene, data, thread) && d.answered_by(&d.alone)) {
+      d.answered = &d.matrix, d.alone.state = 0;  // from here on K differentiates it: lanes leave nothing to look at
+    }
   });
 }
 

@@ -51,7 +51,7 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  if (d.answered == d.bodies.get() && d.answered) {
+  if (d.answered_by(d.bodies.get())) {
     check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
     make_joint_space(scene, w, d);
   }
@@ -66,7 +66,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (goes_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
-  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {
+  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
       }))
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -88,16 +88,8 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   }
   const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_alone(scene, data);
-  const auto alone = [&](std::size_t i) { return w.islands[i]->alone.serves(w); };
-  const auto by_robots = [&](std::size_t i) { return internal::goes_by_robots(*w.islands[i]); };
-  const auto of_island = [&](std::size_t i, ThreadWork& thread) {
-    internal::differentiate_island(scene, data, *w.islands[i], thread, w.derivatives.islands[i]);
-    w.derivatives.islands[i].stamp = {&w.current, data.serial};
-  };
-  for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (by_robots(i)) of_island(i, w.threads.front());
-  internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!alone(i) && !w.derivatives.islands[i].stamp.current()) of_island(i, thread);
+  internal::each_island(w, internal::goes_by_robots, [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
+    internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
   });
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
   w.derivatives_serial = data.serial;

@@ -24,16 +24,14 @@ ProductWork::ProductWork(const Scene& scene) {
 
 namespace {
 
-// work(island, memory of the thread) for each that no batch of robots alone serves.
-template <class Work>
-void each_island(SceneData& data, Work&& work) {
-  Workspace& w = *data.workspace;
-  const auto by_robots = [&](std::size_t i) { return w.islands[i]->answered == w.islands[i]->robots.get(); };
-  for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (w.islands[i]->answered && by_robots(i)) work(*w.islands[i], w.threads.front());
-  internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (w.islands[i]->answered && !w.islands[i]->alone.serves(w) && !by_robots(i)) work(*w.islands[i], thread);
-  });
+// product(system) of the one that answered an island, or of its whole K, for each that no batch of robots alone serves.
+template <class Product>
+void each_product(const Scene& scene, SceneData& data, Product&& product) {
+  internal::each_island(
+      *data.workspace, [](const IslandWork& d) { return d.answered_by(d.robots.get()); },
+      [&](IslandWork& d, std::size_t, ThreadWork& thread) {
+        (void)internal::ask(scene, data, d, thread, [&](IslandSystem& system) { return product(system, thread); });
+      });
 }
 
 void begin(const Scene& scene, SceneData& data, const char* function) {
@@ -42,8 +40,8 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands) {  // memory, by this thread
     if (!d->answered || d->alone.serves(w)) continue;
-    if (d->answered == d->bodies.get()) {
-      if (d->bodies->make_current(scene, data) || joint_space_size(*d->shape) > kMostJointSpace) continue;
+    if (d->answered_by(d->bodies.get())) {
+      if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
       internal::make_joint_space(scene, w, *d);
     }
     linearisation.assign(scene, w, d->island);
@@ -66,10 +64,8 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::jvp_alone(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
   const TangentProduct product{dq, dv, du, da, df};
-  each_island(data, [&](IslandWork& d, ThreadWork& thread) {
-    (void)internal::ask(scene, data, d, thread,
-                        [&](IslandSystem& system) { return system.jvp(scene, data, thread, product); });
-  });
+  each_product(scene, data,
+               [&](IslandSystem& system, ThreadWork& thread) { return system.jvp(scene, data, thread, product); });
 }
 
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
@@ -84,10 +80,8 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::vjp_alone(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
   const AdjointProduct product{wa, wf, wq, wv, wu};
-  each_island(data, [&](IslandWork& d, ThreadWork& thread) {
-    (void)internal::ask(scene, data, d, thread,
-                        [&](IslandSystem& system) { return system.vjp(scene, data, thread, product); });
-  });
+  each_product(scene, data,
+               [&](IslandSystem& system, ThreadWork& thread) { return system.vjp(scene, data, thread, product); });
 }
 
 }  // namespace manycontact

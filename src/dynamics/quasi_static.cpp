@@ -26,7 +26,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   ++w.state;
   for (const auto& d : w.islands) {
     const Island& island = d->island;
-    if (d->bodies) internal::check_joint_space(*d, "quasi_static", "");
+    internal::check_joint_space(*d, "quasi_static", "");
     internal::make_joint_space(scene, w, *d);
     internal::evaluate(scene, q, rest, w, island);
     const bool usable = internal::check_input(scene, q, rest, rest, island) == Reason::kNone;

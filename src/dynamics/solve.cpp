@@ -44,7 +44,7 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// An island of any robots: by robots, by bodies, by the whole K.
+// By sparse-bodies where that was chosen, and by the whole K.
 void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   const auto solve_by = [&](IslandSystem* system) {
@@ -115,7 +115,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
   data.report.method = data.options.method;
   w.q = q;
-  ++w.state;  // also where the solve before ended with an exception, after its number was given
+  ++w.state;  // never given twice, whatever became of the solve that had it
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);
   solve_dependent(scene, data);

@@ -17,6 +17,21 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
   });
 }
 
+/// work(island, its number, memory of the thread) for each island that no batch of robots alone serves; first those of
+/// which with_all_threads(island) holds, one after the other: they have their own use for all threads.
+template <class WithAllThreads, class Work>
+void each_island(Workspace& w, WithAllThreads&& with_all_threads, Work&& work) {
+  w.done.assign(w.islands.size(), 0);  // work may change what holds of an island
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    if (with_all_threads(*w.islands[i])) {
+      work(*w.islands[i], i, w.threads.front());
+      w.done[i] = 1;
+    }
+  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    if (!w.done[i] && !w.islands[i]->alone.serves(w)) work(*w.islands[i], i, thread);
+  });
+}
+
 /// OpenBLAS in one thread, as long as it lives, where these data have several.
 class OneBlasOfThreads {
  public:

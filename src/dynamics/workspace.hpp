@@ -45,7 +45,8 @@ struct IslandWork {
   bool planned = false;              // prepare has decided whether it stands in lanes: alone.group, robots
   bool joinable = true;              // false: its robots were found not to fit a RobotsSystem
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
-  int factorizations = 0;            // of K, whole or robot by robot, since that began
+  bool answered_by(const IslandSystem* system) const { return system && answered == system; }
+  int factorizations = 0;  // of K, whole or robot by robot, since that began
 
   IslandDerivatives derivatives;  // while on the shelf; else in Workspace::derivatives
 };
@@ -111,6 +112,7 @@ struct Workspace {
   Switching switching;
 
   InLanes lanes;
+  std::vector<char> done;  // scratch of each_island
 
   // by evaluate, update_kinematics
   std::vector<RobotData> robots;

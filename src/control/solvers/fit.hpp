@@ -1,6 +1,6 @@
 #pragma once
-// Vectors by node that fit a problem's nodes: zeros where they did not, and no memory where they did; and whether their
-// numbers are sound.
+// Vectors and matrices by node that fit a problem's nodes: zeros where they did not, and no memory where they did; and
+// whether their numbers are sound.
 
 #include <cmath>
 
@@ -8,22 +8,24 @@
 
 namespace manycontact::internal {
 
-inline void fit(Eigen::VectorXd& x, std::size_t size) {
-  if (x.size() != static_cast<Eigen::Index>(size)) x.setZero(static_cast<Eigen::Index>(size));
+template <class Matrix>
+void fit(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
+  if (x.rows() != rows || x.cols() != cols) x.setZero(rows, cols);
 }
 
 /// `count` vectors of one size, each of the lists.
 template <class... Lists>
 void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   (lists.resize(count), ...);
-  for (std::size_t t = 0; t < count; ++t) (fit(lists[t], size), ...);
+  for (std::size_t t = 0; t < count; ++t) (fit(lists[t], static_cast<Eigen::Index>(size)), ...);
 }
 
 /// Of each running node's controls.
 template <class... Lists>
 void fit_controls(const ShootingProblem& problem, Lists&... lists) {
   (lists.resize(problem.get_T()), ...);
-  for (std::size_t t = 0; t < problem.get_T(); ++t) (fit(lists[t], problem.model(t)->get_nu()), ...);
+  for (std::size_t t = 0; t < problem.get_T(); ++t)
+    (fit(lists[t], static_cast<Eigen::Index>(problem.model(t)->get_nu())), ...);
 }
 
 /// All finite and below 1e30.

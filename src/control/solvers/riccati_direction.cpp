@@ -4,6 +4,7 @@
 
 #include "../../lq/dense.hpp"
 #include "../integrators/euler_steps.hpp"
+#include "fit.hpp"
 
 namespace manycontact {
 
@@ -13,11 +14,6 @@ using Eigen::VectorXd;
 using Vectors = Direction::Vectors;
 
 namespace {
-
-template <class M>
-void fit(M& matrix, Index rows, Index cols) {
-  if (matrix.rows() != rows || matrix.cols() != cols) matrix.setZero(rows, cols);
-}
 
 const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data) {
   return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -68,20 +64,20 @@ void RiccatiDirection::resize() {
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_, &L_}) matrices->resize(T);
   Vxx_.resize(T + 1);
   K_.resize(T);
-  for (MatrixXd& V : two_values_) fit(V, keeps_values_ ? 0 : ndx, keeps_values_ ? 0 : ndx);
+  for (MatrixXd& V : two_values_) internal::fit(V, keeps_values_ ? 0 : ndx, keeps_values_ ? 0 : ndx);
   for (std::size_t t = 0; t <= T; ++t) {
-    if (keeps_values_) fit(Vxx_[t], ndx, ndx);
-    fit(Vxx_fs_[t], ndx, 1);
+    if (keeps_values_) internal::fit(Vxx_[t], ndx, ndx);
+    internal::fit(Vxx_fs_[t], ndx, 1);
     if (t == T) break;
     const Index nu = static_cast<Index>(problem.model(t)->get_nu());
-    fit(Qx_[t], ndx, 1);
-    for (Vectors* u : {&Qu_, &Quuk_}) fit((*u)[t], nu, 1);
+    internal::fit(Qx_[t], ndx, 1);
+    for (Vectors* u : {&Qu_, &Quuk_}) internal::fit((*u)[t], nu, 1);
     if (keeps_values_) {
-      fit(Qxx_[t], ndx, ndx);
-      fit(Qxu_[t], ndx, nu);
-      fit(Quu_[t], nu, nu);
+      internal::fit(Qxx_[t], ndx, ndx);
+      internal::fit(Qxu_[t], ndx, nu);
+      internal::fit(Quu_[t], nu, nu);
     }
-    fit(K_[t], nu, ndx);
+    internal::fit(K_[t], nu, ndx);
     if (L_[t].rows() != nu) L_[t].setIdentity(nu, nu);
     riccati_.lay_out(static_cast<int>(nu), static_cast<int>(ndx));
   }

@@ -1,6 +1,6 @@
 #pragma once
 // What products with derivatives have before and after the solve: right-hand sides along a direction, and gradients
-// from the adjoint. In the scene's coordinates, [a; y] of the scratch. While AtSolution lives.
+// from the adjoint. In the scene's coordinates, [a; y] of the scratch.
 
 #include "../workspace.hpp"
 
@@ -17,5 +17,25 @@ void adjoint_right_side(const Scene& scene, const SceneData& data, const Island&
                         ProductWork& work);
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& work,
                       const AdjointProduct& p);
+
+/// The products themselves, of an island that was evaluated. solve(work): [a; y] <- K^-1 [a; y].
+template <class Solve>
+void tangent_product(const Scene& scene, SceneData& data, const Island& island, const TangentProduct& p,
+                     Solve&& solve) {
+  ProductWork& work = *data.workspace->products;
+  const AtSolution at(scene, data, island);
+  tangent_right_side(scene, data, island, p, work);
+  solve(work);
+  take_tangent(scene, data, island, work, p);
+}
+template <class Solve>
+void adjoint_product(const Scene& scene, SceneData& data, const Island& island, const AdjointProduct& p,
+                     Solve&& solve) {
+  ProductWork& work = *data.workspace->products;
+  const AtSolution at(scene, data, island);
+  adjoint_right_side(scene, data, island, p, work);
+  solve(work);
+  pull_back_island(scene, data, island, work, p);
+}
 
 }  // namespace manycontact::internal

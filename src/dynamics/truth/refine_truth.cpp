@@ -97,7 +97,7 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
     out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
   for (const auto& island : data.workspace->islands) {
     IslandWork& d = *island;
-    const bool by_matrix = d.answered && d.answered != d.bodies.get() &&
+    const bool by_matrix = d.answered && !d.answered_by(d.bodies.get()) &&
                            d.matrix.make_current(scene, data, data.workspace->threads.front());
     if (by_matrix && d.matrix.factor->method() == Method::kSparseLdl && !d.matrix.deficient()) {
       System<S> s = assemble_system(scene, terms, d, u);

@@ -205,17 +205,14 @@ bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
   return sound;
 }
 
-bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
+bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork&, IslandDerivatives& out) {
   if (!make_current(scene, data)) return false;
   internal::evaluate_at_solution(scene, data, of);
   const AtSolution at(scene, data, of.island);
   internal::right_hand_sides(scene, data, of, out);
-  std::vector<char>& nonzero = thread.panel.nonzero;
-  if (nonzero.size() < static_cast<std::size_t>(of.island.size())) nonzero.resize(of.island.size());
-  std::fill_n(nonzero.begin(), of.island.size(), 1);
   const int cols = static_cast<int>(out.X.cols());
-  if (out.cols > 0) factor.solve_panel(out.X.data(), cols, 0, cols, nonzero.data());
-  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
+  if (out.cols > 0) factor.solve_panel(out.X.data(), cols, 0, cols, nullptr);  // bodies have no use for zeros
+  out.X.bottomRows(out.nc) *= -1;                                              // [da; -df]
   return !out.X.hasNaN();
 }
 

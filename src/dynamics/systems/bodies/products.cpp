@@ -1,5 +1,5 @@
-// jvp and vjp of an island solved by sparse-bodies: as derivatives/products.cpp, each body in its body frame, and the accelerations'
-// and forces' changes left to the body-space system, which has them as unknowns.
+// jvp and vjp of an island solved by sparse-bodies: as derivatives/products.cpp, each body in its body frame, and the
+// accelerations' and forces' changes left to the body-space system, which has them as unknowns.
 
 #include "manycontact/contact/products.hpp"
 

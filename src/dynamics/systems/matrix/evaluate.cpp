@@ -46,8 +46,10 @@ void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
   }
 }
 
+bool joint_space_fits(const IslandWork& d) { return !d.bodies || joint_space_size(*d.shape) <= kMostJointSpace; }
+
 void check_joint_space(const IslandWork& d, const char* function, const char* instead) {
-  if (joint_space_size(*d.shape) > kMostJointSpace)
+  if (!joint_space_fits(d))
     throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +
                             " velocities are too many" + instead);
 }

@@ -34,12 +34,19 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
   report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
 }
 
+// Of the state at hand: K, and x by the first factor that is sound.
+bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
+                    IslandReport& report) {
+  m.factor = nullptr;
+  if (!internal::joint_space_fits(m.of)) return false;
+  internal::evaluate_at_solution(scene, data, m.of);
+  return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report);
+}
+
 }  // namespace
 
 bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
-  if (of.bodies && joint_space_size(*of.shape) > kMostJointSpace) return false;
-  internal::evaluate_at_solution(scene, data, of);
-  const bool answered = internal::solve_by_fallbacks(scene, data, thread.scratch, *this, report);
+  const bool answered = solve_at_state(scene, data, thread, *this, report);
   was_dependent = answered && scene.damping == 0 && factor == safe.get() && deficient();
   if (answered) take_answer(scene, data, *this, report);
   return answered;
@@ -54,11 +61,7 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) return factor;
-  factor = nullptr;
-  if (of.bodies && joint_space_size(*of.shape) > kMostJointSpace) return false;
-  internal::evaluate_at_solution(scene, data, of);
-  if (!internal::solve_by_fallbacks(scene, data, thread.scratch, *this, thread.spare_report)) factor = nullptr;
-  return factor;
+  return solve_at_state(scene, data, thread, *this, thread.spare_report);
 }
 
 namespace {
@@ -144,21 +147,15 @@ bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
 
 bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {
   if (deficient()) return formed_jvp(scene, data, thread, *this, p);
-  ProductWork& work = *data.workspace->products;
-  const AtSolution at(scene, data, of.island);
-  internal::tangent_right_side(scene, data, of.island, p, work);
-  solve_once_refined(scene, data, thread, *this, work);
-  internal::take_tangent(scene, data, of.island, work, p);
+  internal::tangent_product(scene, data, of.island, p,
+                            [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
   return true;
 }
 
 bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, const AdjointProduct& p) {
   if (deficient()) return formed_vjp(scene, data, thread, *this, p);
-  ProductWork& work = *data.workspace->products;
-  const AtSolution at(scene, data, of.island);
-  internal::adjoint_right_side(scene, data, of.island, p, work);
-  solve_once_refined(scene, data, thread, *this, work);
-  internal::pull_back_island(scene, data, of.island, work, p);
+  internal::adjoint_product(scene, data, of.island, p,
+                            [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
   return true;
 }
 

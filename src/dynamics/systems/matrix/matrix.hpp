@@ -64,8 +64,9 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 /// The same at the solution at hand, unless they are there already; with memory, so that the island may be one of
 /// sparse-bodies'.
 void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d);
-/// Throws std::length_error, in the name of `function`, where joint-space terms have more than kMostJointSpace numbers.
-/// instead: what to ask for.
+/// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
+bool joint_space_fits(const IslandWork& d);
+/// Throws std::length_error, in the name of `function`, where they may not. instead: what to ask for.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.

@@ -10,6 +10,12 @@ bool AloneSystem::serves(const Workspace& work) const { return state == work.sta
 
 namespace internal {
 
+lanes::Job job_at_state(const Scene& scene, SceneData& data) {
+  const Workspace& w = *data.workspace;
+  return {scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
+          data.f_offset, w.wanted, data.a.data(), data.f.data()};
+}
+
 namespace {
 
 void take_answer(const Workspace& w, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
@@ -75,8 +81,7 @@ auto served_by(const Workspace& w) {
 void solve_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job{scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
-                       data.f_offset, w.wanted, data.a.data(), data.f.data()};
+  const lanes::Job job = job_at_state(scene, data);
   // Not those answered already, nor those whose rows are certain to depend on each other.
   const auto wanted = [&scene](const IslandWork& d) {
     return !d.answered && (scene.damping > 0 || d.island.nc <= d.island.nv);

@@ -267,8 +267,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
 // not sound.
 bool factor_interface_again(double damping, RobotsSystem& system) {
   const Interface& interface = *system.interface;
-  std::fill(system.Sx.begin(), system.Sx.end(), 0.0);
-  for (int k = 0; k < interface.rows(); ++k) system.Sx[interface.S.p[k + 1] - 1] = -damping;
+  begin_interface(damping, system);
   for (std::size_t k = 0; k < system.robots.size(); ++k) {
     const OfRobot& r = system.derivatives->robots[k];
     const int ldG = r.padded(), ldT = sparse::padded(r.size());
@@ -279,8 +278,7 @@ bool factor_interface_again(double damping, RobotsSystem& system) {
   }
   sparse::panel_kernels().factor(interface.schedule, system.Sx.data(), system.L.data(), system.D.data(),
                                  system.terms.data());
-  return std::all_of(system.D.begin(), system.D.end(), [](double d) { return d < 0 && std::isfinite(d); }) &&
-         sparse::smallest_pivot_ratio(interface.rows(), system.D.data(), system.terms.data()) >= tolerance::kPivotLeft;
+  return sound_interface_pivots(system);
 }
 
 // What answers need of each robot and of the interface rows, from right-hand sides in X; whether that is sound.
@@ -325,20 +323,17 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 
 // The factors of the state at hand, where another system answered.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
-  const Workspace& w = *data.workspace;
-  if (system.state == w.state) return system.sound;
-  const lanes::Job job{scene,         w.state, w.q.data(), data.v.data(), data.tau.data(),
-                       data.f_offset, nullptr, nullptr,    nullptr};
+  if (system.state == data.workspace->state) return system.sound;
   system.first_error = system.of.matrix.first_error;
-  return system.factorize(job, data);
+  return system.factorize(scene, data);
 }
 
 }  // namespace
 
 bool goes_by_robots(const IslandWork& d) {
   if (!d.robots || !d.robots->derivatives || !d.robots->derivatives->cheaper) return false;
-  if (d.robots->solves) return d.answered == d.robots.get();
-  return d.answered == &d.matrix && d.matrix.factor == d.matrix.chosen.get();
+  if (d.robots->solves) return d.answered_by(d.robots.get());
+  return d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.chosen.get();
 }
 
 }  // namespace internal

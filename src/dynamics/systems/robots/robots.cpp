@@ -130,8 +130,7 @@ void interface_right_side(const SceneData& data, RobotsSystem& s) {
 // -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
 bool factor_interface(double damping, RobotsSystem& s) {
   const Interface& interface = *s.interface;
-  std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
-  for (int k = 0; k < interface.rows(); ++k) s.Sx[interface.S.p[k + 1] - 1] = -damping;
+  begin_interface(damping, s);
   for (std::size_t k = 0; k < s.robots.size(); ++k) {
     const double* S = s.member(k).border.S;
     for (int slot : interface.robots[k].slot) s.Sx[slot] += *S++;
@@ -142,9 +141,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
     s.terms[interface.place[row]] += border.terms()[i];  // the robots' terms in its place
   });
   for (double& terms : s.terms) terms += damping;
-  for (double pivot : s.D)
-    if (!(pivot < 0) || !std::isfinite(pivot)) return false;
-  return sparse::smallest_pivot_ratio(interface.rows(), s.D.data(), s.terms.data()) >= tolerance::kPivotLeft;
+  return sound_interface_pivots(s);
 }
 
 // y += the interface rows of K^-1 r; each robot gets its part of what is added.
@@ -233,7 +230,8 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
 }
 
 // [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
-void solve_once_refined(const SceneData& data, const Scene& scene, Workspace& w, RobotsSystem& s, ProductWork& work) {
+void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, ProductWork& work) {
+  Workspace& w = *data.workspace;
   const auto turn = [&] {  // y = -f
     each_force_block(scene, data.f_offset, s.of.island, [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
   };
@@ -252,6 +250,16 @@ void solve_once_refined(const SceneData& data, const Scene& scene, Workspace& w,
 
 }  // namespace
 
+void begin_interface(double damping, RobotsSystem& s) {
+  std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
+  for (int k = 0; k < s.interface->rows(); ++k) s.Sx[s.interface->S.p[k + 1] - 1] = -damping;
+}
+
+bool sound_interface_pivots(const RobotsSystem& s) {
+  return std::all_of(s.D.begin(), s.D.end(), [](double d) { return d < 0 && std::isfinite(d); }) &&
+         sparse::smallest_pivot_ratio(s.interface->rows(), s.D.data(), s.terms.data()) >= tolerance::kPivotLeft;
+}
+
 double interface_error(double damping, RobotsSystem& s) {
   interface_residual(damping, s);
   return sparse::componentwise_backward_error(s.r, s.scale);
@@ -262,10 +270,10 @@ double interface_error(double damping, RobotsSystem& s) {
 RobotsSystem::RobotsSystem(IslandWork& island) : of(island) {}
 RobotsSystem::~RobotsSystem() = default;
 
-bool RobotsSystem::factorize(const lanes::Job& job, SceneData& data) {
+bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   using namespace internal;
-  const Scene& scene = job.scene;
   Workspace& w = *data.workspace;
+  const lanes::Job job = job_at_state(scene, data);
   state = w.state;
   sound = false;
   ++of.factorizations;
@@ -299,35 +307,27 @@ double RobotsSystem::growth() const {
 bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   if (!solves || !(scene.damping >= 0) || !std::isfinite(scene.damping)) return false;
   Workspace& w = *data.workspace;
-  const lanes::Job job{scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
-                       data.f_offset, w.wanted, data.a.data(), data.f.data()};
-  if (!factorize(job, data)) return false;
+  if (!factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   sound = refinement.backward_error <= tolerance::kConverged;
   if (!sound) return false;
   first_error = refinement.first;
-  internal::store_answer(job, w, *this);
+  internal::store_answer(internal::job_at_state(scene, data), w, *this);
   internal::report_answer(scene, *this, refinement, report);
   return true;
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
-  ProductWork& work = *data.workspace->products;
   internal::evaluate_at_solution(scene, data, of);
-  const AtSolution at(scene, data, of.island);
-  internal::tangent_right_side(scene, data, of.island, p, work);
-  internal::solve_once_refined(data, scene, *data.workspace, *this, work);
-  internal::take_tangent(scene, data, of.island, work, p);
+  internal::tangent_product(scene, data, of.island, p,
+                            [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  ProductWork& work = *data.workspace->products;
   internal::evaluate_at_solution(scene, data, of);
-  const AtSolution at(scene, data, of.island);
-  internal::adjoint_right_side(scene, data, of.island, p, work);
-  internal::solve_once_refined(data, scene, *data.workspace, *this, work);
-  internal::pull_back_island(scene, data, of.island, work, p);
+  internal::adjoint_product(scene, data, of.island, p,
+                            [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;
 }
 

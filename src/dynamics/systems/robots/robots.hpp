@@ -80,7 +80,7 @@ class RobotsSystem final : public IslandSystem {
 
   /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
   /// these are not sound.
-  bool factorize(const lanes::Job& job, SceneData& data);
+  bool factorize(const Scene& scene, SceneData& data);
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
 
@@ -157,6 +157,13 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const Is
 /// Whether it is; but for that the way may turn out not to be sound.
 bool goes_by_robots(const IslandWork& island);
 
+/// What lanes are asked at the state at hand, in the scene's coordinates.
+lanes::Job job_at_state(const Scene& scene, SceneData& data);
+
+/// -S before the robots' parts are added: -delta I.
+void begin_interface(double damping, RobotsSystem& robots);
+/// Whether the pivots D of -S can be believed, beside their terms.
+bool sound_interface_pivots(const RobotsSystem& robots);
 /// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
 /// borders; NaN where any is.
 double interface_error(double damping, RobotsSystem& robots);
