@@ -62,15 +62,15 @@ constexpr Claim kClaims[] = {
     {"chain of 1,000: solve / ABA without contacts", "sweep/chain/1000/solve", "sweep/chain/1000/ABA", 1, "<= 3"},
     {"16 separate, 50 knots: dense Riccati / by islands", "lq/dense_5_knots/16/factorize", "lq/separate/16/factorize",
      0.1, ">= 100"},
-    {"chain of 16, 50 knots: dense Riccati / bonds' Schur", "lq/dense_5_knots/16/factorize", "lq/chain/16/factorize",
-     0.1, ">= 10"},
+    {"chain of 16, 50 knots: dense Riccati / couplings' Schur", "lq/dense_5_knots/16/factorize",
+     "lq/chain/16/factorize", 0.1, ">= 10"},
     {"Riccati by islands per robot, 64 / 1 separate", "lq/separate/64/factorize", "lq/separate/1/factorize", 64,
      "<= 1.3"},
     {"16 separate, 50 nodes: FDDP's direction, dense Riccati / by parts", "control/dense_5_nodes/16/backward",
      "control/separate/16/backward", 0.1, ">= 100"},
     {"FDDP's iteration by parts per robot, 64 / 1 separate", "control/separate/64/iteration",
      "control/separate/1/iteration", 64, "<= 1.3"},
-    {"chain of 16, 50 nodes: FDDP's iteration, dense / by bonds", "control/dense_chain_5_nodes/16/iteration",
+    {"chain of 16, 50 nodes: FDDP's iteration, dense / by couplings", "control/dense_chain_5_nodes/16/iteration",
      "control/chain/16/iteration", 0.1, ">= 10"},
     {"64 states, solve: a batch / a scene of 64 copies", "batch/solve/separate/1/threads:1/real_time",
      "batch/solve/scene_of_64/real_time", 1, "<= 1.15"},
@@ -90,9 +90,9 @@ struct Growth {
 };
 constexpr Growth kGrowths[] = {
     {"FDDP's iteration by parts, separate robots", "control/separate/", "/iteration", "1"},
-    {"FDDP's iteration by bonds, chain", "control/chain/", "/iteration", "1"},
+    {"FDDP's iteration by couplings, chain", "control/chain/", "/iteration", "1"},
     {"FDDP's iteration on the whole scene, chain", "control/dense_chain_5_nodes/", "/iteration", "3, once large"},
-    {"bonds' Schur, chain: factorize", "lq/chain/", "/factorize", "1"},
+    {"couplings' Schur, chain: factorize", "lq/chain/", "/factorize", "1"},
 };
 
 void print_exponent(const Run& run, const Growth& growth) {

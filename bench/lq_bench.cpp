@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "../tests/lq/random_problem.hpp"
-#include "manycontact/lq/bond_schur.hpp"
+#include "manycontact/lq/coupling_schur.hpp"
 #include "settings.hpp"
 
 namespace manycontact::bench {
@@ -73,11 +73,11 @@ const Registration registered([] {
     });
     if (robots == 1 || robots == 64) continue;
     add("lq/chain/" + n + "/factorize", [=](benchmark::State& s) {
-      lq::BondSchur solver;
+      lq::CouplingSchur solver;
       factorize(s, solver, chain(robots, 50));
     });
     add("lq/chain/" + n + "/solve", [=](benchmark::State& s) {
-      lq::BondSchur solver;
+      lq::CouplingSchur solver;
       solve(s, solver, chain(robots, 50));
     });
   }

@@ -90,9 +90,9 @@ void hold(Scene& scene, int robot, const std::string& frame, ContactType type, c
 // The velocity nearest to v, in kinetic energy, that the contacts allow: M v' + J^T l = M v, J v' = 0, which are the
 // accelerations of the scene at rest, without weight, pushed by M v.
 Eigen::VectorXd allowed(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  Scene weightless = scene;
-  weightless.gravity.setZero();
-  for (Contact& c : weightless.contacts) c.alpha = c.beta = 0;
+  Scene massless = scene;
+  massless.gravity.setZero();
+  for (Contact& c : massless.contacts) c.alpha = c.beta = 0;
   Eigen::VectorXd momentum(scene.nv);
   for (const Robot& r : scene.robots) {
     const Model& model = *r.model;
@@ -103,8 +103,8 @@ Eigen::VectorXd allowed(const Scene& scene, const Eigen::VectorXd& q, const Eige
     rnea<double>(model, r.base, at, Eigen::VectorXd::Zero(model.nv), qdd, Vec3<double>::Zero(), {}, kin, f, tau);
     momentum.segment(r.idx_v, model.nv) = tau;
   }
-  SceneData data(weightless);
-  (void)solve_tau(weightless, q, Eigen::VectorXd::Zero(scene.nv), momentum, data);
+  SceneData data(massless);
+  (void)solve_tau(massless, q, Eigen::VectorXd::Zero(scene.nv), momentum, data);
   return data.a;
 }
 

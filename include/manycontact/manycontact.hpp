@@ -16,7 +16,7 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/report.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "manycontact/model/scene.hpp"

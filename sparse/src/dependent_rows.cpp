@@ -13,12 +13,12 @@
 
 namespace manycontact::sparse {
 
-bool DependentRows::believable() const {
+bool DependentRows::accepted() const {
   return largest_residual <= tolerance::kRowLeft && largest_entry <= tolerance::kLargestEntry;
 }
 
 int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
-                         const double* row_size, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
+                         const double* row_scale, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
   rows.inverse.resize(s.n);
@@ -51,7 +51,7 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
     // large multiples, and what it is wrong by may look like a pivot in a row that has none. (Not among rows of M,
     // which is definite: there nothing grows, and down a long tree the sum would.)
     rows.noise[k] = tolerance::kRowRounding * terms + (k < nv ? 0 : passed_on);
-    const bool moves = k < nv || (size > tolerance::kRank * row_size[k] && std::abs(d) > rows.noise[k]);
+    const bool moves = k < nv || (size > tolerance::kRank * row_scale[k] && std::abs(d) > rows.noise[k]);
     const bool left = moves && std::abs(d) > tolerance * terms;
     if (k >= nv && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
@@ -69,12 +69,12 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 namespace {
 
 // residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_size,
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
                            const DependentRows& rows, std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
   double size = 0;
   for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
-    size = std::max(size, std::abs(rows.Nx[p]) * row_size[rows.Ni[p]]);
+    size = std::max(size, std::abs(rows.Nx[p]) * row_scale[rows.Ni[p]]);
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
   }
@@ -195,7 +195,7 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_size,
+void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
@@ -209,7 +209,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
     null_column(s, nv, Lx, k, rows);
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
-        [&] { return dependence_residual(K, Kx, nv, row_size, rows, rows.residual); },
+        [&] { return dependence_residual(K, Kx, nv, row_scale, rows, rows.residual); },
         [&] { refine_column(s, nv, Lx, D, rows); });
     rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
@@ -218,7 +218,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
 }
 
-void project_out(DependentRows& rows, double* y, double* null_part) {
+void project_out(DependentRows& rows, double* y, double* null_component) {
   for (const DependentRows::Cluster& cluster : rows.clusters) {
     Eigen::Map<Eigen::VectorXd> t(rows.t.data(), cluster.count);
     t.setZero();
@@ -228,7 +228,7 @@ void project_out(DependentRows& rows, double* y, double* null_part) {
     for (int a = 0; a < cluster.count; ++a)
       each_entry(rows, cluster, a, [&](int k, double value) {
         y[k] -= value * t[a];
-        if (null_part) null_part[k] += value * t[a];
+        if (null_component) null_component[k] += value * t[a];
       });
   }
 }

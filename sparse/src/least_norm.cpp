@@ -64,12 +64,12 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   DependentRows dependent;
   double size = 0;
   for (double x : Kx) size = std::max(size, std::abs(x));
-  const std::vector<double> row_size(K.n, size);
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, tolerance::kPivotLeft, row_size.data(), work, Lx.data(),
+  const std::vector<double> row_scale(K.n, size);
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, tolerance::kPivotLeft, row_scale.data(), work, Lx.data(),
                            D.data(), dependent) != K.n)
     return std::nullopt;
-  find_null_space(K, symbolic, Kx.data(), cols, row_size.data(), Lx.data(), D.data(), dependent);
-  if (!dependent.believable()) return std::nullopt;
+  find_null_space(K, symbolic, Kx.data(), cols, row_scale.data(), Lx.data(), D.data(), dependent);
+  if (!dependent.accepted()) return std::nullopt;
 
   std::vector<double> rhs(K.n, 0.0);
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "motion_of.hpp"
 
@@ -81,7 +81,7 @@ class AtRest {
   }
   /// w's part that no motion has: its projection on the null space of J^T. Twice, so that what rounding leaves of the
   /// first is gone.
-  Eigen::VectorXd null_part(const Eigen::VectorXd& q, Eigen::VectorXd w) {
+  Eigen::VectorXd null_component(const Eigen::VectorXd& q, Eigen::VectorXd w) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {
       (void)least_motion(q, w, x);

@@ -4,6 +4,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "manycontact/dynamics/shapes.hpp"
+
 namespace manycontact {
 
 namespace {

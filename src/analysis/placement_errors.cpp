@@ -26,7 +26,7 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const std::vect
   internal::each_contact_at(scene, active, q, nullptr, [&](int c, const ContactData<double>& d) {
     const Contact& contact = scene.contacts[c];
     const int held = std::min(3, contact.rows());
-    const double position = (d.W.topLeftCorner(held, 3) * (d.G.R.transpose() * d.G.p)).norm();
+    const double position = (d.W * contact_error<double>(contact, d.G)).head(held).norm();
     const double angle = angle_between(contact, d.G.R);
     if (position >= kPlacementError || angle >= kPlacementError) out.push_back({c, position, angle});
   });

@@ -19,7 +19,7 @@ class Probe {
  public:
   Probe(const Scene& scene, const SceneData& data, const Eigen::VectorXd& q, internal::AtRest& rest, int number)
       : scene_(scene), data_(data), q_(q), rest_(rest) {
-    n_ = rest.null_part(q, internal::mixed(data.f.size(), number));
+    n_ = rest.null_component(q, internal::mixed(data.f.size(), number));
     const Eigen::VectorXd w = internal::mixed(scene.nv, number + 7);
     z_ = rest.allowed_part(q, w);
     y_ = internal::mixed(scene.nv, number + 11);

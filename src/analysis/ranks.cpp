@@ -8,7 +8,8 @@
 
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/contact/row_size.hpp"
+#include "manycontact/contact/row_scale.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "row_remainders.hpp"
 
 namespace manycontact {
@@ -47,7 +48,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
     for (Eigen::Index k = 0; k < J.cols(); ++k)
       Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) = J.col(k).transpose();
     for (int k = 0; k < J.rows(); ++k, ++row) {
-      const double size = std::max(row_size(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
+      const double size = std::max(row_scale(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
       if (size > 0) Jt.col(row) /= size;
     }
   }

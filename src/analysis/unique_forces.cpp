@@ -29,7 +29,7 @@ std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen
   if (dependent.empty()) return unique;
   internal::AtRest rest(scene, internal::active_of(data), data.options);
   for (int probe = 0; probe < kNullProbes; ++probe) {
-    const Eigen::VectorXd w = rest.null_part(q, internal::mixed(data.f.size(), probe));
+    const Eigen::VectorXd w = rest.null_component(q, internal::mixed(data.f.size(), probe));
     for (const std::size_t i : dependent) {
       double largest = 0;
       internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });

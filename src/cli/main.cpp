@@ -1,6 +1,6 @@
 // manycontact: the program.
 
-#include "program/beside.hpp"
+#include "program/execute.hpp"
 #include "program/program.hpp"
 
 int main(int argc, char** argv) {

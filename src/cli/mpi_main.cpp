@@ -26,9 +26,9 @@ int status_of(const std::exception_ptr& error) {
   }
 }
 
-class MpiTeam final : public Team {
+class MpiCommunicator final : public Communicator {
  public:
-  MpiTeam() {
+  MpiCommunicator() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
   }
@@ -82,7 +82,7 @@ class MpiTeam final : public Team {
   bool at_work_ = false;
 };
 
-MpiTeam* team = nullptr;
+MpiCommunicator* communicator = nullptr;
 
 }  // namespace
 }  // namespace manycontact::cli
@@ -90,11 +90,11 @@ MpiTeam* team = nullptr;
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
   MPI_Init(&argc, &argv);
-  MpiTeam all;
-  team = &all;
+  MpiCommunicator all;
+  communicator = &all;
   Command batch = batch_command();
   batch.by_processes = nullptr;
-  batch.run = [](const Arguments& arguments) { return run_batch(arguments, *team); };
+  batch.run = [](const Arguments& arguments) { return run_batch(arguments, *communicator); };
   const int status = run_program({batch}, {argv + (argc > 0), argv + argc});
   if (all.at_work()) MPI_Abort(MPI_COMM_WORLD, status);  // the others may wait for this one
   MPI_Finalize();

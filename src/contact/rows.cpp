@@ -80,22 +80,30 @@ void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
 }  // namespace
 
 template <class S>
+Vec6<S> contact_error(const Contact& c, const SE3<S>& G) {
+  if (c.type == ContactType::k6D) return log6(G);
+  Vec6<S> e = Vec6<S>::Zero();
+  e.template head<3>() = G.R.transpose() * G.p;
+  if (c.type == ContactType::k5D) {
+    const Vec3<S> n = c.axis.cast<S>();
+    e.template tail<3>() = Vec3<S>(G.R.transpose() * n).cross(n);
+  }
+  return e;
+}
+
+template <class S>
 void contact_motion(const Contact& c, ContactData<S>& d) {
   const S alpha(c.alpha), beta(c.beta);
   d.nu = d.vA - d.vB;
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
   if (c.type == ContactType::k6D) {
     d.x = d.nudot + beta * d.nu;
-    if (c.alpha != 0) d.x += alpha * log6(d.G);
+    if (c.alpha != 0) d.x += alpha * contact_error<S>(c, d.G);
   } else {
     const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
-    if (c.alpha != 0) d.x.template head<3>() += alpha * (d.G.R.transpose() * d.G.p);
     if (c.type == ContactType::k5D) d.x.template tail<3>() = d.nudot.template tail<3>() + beta * ang;
-    if (c.type == ContactType::k5D && c.alpha != 0) {
-      const Vec3<S> n = c.axis.cast<S>();
-      d.x.template tail<3>() += alpha * Vec3<S>(d.G.R.transpose() * n).cross(n);
-    }
+    if (c.alpha != 0) d.x += alpha * contact_error<S>(c, d.G);
   }
   if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
     d.W.setIdentity();
@@ -141,6 +149,7 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const C
 }
 
 template struct ContactData<InstantiatedScalar>;
+template Vec6<InstantiatedScalar> contact_error<InstantiatedScalar>(const Contact&, const SE3<InstantiatedScalar>&);
 template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<InstantiatedScalar>&);
 template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
                                                const Kinematics<InstantiatedScalar>&,

@@ -4,9 +4,9 @@
 #include <atomic>
 #include <stdexcept>
 
+#include "internal.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "parallel.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
@@ -43,6 +43,7 @@ Scene copies_of(const Scene& scene, int count) {
 void refresh(const Scene& scene, BatchCopies& copies) {
   copies.scene.gravity = scene.gravity;
   copies.scene.damping = scene.damping;
+  copies.scene.tolerance = scene.tolerance;
   for (std::size_t r = 0; r < copies.scene.robots.size(); ++r)
     copies.scene.robots[r].base = scene.robots[r % scene.robots.size()].base;
   for (std::size_t c = 0; c < copies.scene.contacts.size(); ++c) {
@@ -178,12 +179,12 @@ void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thr
     gather(s.q, first, c.count, c.q);
     gather(s.v, first, c.count, c.v);
     gather(s.u, first, c.count, c.u);
-    internal::forget_states(c.data);
+    internal::reset_warm_starts(c.data);
     (void)solve(c.scene, c.q, c.v, c.u, c.data);
     return solved({c.scene, c.data, &c, first, states});
   }
   for (std::ptrdiff_t k = first; k < first + states; ++k) {
-    internal::forget_states(thread.data);
+    internal::reset_warm_starts(thread.data);
     (void)solve(scene, row_of(s.q, k), row_of(s.v, k), row_of(s.u, k), thread.data);
     solved({scene, thread.data, nullptr, k, 1});
   }

@@ -1,6 +1,6 @@
 // What a solve leaves out, made when it is asked for.
 
-#include "steps.hpp"
+#include "internal.hpp"
 #include "threads.hpp"
 
 namespace manycontact {

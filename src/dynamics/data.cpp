@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
+#include "internal.hpp"
 #include "manycontact/model/suggestion.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
@@ -45,9 +45,9 @@ void check_solved(const Scene& scene, const SceneData& data, const char* functio
     throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
 }
 
-void check_unasked(const Scene& scene, const SceneData& data, const char* function) {
+void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function) {
   check_solved(scene, data, function);
-  if (data.workspace->asked)
+  if (data.workspace->prescribes)
     throw std::logic_error(std::string(function) +
                            ": contacts were asked for accelerations of their own, solve without");
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "steps.hpp"
+#include "internal.hpp"
 #include "systems/robots/derivatives.hpp"
 #include "threads.hpp"
 
@@ -58,14 +58,14 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   if (out.request != request || out.X.rows() != d.island.size() || out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
-  if (d.answered && !d.alone.serves(w) && !goes_by_robots(d)) w.linearisation->assign(scene, w, d.island);
+  if (d.answered && !d.alone.answered(w) && !differentiates_by_robots(d)) w.linearisation->assign(scene, w, d.island);
 }
 
 // Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
 // by the whole K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
-  if (goes_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
+  if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
       }))
@@ -77,7 +77,7 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
 }  // namespace internal
 
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
-  internal::check_unasked(scene, data, "differentiate");
+  internal::check_not_prescribed(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);
@@ -88,7 +88,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   }
   const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_alone(scene, data);
-  internal::each_island(w, internal::goes_by_robots, [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
+  internal::each_island(w, internal::differentiates_by_robots, [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
     internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
   });
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
@@ -124,17 +124,17 @@ void release_derivatives(SceneData& data) {
   w.derivatives = {};
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);
-  for (const auto& [shape, shelf] : w.shelves)
-    for (const auto& island : shelf) release(*island);
+  for (const auto& [shape, pool] : w.pools)
+    for (const auto& island : pool) release(*island);
 }
 
 namespace {
 
-struct Places {
+struct BlockOffsets {
   std::vector<int> v, u, f;  // scene's coordinate of each of the island's
 };
-Places places(const Scene& scene, const SceneData& data, const Island& island, bool tau) {
-  Places p;
+BlockOffsets block_offsets(const Scene& scene, const SceneData& data, const Island& island, bool tau) {
+  BlockOffsets p;
   const auto list = [](std::vector<int>& out) {
     return [&out](int first, int, int n) {
       for (int i = 0; i < n; ++i) out.push_back(first + i);
@@ -171,7 +171,7 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
   out.dforces_du.setZero(nf, out.da_du.cols());
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, island_of(data, i), d.request.tau);
+    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d.request.tau);
     scatter(d.da_dq(), p.v, p.v, out.da_dq);
     scatter(d.da_dv(), p.v, p.v, out.da_dv);
     scatter(d.da_du(), p.v, p.u, out.da_du);
@@ -190,7 +190,7 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
   int cols = 0, nf = 0;
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Places p = places(scene, data, island_of(data, i), d.request.tau);
+    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d.request.tau);
     nf = d.request.forces ? static_cast<int>(data.f.size()) : 0;
     const int v_first = d.request.q ? scene.nv : 0, u_first = v_first + (d.request.v ? scene.nv : 0);
     cols = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);

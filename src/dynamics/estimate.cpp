@@ -1,7 +1,7 @@
 #include <limits>
 
+#include "internal.hpp"
 #include "manycontact/sparse/condition.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 
@@ -12,7 +12,7 @@ double internal::inverse_norm(int n, Factor& factor) {
 }
 
 void estimate_errors(const Scene& scene, SceneData& data) {
-  internal::check_unasked(scene, data, "estimate_errors");
+  internal::check_not_prescribed(scene, data, "estimate_errors");
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandReport& report = data.report.islands[i];

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "steps.hpp"
+#include "internal.hpp"
 #include "threads.hpp"
 
 namespace manycontact {
@@ -35,11 +35,11 @@ void each_product(const Scene& scene, SceneData& data, Product&& product) {
 }
 
 void begin(const Scene& scene, SceneData& data, const char* function) {
-  internal::check_unasked(scene, data, function);
+  internal::check_not_prescribed(scene, data, function);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands) {  // memory, by this thread
-    if (!d->answered || d->alone.serves(w)) continue;
+    if (!d->answered || d->alone.answered(w)) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
       internal::make_joint_space(scene, w, *d);

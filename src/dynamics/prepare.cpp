@@ -5,8 +5,9 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "internal.hpp"
+#include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/union_find.hpp"
-#include "steps.hpp"
 #include "systems/robots/derivatives.hpp"
 
 namespace manycontact {
@@ -23,44 +24,45 @@ IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
 
 namespace {
 
-// Back to the shelf of its shape, for the next island that has it.
-void shelve(Workspace& w, std::unique_ptr<IslandWork> island) {
+// Back to the pool of its shape, for the next island that has it.
+void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   // that was another island
   island->answered = nullptr;
   island->matrix.was_dependent = false;
+  island->depended = 0;
   island->alone.state = island->matrix.state = 0;
   if (island->robots) island->robots->state = 0;
   if (island->bodies) island->bodies->state = 0;
-  w.shelves[island->shape.get()].push_back(std::move(island));
+  w.pools[island->shape.get()].push_back(std::move(island));
 }
 
 std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island& island) {
   const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island);
-  std::vector<std::unique_ptr<IslandWork>>& shelf = w.shelves[shape.get()];
-  if (shelf.empty()) return std::make_unique<IslandWork>(shape, w.options);
-  std::unique_ptr<IslandWork> out = std::move(shelf.back());
-  shelf.pop_back();
+  std::vector<std::unique_ptr<IslandWork>>& pool = w.pools[shape.get()];
+  if (pool.empty()) return std::make_unique<IslandWork>(shape, w.options);
+  std::unique_ptr<IslandWork> out = std::move(pool.back());
+  pool.pop_back();
   return out;
 }
 
 // The island's robots and contacts, of which it has as many as any of its shape.
-void settle(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
+void bind_island(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
   std::swap(d.island, island);
   if (!d.bodies) internal::make_joint_space(scene, w, d);
 }
 
 // Robots of islands with a contact that was switched, at either end.
-void loosen(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
+void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
   s.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
-  const auto loosen_island_of = [&](const Attachment& end) {
+  const auto mark_island_of = [&](const Attachment& end) {
     if (moves(end) && !s.loose[end.robot])
       for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.loose[r] = 1;
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (w.active[c] == data.active[c]) continue;
-    loosen_island_of(scene.contacts[c].A);
-    loosen_island_of(scene.contacts[c].B);
+    mark_island_of(scene.contacts[c].A);
+    mark_island_of(scene.contacts[c].B);
   }
 }
 
@@ -98,13 +100,13 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
 // w.islands: those that stay, and those of the loose robots.
 void change_islands(const Scene& scene, const SceneData& data, Workspace& w, bool all) {
   Switching& s = w.switching;
-  loosen(scene, data, w, s, all);
+  mark_changed(scene, data, w, s, all);
   s.next.clear();
   s.old.clear();
   s.old.swap(w.islands);  // should memory run out, there are none
   for (std::unique_ptr<IslandWork>& island : s.old) {
     if (s.loose[island->island.robots.front()])
-      shelve(w, std::move(island));
+      pool_island(w, std::move(island));
     else
       s.next.push_back(std::move(island));
   }
@@ -112,7 +114,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
   for (std::size_t k = 0; k < count; ++k) {
     s.next.push_back(take(scene, w, s.groups[k]));
-    settle(scene, w, s.groups[k], *s.next.back());
+    bind_island(scene, w, s.groups[k], *s.next.back());
   }
   w.islands.swap(s.next);
   std::sort(w.islands.begin(), w.islands.end(),
@@ -122,7 +124,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
     for (int r : w.islands[i]->island.robots) w.robot_island[r] = static_cast<int>(i);
 }
 
-// Memory of derivatives goes with the islands, to the shelf and back.
+// Memory of derivatives goes with the islands, to the pool and back.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);
@@ -180,7 +182,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   keep_derivatives(w);
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
-    w.shelves.clear();
+    w.pools.clear();
     w.lanes = {};
     w.derivatives.islands.clear();
     make_threads(data.options.threads, w);

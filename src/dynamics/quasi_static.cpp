@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "internal.hpp"
 #include "manycontact/sparse/least_norm.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 

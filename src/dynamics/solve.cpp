@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "steps.hpp"
 #include "threads.hpp"
 
 namespace manycontact {
@@ -54,14 +54,14 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
   };
   if (!d.bodies) evaluate_at_solution(scene, data, d);  // to be looked at even where the input is refused
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
-  if (report.reason != Reason::kNone || solve_by(d.bodies.get())) return;
+  if (report.reason != Reason::kNone || (!is_inexact(scene, d) && solve_by(d.bodies.get()))) return;
   const Reason refused = report.reason;  // by sparse-bodies
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
 }  // namespace
 
-void forget_states(SceneData& data) {
+void reset_warm_starts(SceneData& data) {
   for (const auto& island : data.workspace->islands) island->matrix.was_dependent = false;
 }
 
@@ -102,12 +102,12 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-// After begin. wanted: nullptr, or of the rows of f.
+// After begin. prescribed: nullptr, or of the rows of f.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                             SceneData& data, const double* wanted = nullptr) {
+                             SceneData& data, const double* prescribed = nullptr) {
   Workspace& w = *data.workspace;
-  w.wanted = wanted;
-  w.asked = wanted != nullptr;
+  w.prescribed = prescribed;
+  w.prescribes = prescribed != nullptr;
   remake(data.a, scene.nv);
   data.v = v;
   if (tau.data() != data.tau.data()) data.tau = tau;
@@ -121,8 +121,8 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   solve_dependent(scene, data);
   solve_alone(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (const auto& d = w.islands[i];
-        d->robots && !d->answered && d->robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
+    if (const auto& d = w.islands[i]; d->robots && !d->answered && !is_inexact(scene, *d) &&
+                                      d->robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
       d->answered = d->robots.get();
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
@@ -131,7 +131,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     if (!d.answered) fail(scene, data, d.island, data.report.islands[i]);
   });
   summarise(data.report);
-  w.wanted = nullptr;
+  w.prescribed = nullptr;
   data.serial = w.current = w.state;
   return data.report;
 }
@@ -158,10 +158,10 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
 }
 
 const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                        const ConstVector& wanted, SceneData& data) {
+                        const ConstVector& prescribed, SceneData& data) {
   internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
-  internal::check_size("solve_tau", "wanted", wanted.size(), data.f.size());
-  return internal::solve_prepared(scene, q, v, tau, data, wanted.data());
+  internal::check_size("solve_tau", "prescribed", prescribed.size(), data.f.size());
+  return internal::solve_prepared(scene, q, v, tau, data, prescribed.data());
 }
 
 }  // namespace manycontact

@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include "derivatives/columns.hpp"
+#include "internal.hpp"
 #include "manycontact/algorithm/rnea.hpp"
-#include "steps.hpp"
 
 namespace manycontact {
 

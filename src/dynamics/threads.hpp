@@ -28,7 +28,7 @@ void each_island(Workspace& w, WithAllThreads&& with_all_threads, Work&& work) {
       w.done[i] = 1;
     }
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.done[i] && !w.islands[i]->alone.serves(w)) work(*w.islands[i], i, thread);
+    if (!w.done[i] && !w.islands[i]->alone.answered(w)) work(*w.islands[i], i, thread);
   });
 }
 

@@ -2,7 +2,8 @@
 
 #include <stdexcept>
 
-#include "steps.hpp"
+#include "internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 
 namespace manycontact {
 

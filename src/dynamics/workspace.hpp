@@ -27,7 +27,7 @@ struct RobotData : RobotQuantities<double> {
   std::vector<double> M;    // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
-/// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's shelf,
+/// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's pool,
 /// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
   IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
@@ -46,9 +46,10 @@ struct IslandWork {
   bool joinable = true;              // false: its robots were found not to fit a RobotsSystem
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
+  int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
   int factorizations = 0;  // of K, whole or robot by robot, since that began
 
-  IslandDerivatives derivatives;  // while on the shelf; else in Workspace::derivatives
+  IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };
 
 /// Scratch of jvp and vjp.
@@ -81,8 +82,8 @@ struct ThreadWork {
   // as many as fit side by side
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
-  std::vector<lanes::JoiningContacts::Rows> joining;
-  std::vector<lanes::JoiningContacts::Derivatives> joining_derivatives;
+  std::vector<lanes::InterfaceContacts::Rows> interface_contacts;
+  std::vector<lanes::InterfaceContacts::Derivatives> interface_derivatives;
   // of jvp and vjp
   KktVectors v;  // of an island's system
   struct {
@@ -107,7 +108,7 @@ struct Workspace {
   std::vector<int> robot_island;                     // per robot
   std::uint64_t layout = 0;                          // changes of islands so far
   ShapeCache shapes;
-  std::unordered_map<const IslandShape*, std::vector<std::unique_ptr<IslandWork>>> shelves;
+  std::unordered_map<const IslandShape*, std::vector<std::unique_ptr<IslandWork>>> pools;
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
@@ -121,8 +122,8 @@ struct Workspace {
   std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
   std::vector<std::uint64_t> rows_state;      // per contact: the state these are of
 
-  const double* wanted = nullptr;  // rows of f: accelerations asked for, while they are solved for
-  bool asked = false;              // the solution at hand is of such
+  const double* prescribed = nullptr;  // rows of f: accelerations asked for, while they are solved for
+  bool prescribes = false;             // the solution at hand is of such
 
   // by solve
   Eigen::VectorXd q;  // nq: the configuration solved at
@@ -140,8 +141,8 @@ namespace internal {
 void check_scene(const Scene& scene, const SceneData& data, const char* function);
 /// The same, and std::logic_error unless data holds a solution of the contacts now active.
 void check_solved(const Scene& scene, const SceneData& data, const char* function);
-/// The same, and std::logic_error where its contacts were asked for accelerations (dynamics/solve_wanted.hpp).
-void check_unasked(const Scene& scene, const SceneData& data, const char* function);
+/// The same, and std::logic_error where its contacts were asked for accelerations (dynamics/solve_prescribed.hpp).
+void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function);
 /// No solution is at hand from here on.
 void give_up_solution(SceneData& data);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);

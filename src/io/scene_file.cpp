@@ -28,10 +28,12 @@ class IncludeReader {
   Element read(const std::string& path, const std::string& text) {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
-    root.allow_attributes({"name", "gravity", "damping", "consistent"});
+    root.allow_attributes({"name", "gravity", "damping", "tolerance", "consistent"});
     root.allow_children({"robot", "contact", "include"});
-    if (root.number("damping", 0) < 0)
-      root.where("damping").fail("damping of <scene> is " + show(root.number("damping", 0)) + ", expected 0 or more");
+    for (const char* name : {"damping", "tolerance"})
+      if (root.number(name, 0) < 0)
+        root.where(name).fail(std::string(name) + " of <scene> is " + show(root.number(name, 0)) +
+                              ", expected 0 or more");
     (void)consistent(root);  // or refused
     open_.push_back(canonical(path));
     for (auto e = root.child(); e; e = e->next(nullptr)) {
@@ -72,8 +74,9 @@ class IncludeReader {
     // what an included scene says of the whole must be what holds
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity is another one in the scene that includes this, expected the same");
-    if (root.has("damping") && root.number("damping", 0) != into.number("damping", 0))
-      root.where("damping").fail("damping is another one in the scene that includes this, expected the same");
+    for (const char* name : {"damping", "tolerance"})
+      if (root.has(name) && root.number(name, 0) != into.number(name, 0))
+        root.where(name).fail(std::string(name) + " is another one in the scene that includes this, expected the same");
     if (consistent(root) && !consistent(into))
       root.where("consistent").fail("consistent is asked for, and not by the scene that includes this, expected both");
   }
@@ -102,6 +105,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   out.scene.name = root.optional("name", std::filesystem::path(path).stem().string());
   out.scene.gravity = gravity_of(root);
   out.scene.damping = root.number("damping", 0);
+  out.scene.tolerance = root.number("tolerance", 0);
   if (consistent(root)) out.consistent_line = root.where("consistent").line;
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);

@@ -28,7 +28,7 @@ void decide_rank(DenseKkt<S>& kkt) {
   MatX<S> scaled = kkt.J.transpose();
   for (int k = 0; k < kkt.nc(); ++k) {
     const S own = kkt.nv() > 0 ? kkt.J.row(k).cwiseAbs().maxCoeff() : S(0);
-    const S size = kkt.row_size.size() > 0 ? std::max(own, kkt.row_size[k]) : own;
+    const S size = kkt.row_scale.size() > 0 ? std::max(own, kkt.row_scale[k]) : own;
     if (size > S(0)) scaled.col(k) /= size;
   }
   kkt.choice.compute(scaled);

@@ -35,7 +35,7 @@ void gather_inertia(const KktMatrix& K, std::vector<double>& M) { gather(K, K.pa
 void gather_rows(const KktMatrix& K, std::vector<double>& J) { gather(K, K.pattern->J_slot, J); }
 
 void KktVectors::resize(int n) {
-  for (auto* v : {&b, &x, &r, &scale, &null_part}) v->resize(n);
+  for (auto* v : {&b, &x, &r, &scale, &null_component}) v->resize(n);
 }
 
 double backward_error(const KktMatrix& K, KktVectors& v) {

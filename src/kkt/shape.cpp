@@ -57,10 +57,10 @@ const std::shared_ptr<const BodyPattern>& IslandShape::bodies() {
   return bodies_;
 }
 
-const BodyParts& IslandShape::body_parts() {
+const BodySubtrees& IslandShape::body_subtrees() {
   const BodyPattern& whole = *bodies();
   const std::lock_guard lock(mutex_);
-  if (!body_parts_) body_parts_ = std::make_unique<const BodyParts>(split_bodies(island_, whole));
+  if (!body_parts_) body_parts_ = std::make_unique<const BodySubtrees>(split_bodies(island_, whole));
   return *body_parts_;
 }
 

@@ -32,11 +32,11 @@ void DirectionSolver::analyse(const Problem& problem) {
   nx_ = problem.nx;
   nu_ = problem.nu;
   groups_.clear();
-  bonds_.clear();
+  couplings_.clear();
   for (const Knot& knot : problem.knots) {
     groups_.emplace_back();
-    for (const Group& g : knot.groups) groups_.back().push_back({g.blocks, g.bonds});
-    bonds_.push_back(knot.bonds);
+    for (const Group& g : knot.groups) groups_.back().push_back({g.blocks, g.couplings});
+    couplings_.push_back(knot.couplings);
   }
   residual_ = scale_ = correction_ = Point(problem, layout_);
   do_analyse(problem);
@@ -49,11 +49,11 @@ void DirectionSolver::expect_same_structure(const Problem& problem) const {
   expect(problem.nx == nx_ && problem.nu == nu_ && problem.knots.size() == groups_.size());
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Knot& knot = problem.knots[k];
-    expect(knot.groups.size() == groups_[k].size() && knot.bonds.size() == bonds_[k].size());
-    for (std::size_t b = 0; b < bonds_[k].size(); ++b)
-      expect(knot.bonds[b].size == bonds_[k][b].size && knot.bonds[b].rows == bonds_[k][b].rows);
+    expect(knot.groups.size() == groups_[k].size() && knot.couplings.size() == couplings_[k].size());
+    for (std::size_t b = 0; b < couplings_[k].size(); ++b)
+      expect(knot.couplings[b].size == couplings_[k][b].size && knot.couplings[b].rows == couplings_[k][b].rows);
     for (std::size_t g = 0; g < groups_[k].size(); ++g)
-      expect(knot.groups[g].blocks == groups_[k][g].blocks && knot.groups[g].bonds == groups_[k][g].bonds);
+      expect(knot.groups[g].blocks == groups_[k][g].blocks && knot.groups[g].couplings == groups_[k][g].couplings);
   }
 }
 

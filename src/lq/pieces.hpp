@@ -24,8 +24,8 @@ void for_each_v(const Problem& problem, const Layout& layout, int k, const Group
       f(at, true, layout.u[i], problem.nu[i]);
       at += problem.nu[i];
     }
-  for (int b : g.bonds) {
-    const int size = problem.knots[k].bonds[b].size;
+  for (int b : g.couplings) {
+    const int size = problem.knots[k].couplings[b].size;
     f(at, false, layout.w[k][b], size);
     at += size;
   }
@@ -34,8 +34,8 @@ void for_each_v(const Problem& problem, const Layout& layout, int k, const Group
 template <class F>
 void for_each_row(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
   Eigen::Index at = 0;
-  for (int b : g.bonds) {
-    const int rows = problem.knots[k].bonds[b].rows;
+  for (int b : g.couplings) {
+    const int rows = problem.knots[k].couplings[b].rows;
     f(at, layout.rows[k][b], rows);
     at += rows;
   }

@@ -10,11 +10,11 @@ namespace {
 void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
-  std::vector<int> first(knot.bonds.size(), -1);  // block that the bond touches
+  std::vector<int> first(knot.couplings.size(), -1);  // block that the coupling touches
   for (const Group& g : knot.groups) {
     for (int i : g.blocks) partition.join(g.blocks.front(), i);
     if (join != Join::kIslands) continue;
-    for (int b : g.bonds) {
+    for (int b : g.couplings) {
       if (first[b] >= 0) partition.join(first[b], g.blocks.front());
       first[b] = g.blocks.front();
     }
@@ -38,26 +38,26 @@ void add_member(const Problem& problem, int k, int index, Cluster& c) {
   c.members.push_back(std::move(m));
 }
 
-// Bonds of the cluster's members become its own: w behind all controls.
-void add_bonds(const Knot& knot, Cluster& c) {
-  std::vector<int> w(knot.bonds.size(), -1), row(knot.bonds.size(), -1);
+// Couplings of the cluster's members become its own: w behind all controls.
+void add_couplings(const Knot& knot, Cluster& c) {
+  std::vector<int> w(knot.couplings.size(), -1), row(knot.couplings.size(), -1);
   for (Member& m : c.members) {
     int from_v = m.v.front().size, from_row = 0;
-    for (int b : knot.groups[m.group].bonds) {
-      const Bond& bond = knot.bonds[b];
+    for (int b : knot.groups[m.group].couplings) {
+      const Coupling& coupling = knot.couplings[b];
       if (w[b] < 0) {
         w[b] = c.nv;
         row[b] = c.rows;
-        c.bonds.push_back(b);
+        c.couplings.push_back(b);
         c.w_start.push_back(c.nv);
         c.row_start.push_back(c.rows);
-        c.nv += bond.size;
-        c.rows += bond.rows;
+        c.nv += coupling.size;
+        c.rows += coupling.rows;
       }
-      m.v.push_back({from_v, bond.size, w[b]});
-      m.rows.push_back({from_row, bond.rows, row[b]});
-      from_v += bond.size;
-      from_row += bond.rows;
+      m.v.push_back({from_v, coupling.size, w[b]});
+      m.rows.push_back({from_row, coupling.rows, row[b]});
+      from_v += coupling.size;
+      from_row += coupling.rows;
     }
   }
 }
@@ -76,7 +76,7 @@ std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, spars
   }
   for (Cluster& c : clusters) {
     c.nv = c.nu;
-    if (join != Join::kNoBonds) add_bonds(knot, c);
+    if (join != Join::kNoCouplings) add_couplings(knot, c);
   }
   return clusters;
 }
@@ -97,7 +97,7 @@ void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int block
 Plan make_plan(const Problem& problem, Join join) {
   std::vector<int> memory(problem.blocks());
   sparse::UnionFind partition(memory);  // sets of blocks, which only ever grow together
-  if (join == Join::kNoBonds)
+  if (join == Join::kNoCouplings)
     for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
   const int T = problem.horizon();
   Plan plan(T + 1);

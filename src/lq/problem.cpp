@@ -17,9 +17,9 @@ Sizes sizes(const Problem& problem, const Knot& knot, const Group& group) {
     s.nx += problem.nx[i];
     if (!terminal) s.nu += problem.nu[i];
   }
-  for (int b : group.bonds) {
-    s.nw += knot.bonds[b].size;
-    s.rows += knot.bonds[b].rows;
+  for (int b : group.couplings) {
+    s.nw += knot.couplings[b].size;
+    s.rows += knot.couplings[b].rows;
   }
   return s;
 }
@@ -31,7 +31,7 @@ void refuse(int knot, int group, const std::string& what) {
 
 void check_partition(const Problem& problem, int k) {
   const Knot& knot = problem.knots[k];
-  std::vector<bool> seen(problem.blocks()), touched(knot.bonds.size());
+  std::vector<bool> seen(problem.blocks()), touched(knot.couplings.size());
   for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
     if (knot.groups[g].blocks.empty()) refuse(k, g, "no blocks");
     for (int i : knot.groups[g].blocks) {
@@ -39,17 +39,17 @@ void check_partition(const Problem& problem, int k) {
       if (seen[i]) refuse(k, g, "block " + std::to_string(i) + " stands twice in the knot");
       seen[i] = true;
     }
-    std::vector<bool> mine(knot.bonds.size());
-    for (int b : knot.groups[g].bonds) {
-      if (b < 0 || b >= static_cast<int>(knot.bonds.size())) refuse(k, g, "no bond " + std::to_string(b));
-      if (mine[b]) refuse(k, g, "bond " + std::to_string(b) + " stands twice in the group");
+    std::vector<bool> mine(knot.couplings.size());
+    for (int b : knot.groups[g].couplings) {
+      if (b < 0 || b >= static_cast<int>(knot.couplings.size())) refuse(k, g, "no coupling " + std::to_string(b));
+      if (mine[b]) refuse(k, g, "coupling " + std::to_string(b) + " stands twice in the group");
       mine[b] = touched[b] = true;
     }
   }
   for (int i = 0; i < problem.blocks(); ++i)
     if (!seen[i]) refuse(k, -1, "block " + std::to_string(i) + " is in no group");
   for (std::size_t b = 0; b < touched.size(); ++b)
-    if (!touched[b]) refuse(k, -1, "bond " + std::to_string(b) + " touches no group");
+    if (!touched[b]) refuse(k, -1, "coupling " + std::to_string(b) + " touches no group");
 }
 
 void check_sizes(const Problem& problem, int k, int g) {
@@ -133,7 +133,7 @@ void check(const Problem& problem) {
 Layout::Layout(const Problem& problem) : x(starts(problem.nx)), u(starts(problem.nu)) {
   for (const Knot& knot : problem.knots) {
     std::vector<int> size, row;
-    for (const Bond& b : knot.bonds) {
+    for (const Coupling& b : knot.couplings) {
       size.push_back(b.size);
       row.push_back(b.rows);
     }

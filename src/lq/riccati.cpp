@@ -35,15 +35,15 @@ const char* Riccati::name() const {
       return "dense Riccati";
     case Join::kIslands:
       return "Riccati by islands";
-    case Join::kNoBonds:
-      return "Riccati without bonds";
+    case Join::kNoCouplings:
+      return "Riccati without couplings";
   }
   return "";
 }
 
-const Steps* Riccati::steps(const Problem& problem, int k, int index) const {
+const SymplecticStructure* Riccati::steps(const Problem& problem, int k, int index) const {
   const Cluster& c = plan_[k][index];
-  const std::optional<Steps>& steps = problem.knots[k].groups[c.members.front().group].steps;
+  const std::optional<SymplecticStructure>& steps = problem.knots[k].groups[c.members.front().group].steps;
   return join_ != Join::kAll && k < problem.horizon() && c.members.size() == 1 && steps ? &*steps : nullptr;
 }
 
@@ -123,7 +123,7 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
 // F^T P+ F
 void Riccati::expand_next_value(const Problem& problem, int k, int index) {
   const Cluster& c = plan_[k][index];
-  const Steps* known = steps(problem, k, index);
+  const SymplecticStructure* known = steps(problem, k, index);
   for (const Member& m : c.members) {
     const Group& g = problem.knots[k].groups[m.group];
     const Index rows = known ? m.nx / 2 : m.nx;
@@ -155,7 +155,7 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
-// The same with the bonds' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
+// The same with the couplings' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
 Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];

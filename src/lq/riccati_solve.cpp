@@ -41,10 +41,11 @@ void Riccati::backward(const Problem& problem, const Point& h, int k) {
     gather(h.x[k], layout_.x, c.blocks, c.x_start, problem.nx, p);
     v_.setZero();
     if (!last) gather(h.u[k], layout_.u, c.blocks, c.u_start, problem.nu, v_);
-    for (std::size_t b = 0; b < c.bonds.size(); ++b) {
-      const Bond& bond = problem.knots[k].bonds[c.bonds[b]];
-      v_.segment(c.w_start[b], bond.size) = h.w[k].segment(layout_.w[k][c.bonds[b]], bond.size);
-      v_.segment(c.nv + c.row_start[b], bond.rows) = h.mu[k].segment(layout_.rows[k][c.bonds[b]], bond.rows);
+    for (std::size_t b = 0; b < c.couplings.size(); ++b) {
+      const Coupling& coupling = problem.knots[k].couplings[c.couplings[b]];
+      v_.segment(c.w_start[b], coupling.size) = h.w[k].segment(layout_.w[k][c.couplings[b]], coupling.size);
+      v_.segment(c.nv + c.row_start[b], coupling.rows) =
+          h.mu[k].segment(layout_.rows[k][c.couplings[b]], coupling.rows);
     }
     if (!last) {
       gather(t_, layout_.x, c.blocks, c.x_start, problem.nx, x_);
@@ -86,10 +87,11 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
     add_Ax(f_.head(c.nx), 1, policy.P, x);
     scatter(f_, layout_.x, c.blocks, c.x_start, problem.nx, z.lambda[k]);
     if (!last) scatter(v_, layout_.u, c.blocks, c.u_start, problem.nu, z.u[k]);
-    for (std::size_t b = 0; b < c.bonds.size(); ++b) {
-      const Bond& bond = problem.knots[k].bonds[c.bonds[b]];
-      z.w[k].segment(layout_.w[k][c.bonds[b]], bond.size) = v_.segment(c.w_start[b], bond.size);
-      z.mu[k].segment(layout_.rows[k][c.bonds[b]], bond.rows) = v_.segment(c.nv + c.row_start[b], bond.rows);
+    for (std::size_t b = 0; b < c.couplings.size(); ++b) {
+      const Coupling& coupling = problem.knots[k].couplings[c.couplings[b]];
+      z.w[k].segment(layout_.w[k][c.couplings[b]], coupling.size) = v_.segment(c.w_start[b], coupling.size);
+      z.mu[k].segment(layout_.rows[k][c.couplings[b]], coupling.rows) =
+          v_.segment(c.nv + c.row_start[b], coupling.rows);
     }
     if (last) continue;
     for (const Member& m : c.members) {  // x+ = A x + B v + f

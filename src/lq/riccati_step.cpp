@@ -88,7 +88,7 @@ void RiccatiStep::multiply(ConstMatrix P) {
 // With W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz] and E = [0 1 0], of x its first half y:
 //
 //     F^T P F = F_z^T (W F_z + Y^T E) + E^T Y F_z + E^T J^T P_yy J E
-void RiccatiStep::multiply(ConstMatrix P, const Steps& steps) {
+void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {
   const int half = nx_ / 2, cols = u_ + nx_;
   double* at = halves_.data();
   const auto take = [&](Index rows) {
@@ -144,7 +144,7 @@ void RiccatiStep::multiply(ConstMatrix P, const std::vector<Member>& members) {
     });
 }
 
-void RiccatiStep::multiply_vector(const VectorXd& t, const Steps* steps, Eigen::Ref<VectorXd> qv,
+void RiccatiStep::multiply_vector(const VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<VectorXd> qv,
                                   Eigen::Ref<VectorXd> qx) {
   const int half = nx_ / 2, cols = u_ + nx_, rows = steps ? half : nx_;
   const double* of_rows = t.data();

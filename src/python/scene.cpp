@@ -212,6 +212,15 @@ void add_scene(py::module_& m) {
             s.damping = damping;
           },
           "delta >= 0 on the diagonal of J M^-1 J^T [1/kg].")
+      .def_property(
+          "tolerance", [](const Scene& s) { return s.tolerance; },
+          [](Scene& s, double tolerance) {
+            if (!(tolerance >= 0) || !std::isfinite(tolerance))
+              throw py::value_error("Scene.tolerance: a finite number >= 0 is expected");
+            s.tolerance = tolerance;
+          },
+          "How exact lengths are [m], and over the largest lever angles [rad]: contact rows that depend on each other\n"
+          "but for that are dependent. 0: exact to rounding.")
       .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
       .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
       .def(

@@ -16,6 +16,10 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
 /// After a step's first solve: data.condition, where data.condition_every asks for it.
 void watch_condition(const Scene& scene, SimulationData& data);
 
+/// After a step's first solve: where contacts were switched, and at the start, the rows that depend on each other are
+/// those that do from here on (dynamics/keep_dependent.hpp).
+void keep_what_depends(SimulationData& data);
+
 /// data.f, f_offset: those of data.dynamics.
 void keep_forces(SimulationData& data);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 
 namespace manycontact {

@@ -8,6 +8,7 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
@@ -31,6 +32,12 @@ void watch_condition(const Scene& scene, SimulationData& data) {
   if (data.condition_every == 0 || data.steps % data.condition_every != 0) return;
   estimate_condition(scene, data.dynamics);
   data.condition = data.dynamics.report.condition;
+}
+
+void keep_what_depends(SimulationData& data) {
+  if (data.kept_active == data.dynamics.active) return;
+  keep_dependent(data.dynamics);
+  data.kept_active = data.dynamics.active;
 }
 
 void keep_forces(SimulationData& data) {

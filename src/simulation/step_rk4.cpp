@@ -18,6 +18,7 @@ bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
     }
     if (!solve_stage(scene, d.stage_q, d.stage_v, u, d)) return false;
     if (s == 0) {
+      keep_what_depends(d);
       keep_forces(d);
       watch_condition(scene, d);
     }

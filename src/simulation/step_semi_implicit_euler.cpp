@@ -2,7 +2,7 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 
 namespace manycontact::internal {
 
@@ -42,6 +42,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   watch_condition(d.at_rest.scene, d);
   d.worst = std::max(d.worst, status);
   if (status == Status::kFailed) return false;
+  keep_what_depends(d);
   d.next_v = d.dynamics.a;
   d.dynamics.a = (d.next_v - d.v) / h;
   d.dynamics.f /= h;

@@ -30,7 +30,7 @@ void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, F
     const auto& node = static_cast<const ActionModelParts&>(model);
     for (std::size_t i = 0; i < whole->parts.size(); ++i) collect(*node.get_parts()[i].model, *whole->parts[i], out);
     const Couplings* couplings = node.get_couplings().get();
-    for (std::size_t b = 0; couplings && b < couplings->bonds().size(); ++b)
+    for (std::size_t b = 0; couplings && b < couplings->couplings().size(); ++b)
       out[couplings->name(b)] = couplings->force(b, *whole->couplings);
     return;
   }

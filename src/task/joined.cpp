@@ -50,15 +50,14 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     }
 }
 
-// Rows that depend on others, at x0, without damping: with it every row counts.
-int dependent_rows(Scene scene, const Eigen::VectorXd& x0) {
+}  // namespace
+
+int task::dependent_rows(Scene scene, const Eigen::VectorXd& x0) {
   scene.damping = 0;
   SceneData data(scene);
   const Report& report = solve(scene, x0.head(scene.nq), x0.tail(scene.nv), Eigen::VectorXd::Zero(scene.nu), data);
   return report.nc - report.rank;
 }
-
-}  // namespace
 
 std::vector<std::vector<int>> divide_robots(const TaskFile& task) {
   const Scene& scene = task.scene.scene;
@@ -80,26 +79,26 @@ bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>
     nx.push_back(static_cast<int>(at.dx.size()));
     nu.push_back(static_cast<int>(at.u.size()));
   }
-  std::vector<std::vector<std::pair<int, int>>> bonds;
+  std::vector<std::vector<std::pair<int, int>>> couplings;
   for (const TaskPhase& phase : task.phases) {
     std::vector<std::pair<int, int>> of_phase;
-    for (const Coupling& bond : couplings_between(task::scene_with(task, phase.active), blocks))
-      of_phase.emplace_back(bond.part_a, bond.part_b);
-    bonds.insert(bonds.end(), static_cast<std::size_t>(phase.nodes), of_phase);
+    for (const Coupling& coupling : couplings_between(task::scene_with(task, phase.active), blocks))
+      of_phase.emplace_back(coupling.part_a, coupling.part_b);
+    couplings.insert(couplings.end(), static_cast<std::size_t>(phase.nodes), of_phase);
   }
-  const CoupledPrediction flops = predict_coupled(nx, nu, bonds);
+  const CoupledPrediction flops = predict_coupled(nx, nu, couplings);
   return flops.coupled < flops.dense;
 }
 
-bool bonds_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
+bool couplings_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {
   const Eigen::VectorXd x0 = task::x0_of(task.scene);
   for (const TaskPhase& phase : task.phases) {
     Scene scene = task::scene_with(task, phase.active);
-    const int of_all = dependent_rows(scene, x0);
+    const int of_all = task::dependent_rows(scene, x0);
     if (of_all == 0) continue;
-    for (const Coupling& bond : couplings_between(scene, blocks))
-      scene.contacts[static_cast<std::size_t>(bond.contact)].active = false;
-    if (dependent_rows(scene, x0) != of_all) return false;
+    for (const Coupling& coupling : couplings_between(scene, blocks))
+      scene.contacts[static_cast<std::size_t>(coupling.contact)].active = false;
+    if (task::dependent_rows(scene, x0) != of_all) return false;
   }
   return true;
 }
@@ -130,12 +129,12 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
     Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
     for (std::size_t c = 0; c < scene.contacts.size(); ++c)
       if (phase.active[c] && task::holds_where_it_closed(task, phase, c)) scene.contacts[c].alpha = 0;
-    const std::vector<Coupling> bonds = couplings_between(scene, groups);
+    const std::vector<Coupling> couplings = couplings_between(scene, groups);
     std::vector<ActionPart> parts;
     for (std::size_t i = 0; i < groups.size(); ++i) {
       parts.push_back(coordinates_of(task.scene.scene, groups[i]));
       parts.back().model = block_of(own[i], terminal ? own[i].terminal : own[i].phases[k],
-                                    wrench_ends(scene, bonds, groups, static_cast<int>(i)), terminal);
+                                    wrench_ends(scene, couplings, groups, static_cast<int>(i)), terminal);
       parts.back().robots = groups[i];
     }
     auto node = std::make_shared<ActionModelParts>(state, scene, std::move(parts));

@@ -31,6 +31,8 @@ struct Nodes {
 
 /// The scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
+/// Contact rows that depend on others, at x0, without damping: with it every row counts.
+int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 
 /// Whether a contact that is active in the phase (or the terminal node) closed on the way and holds where it did: its
 /// placement error is nothing to correct.

@@ -187,7 +187,7 @@ void Run::with_constraints() {
   out.constraint_violation = solver.get_violation();
   out.outer_iterations = solver.get_outer_iter();
   out.multipliers = solver.get_multipliers();
-  problem.problem->calc(out.xs, out.us);  // forces of bonds too
+  problem.problem->calc(out.xs, out.us);  // forces of couplings too
   out.violations = violations(problem);
   if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
   out.kkt_residual = solver.get_kkt_residual();

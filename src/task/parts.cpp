@@ -52,6 +52,7 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   out.scene.name = whole.scene.name;
   out.scene.gravity = whole.scene.gravity;
   out.scene.damping = whole.scene.damping;
+  out.scene.tolerance = whole.scene.tolerance;
   std::vector<int> q, v, u;
   for (const int r : share.robots) {
     const Robot& robot = whole.scene.robots[static_cast<std::size_t>(r)];

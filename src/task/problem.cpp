@@ -73,6 +73,8 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
   auto model =
       std::make_shared<DiffModel>(state, actuation, parts.contacts, costs, constraints, task.scene.scene.damping);
   model->set_storage(storage);
+  if (const Eigen::VectorXd x0 = x0_of(task.scene); dependent_rows(scene_with(task, phase.active), x0) > 0)
+    model->set_start(x0);
   return model;
 }
 
@@ -142,12 +144,12 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-// The robots of one part by blocks: all in one unless bonds can join them, and for kAuto unless that costs less.
+// The robots of one part by blocks: all in one unless couplings can join them, and for kAuto unless that costs less.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
   std::vector<std::vector<int>> blocks;
   if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
   if (blocks.size() > 1 && (solver == TaskSolver::kSparse || blocks_are_cheaper(part, blocks)) &&
-      bonds_are_independent(part, blocks))
+      couplings_are_independent(part, blocks))
     return blocks;
   blocks.assign(1, {});
   for (int r = 0; r < part.scene.scene.nrobots(); ++r) blocks[0].push_back(r);

@@ -231,7 +231,7 @@ TEST(Contradictions, TellTheirSize) {
   EXPECT_TRUE(contradictions(file.scene, data).empty());
 }
 
-TEST(Weightless, JointsByName) {
+TEST(MasslessJoint, JointsByName) {
   const TemporaryFolder folder;
   (void)folder.write("r.urdf", R"(<robot name="r">
     <link name="base"/>
@@ -244,11 +244,11 @@ TEST(Weightless, JointsByName) {
   SceneData data(file.scene);
   (void)solve(file.scene, file.q, file.v, file.u, data);
   ASSERT_EQ(data.report.status, Status::kFailed);
-  const std::vector<Weightless> found = weightless_joints(file.scene, data, file.q);
+  const std::vector<MasslessJoint> found = massless_joints(file.scene, data, file.q);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].joint + ": " + found[0].why, "r/wrist: no mass below it");
   const SceneFile sound = held("");
-  EXPECT_TRUE(weightless_coordinates(sound.scene.robots[0], sound.q).empty());
+  EXPECT_TRUE(massless_coordinates(sound.scene.robots[0], sound.q).empty());
 }
 
 }  // namespace

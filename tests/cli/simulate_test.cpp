@@ -131,10 +131,10 @@ TEST_F(Simulate, DivergenceStopsAndSaysSo) {
 
 // A robot without mass: the first step fails, the start is written.
 TEST_F(Simulate, SolverFailureStops) {
-  const std::string weightless =
+  const std::string massless =
       "<robot name=\"b\" urdf=\"empty.urdf\" base=\"floating\"/><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/>";
   std::ofstream(path("empty.urdf")) << "<robot name=\"empty\"><link name=\"nothing\"/></robot>";
-  const Outcome outcome = run(words(scene(weightless)));
+  const Outcome outcome = run(words(scene(massless)));
   EXPECT_EQ(outcome.status, 1);
   expect_contains(outcome.err, "stopped in step 1 of 100, at t = 0 s: the solver failed: ");
   EXPECT_EQ(trajectory().rows, 1u);

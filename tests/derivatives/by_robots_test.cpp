@@ -93,7 +93,7 @@ TEST(ByRobots, AgreesWithTheFactor) {
     }
 }
 
-// So many are written past the caches (kCached).
+// So many are written past the caches (kCacheBytes).
 TEST(ByRobots, MoreDerivativesThanCachesHold) {
   SceneFile file =
       load_edited(MANYCONTACT_SOURCE_DIR "/models/ring_of_humanoids.xml", {{"copies=\"16\"", "copies=\"11\""}});

@@ -5,9 +5,10 @@
 
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/kkt/bodies/parts.hpp"
+#include "manycontact/kkt/bodies/subtrees.hpp"
 #include "support/allocations.hpp"
 #include "support/chains.hpp"
 #include "support/measure.hpp"

@@ -5,7 +5,7 @@
 
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"

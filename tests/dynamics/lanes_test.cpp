@@ -166,7 +166,7 @@ TEST_P(InLanes, PanelsOfLargeRobots) {
   }
 }
 
-// So many are written past the caches (kCached): the same bits.
+// So many are written past the caches (kCacheBytes): the same bits.
 TEST_P(InLanes, MoreDerivativesThanCachesHold) {
   std::mt19937 rng(15);
   constexpr int kCount = 339;

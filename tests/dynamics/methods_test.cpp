@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/measure.hpp"
 #include "support/random.hpp"

@@ -5,6 +5,7 @@
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/allocations.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "manycontact/dynamics/differentiate.hpp"
-#include "manycontact/dynamics/solve_wanted.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "spatial/compare.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "kkt/island_numbers.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
@@ -40,7 +39,7 @@ struct Matrices {
     KktMatrix K;
     K.reset(pattern);
     assemble(n.M_spans, n.J_spans, 0, K);
-    K.row_size = n.J.cwiseAbs().maxCoeff();
+    K.row_scale = n.J.cwiseAbs().maxCoeff();
     return K;
   }
 };

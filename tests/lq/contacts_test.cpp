@@ -1,10 +1,9 @@
-// Problems shaped as contact dynamics give them: x = (q, v), M a = u + J^T w + G x, J a of the two ends of a bond
+// Problems shaped as contact dynamics give them: x = (q, v), M a = u + J^T w + G x, J a of the two ends of a coupling
 // alike, Euler's step of 10 ms, costs of usual weights.
 
 #include <gtest/gtest.h>
 
-
-#include "manycontact/lq/bond_schur.hpp"
+#include "manycontact/lq/coupling_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
 #include "random_problem.hpp"
 #include "support/dense.hpp"
@@ -24,7 +23,7 @@ struct Sizes {
   int robots, velocities, controls, rows, horizon;
 };
 
-// Robot g of a knot. ends: +1 or -1 for each of its bonds.
+// Robot g of a knot. ends: +1 or -1 for each of its couplings.
 void fill(lq::Group& g, const std::vector<int>& ends, const Sizes& n, bool terminal, std::mt19937& rng) {
   const int nv = n.velocities, m = n.rows, nw = m * static_cast<int>(ends.size());
   const double h = 0.01;
@@ -58,7 +57,7 @@ lq::Problem chain(const Sizes& n, std::mt19937& rng) {
   for (int k = 0; k <= n.horizon; ++k)
     for (lq::Group& g : problem.knots[k].groups) {
       std::vector<int> ends;
-      for (int b : g.bonds) ends.push_back(b == g.blocks[0] ? 1 : -1);
+      for (int b : g.couplings) ends.push_back(b == g.blocks[0] ? 1 : -1);
       fill(g, ends, n, k == n.horizon, rng);
     }
   problem.x0 = 0.1 * random(problem.x0.size(), 1, rng);
@@ -67,11 +66,11 @@ lq::Problem chain(const Sizes& n, std::mt19937& rng) {
 
 class LqContacts : public testing::TestWithParam<Sizes> {};
 
-TEST_P(LqContacts, BondsGiveWhatTheDenseRecursionGives) {
+TEST_P(LqContacts, CouplingsGiveWhatTheDenseRecursionGives) {
   std::mt19937 rng(7);
   const lq::Problem problem = chain(GetParam(), rng);
   lq::Riccati dense(lq::Join::kAll);
-  lq::BondSchur schur;
+  lq::CouplingSchur schur;
   std::vector<VectorXd> answers;
   for (lq::DirectionSolver* solver : std::initializer_list<lq::DirectionSolver*>{&dense, &schur}) {
     solver->analyse(problem);

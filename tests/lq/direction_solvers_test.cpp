@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "manycontact/lq/bond_schur.hpp"
+#include "manycontact/lq/coupling_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
 #include "random_problem.hpp"
 #include "support/allocations.hpp"
@@ -60,78 +60,78 @@ std::vector<Case> cases() {
   add("TimesTwo").growth = 2;
 
   LqOptions* o = &add("Chain");
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
   o = &add("Ring");
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
   o = &add("Star");
-  o->bonds = running(*o, {{0, 1}, {0, 2}, {0, 3}});
+  o->couplings = running(*o, {{0, 1}, {0, 2}, {0, 3}});
   o = &add("ThreeInABond");
-  o->bonds = running(*o, {{0, 1, 3}});
-  o = &add("TwoBondsOfOnePair");
-  o->bonds = running(*o, {{2, 1}, {1, 2}});
-  o = &add("BondsComeAndGo");
-  o->bonds = [](int k) {
+  o->couplings = running(*o, {{0, 1, 3}});
+  o = &add("TwoCouplingsOfOnePair");
+  o->couplings = running(*o, {{2, 1}, {1, 2}});
+  o = &add("CouplingsComeAndGo");
+  o->couplings = [](int k) {
     return k < 3 ? Lists{{0, 1}} : k < 6 ? Lists{{1, 2}, {0, 1}} : k < 9 ? Lists{} : Lists{{2, 3}};
   };
-  o = &add("BondsOfGroups");
+  o = &add("CouplingsOfGroups");
   o->groups = [](int k) { return k < 5 ? Lists{{2, 0}} : Lists{{0}, {2}}; };
-  o->bonds = running(*o, {{0, 1}, {2, 3}});
-  o = &add("BondWithinAGroup");
+  o->couplings = running(*o, {{0, 1}, {2, 3}});
+  o = &add("CouplingWithinAGroup");
   o->groups = always({{2, 0}});
-  o->bonds = running(*o, {{0, 2}, {2, 3}});
+  o->couplings = running(*o, {{0, 2}, {2, 3}});
   o = &add("ForceAndAcceleration");
-  o->bond_size = 4;
-  o->bond_weight = 0.5;
-  o->bonds = running(*o, {{0, 1}, {2, 1}});
-  o = &add("BondsThatCost");
-  o->bond_weight = 1;
-  o->bonds = running(*o, {{0, 1}, {1, 2}});
+  o->coupling_size = 4;
+  o->coupling_weight = 0.5;
+  o->couplings = running(*o, {{0, 1}, {2, 1}});
+  o = &add("CouplingsThatCost");
+  o->coupling_weight = 1;
+  o->couplings = running(*o, {{0, 1}, {1, 2}});
   o = &add("ObjectWithoutControls");
   o->nu = {3, 0, 3, 0};
-  o->bonds = running(*o, {{0, 1}, {2, 1}});
-  o = &add("BondOfTwoObjects");
+  o->couplings = running(*o, {{0, 1}, {2, 1}});
+  o = &add("CouplingOfTwoObjects");
   o->nu = {3, 0, 0, 3};
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
   o = &add("EqualityConstraints");
-  o->bond_size = 0;
-  o->bond_rows = 1;
-  o->bonds = running(*o, {{0}, {1}, {2}});
+  o->coupling_size = 0;
+  o->coupling_rows = 1;
+  o->couplings = running(*o, {{0}, {1}, {2}});
   o = &add("EqualityConstraintsOfLaterKnots");
   o->nx = {4, 3, 5};
   o->nu = {1, 1, 2};
-  o->bond_size = 0;
-  o->bond_rows = 1;
-  o->bonds = [T = o->horizon](int k) { return k == T ? Lists{{0}, {1, 2}} : Lists{}; };
+  o->coupling_size = 0;
+  o->coupling_rows = 1;
+  o->couplings = [T = o->horizon](int k) { return k == T ? Lists{{0}, {1, 2}} : Lists{}; };
   all.back().riccati = false;
-  o = &add("NoCostOnStatesWithBonds");
+  o = &add("NoCostOnStatesWithCouplings");
   o->state_weight = 0;
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
-  o = &add("UnstableWithBonds");
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("UnstableWithCouplings");
   o->growth = 1.3;
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
 
   for (const int part : {1, 2, 3, 6}) {
     static const std::string names[] = {"StepsOfOne", "StepsOfTwo", "StepsOfThree", "StepsOfSix"};
     o = &add(names[part == 6 ? 3 : part - 1].c_str());
     o->steps = part;
     o->nx = {4, 6, 14, 8};
-    o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+    o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
   }
   o = &add("StepsOfSomeBlocks");
   o->steps = 2;
   o->nx = {4, 3, 6, 2};
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
   o = &add("StepsOfSomeKnots");
   o->steps = 2;
   o->nx = {4, 6, 6, 4};
   o->groups = [](int k) { return k > 8 ? Lists{{3, 1}} : Lists{}; };
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {2, 3}});
-  o = &add("StepsWithBondsOfOne");
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {2, 3}});
+  o = &add("StepsWithCouplingsOfOne");
   o->steps = 2;
   o->nx = {4, 6, 2, 8};
-  o->bond_size = 0;
-  o->bond_rows = 1;
-  o->bonds = running(*o, {{0}, {1}, {1, 2}});
+  o->coupling_size = 0;
+  o->coupling_rows = 1;
+  o->couplings = running(*o, {{0}, {1}, {1, 2}});
   add("StepsOfSeparateBlocks").steps = 1;
   all.back().options.nx = {4, 6, 2, 8};
 
@@ -140,15 +140,15 @@ std::vector<Case> cases() {
   all.back().reg = {0, 1e-3, 0};
   add("RegularisedStates").groups = always({{0, 3}});
   all.back().reg = {1e-2, 1e-4, 0};
-  o = &add("ProximalBonds");
-  o->bonds = running(*o, {{0, 1}, {1, 2}, {0, 1}});
+  o = &add("ProximalCouplings");
+  o->couplings = running(*o, {{0, 1}, {1, 2}, {0, 1}});
   all.back().reg = {1e-3, 1e-3, 1e-2};
   return all;
 }
 
 struct Solvers {
   lq::Riccati dense{lq::Join::kAll}, islands{lq::Join::kIslands};
-  lq::BondSchur schur;
+  lq::CouplingSchur schur;
   std::vector<lq::DirectionSolver*> of(const Case& c) {
     if (!c.riccati) return {&schur};
     return {&dense, &islands, &schur};

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
+#include "manycontact/lq/coupling_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
 #include "random_problem.hpp"
 
@@ -15,16 +15,16 @@ namespace {
 using lq::Status;
 using Lists = std::vector<std::vector<int>>;
 
-enum class Kind { kDense, kIslands, kBondSchur };
+enum class Kind { kDense, kIslands, kCouplingSchur };
 
 std::unique_ptr<lq::DirectionSolver> make(Kind kind) {
-  if (kind == Kind::kBondSchur) return std::make_unique<lq::BondSchur>();
+  if (kind == Kind::kCouplingSchur) return std::make_unique<lq::CouplingSchur>();
   return std::make_unique<lq::Riccati>(kind == Kind::kDense ? lq::Join::kAll : lq::Join::kIslands);
 }
 
-LqOptions chain(Lists bonds) {
+LqOptions chain(Lists couplings) {
   LqOptions options;
-  options.bonds = [=, T = options.horizon](int k) { return k < T ? bonds : Lists{}; };
+  options.couplings = [=, T = options.horizon](int k) { return k < T ? couplings : Lists{}; };
   return options;
 }
 
@@ -49,8 +49,8 @@ TEST_P(HostileProblems, ControlsWithoutCostAreNotConvex) {
 }
 
 TEST_P(HostileProblems, NegativeCurvatureIsNotConvex) {
-  for (const Lists& bonds : {Lists{}, Lists{{0, 1}}}) {
-    lq::Problem problem = random_lq(rng, chain(bonds));
+  for (const Lists& couplings : {Lists{}, Lists{{0, 1}}}) {
+    lq::Problem problem = random_lq(rng, chain(couplings));
     problem.knots[4].groups[2].R.diagonal().array() -= 50;
     const lq::Outcome outcome = factorize(problem);
     EXPECT_EQ(outcome.status, Status::kNotConvex);
@@ -58,20 +58,20 @@ TEST_P(HostileProblems, NegativeCurvatureIsNotConvex) {
   }
 }
 
-TEST_P(HostileProblems, NegativeCurvatureOfABondedBlockIsNotConvex) {
+TEST_P(HostileProblems, NegativeCurvatureOfACoupledBlockIsNotConvex) {
   lq::Problem problem = random_lq(rng, chain({{0, 1}}));
   problem.knots[4].groups[0].R.topLeftCorner(2, 2).diagonal().array() -= 1e3;
   EXPECT_EQ(factorize(problem).status, Status::kNotConvex);
 }
 
 // Stagewise elimination stops; the proximal term's answer shows in its KKT error whether the two agree.
-TEST_P(HostileProblems, TheSameBondTwiceIsSingularOrSolvedWhereBothAgree) {
+TEST_P(HostileProblems, TheSameCouplingTwiceIsSingularOrSolvedWhereBothAgree) {
   lq::Problem problem = random_lq(rng, chain({{0, 1}, {0, 1}}));
-  const bool schur = GetParam() == Kind::kBondSchur;
+  const bool schur = GetParam() == Kind::kCouplingSchur;
   lq::Point z;
   for (lq::Knot& knot : problem.knots)
     for (lq::Group& g : knot.groups)
-      if (g.bonds.size() == 2) {
+      if (g.couplings.size() == 2) {
         const auto nu = g.R.rows() - 4;
         g.C.bottomRows(2) = g.C.topRows(2);
         g.D.bottomRows(2) = g.D.topRows(2);
@@ -83,7 +83,7 @@ TEST_P(HostileProblems, TheSameBondTwiceIsSingularOrSolvedWhereBothAgree) {
     EXPECT_EQ(solver->solve(problem, z).status, Status::kInaccurate);
     for (lq::Knot& knot : problem.knots)
       for (lq::Group& g : knot.groups)
-        if (g.bonds.size() == 2) {
+        if (g.couplings.size() == 2) {
           g.d.tail(2) = g.d.head(2);
           g.r.tail(2) = g.r.segment(g.r.size() - 4, 2);
           g.S.rightCols(2) = g.S.middleCols(g.S.cols() - 4, 2);
@@ -97,7 +97,7 @@ TEST_P(HostileProblems, TheSameBondTwiceIsSingularOrSolvedWhereBothAgree) {
   // With a proximal term and a cost on w it has one answer again.
   for (lq::Knot& knot : problem.knots)
     for (lq::Group& g : knot.groups)
-      if (g.bonds.size() == 2) g.R.bottomRightCorner(4, 4).diagonal().array() += 1e-3;
+      if (g.couplings.size() == 2) g.R.bottomRightCorner(4, 4).diagonal().array() += 1e-3;
   const lq::Regularisation reg{0, 0, 1e-3};
   ASSERT_EQ(factorize(problem, reg).status, Status::kOk);
   EXPECT_EQ(solver->solve(problem, z).status, Status::kOk);
@@ -157,10 +157,10 @@ TEST_P(HostileProblems, OtherStructureIsRefused) {
 }
 
 std::string title(const testing::TestParamInfo<Kind>& info) {
-  const char* names[] = {"Dense", "Islands", "BondSchur"};
+  const char* names[] = {"Dense", "Islands", "CouplingSchur"};
   return names[static_cast<int>(info.param)];
 }
-INSTANTIATE_TEST_SUITE_P(Solvers, HostileProblems, testing::Values(Kind::kDense, Kind::kIslands, Kind::kBondSchur),
+INSTANTIATE_TEST_SUITE_P(Solvers, HostileProblems, testing::Values(Kind::kDense, Kind::kIslands, Kind::kCouplingSchur),
                          title);
 
 // ---- what does not fit is refused with knot and group
@@ -181,9 +181,9 @@ TEST(LqProblem, WhatDoesNotFitIsRefused) {
   refused([](lq::Problem& p) { p.knots[1].groups[0].blocks = {1}; });
   refused([](lq::Problem& p) { p.knots[1].groups[0].blocks.clear(); });
   refused([](lq::Problem& p) { p.knots[1].groups.pop_back(); });
-  refused([](lq::Problem& p) { p.knots[1].groups[0].bonds = {3}; });
-  refused([](lq::Problem& p) { p.knots[1].groups[0].bonds = {0, 0}; });
-  refused([](lq::Problem& p) { p.knots[1].bonds.push_back({1, 1}); });
+  refused([](lq::Problem& p) { p.knots[1].groups[0].couplings = {3}; });
+  refused([](lq::Problem& p) { p.knots[1].groups[0].couplings = {0, 0}; });
+  refused([](lq::Problem& p) { p.knots[1].couplings.push_back({1, 1}); });
   refused([](lq::Problem& p) { p.knots[1].groups[0].A.resize(1, 1); });
   refused([](lq::Problem& p) { p.knots[1].groups[0].D.resize(1, 1); });
   refused([](lq::Problem& p) { p.knots[1].groups[0].d.resize(0); });
@@ -191,7 +191,7 @@ TEST(LqProblem, WhatDoesNotFitIsRefused) {
     lq::Problem problem = good;
     problem.nx[0] = nx;
     lq::set_zero(problem);
-    problem.knots[1].groups[0].steps = lq::Steps{J, {0.1, {}}};
+    problem.knots[1].groups[0].steps = lq::SymplecticStructure{J, {0.1, {}}};
     lq::check(problem);
   };
   EXPECT_NO_THROW(stepped(4, {1, {{1, Eigen::MatrixXd::Identity(1, 1)}}}));
@@ -217,9 +217,9 @@ TEST(LqChoice, SeparateBlocksTakeRiccatiByIslandsAndChainsOfBigBlocksTheSchurCom
   EXPECT_STREQ(lq::choose(separate)->name(), "Riccati by islands");
   const lq::Problem chain = chain_of_robots(8, 10, rng, 20, 8, 2);
   const lq::Prediction q = lq::predict(chain);
-  EXPECT_GT(q.islands, 2 * q.bond_schur);
+  EXPECT_GT(q.islands, 2 * q.coupling_schur);
   EXPECT_EQ(q.islands, q.dense);
-  EXPECT_STREQ(lq::choose(chain)->name(), "Schur complement of bonds");
+  EXPECT_STREQ(lq::choose(chain)->name(), "Schur complement of couplings");
   const lq::Problem pair = chain_of_robots(2, 40, rng, 4, 2, 4);
   EXPECT_STREQ(lq::choose(pair)->name(), "Riccati by islands");
 }

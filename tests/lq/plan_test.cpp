@@ -24,12 +24,12 @@ Lists clusters(const std::vector<lq::Cluster>& knot) {
 
 class LqPlan : public testing::Test {
  protected:
-  // Blocks 0 and 2 are a group in knots 3 and 4, blocks 1 and 3 have a bond in knot 6, of horizon 8.
+  // Blocks 0 and 2 are a group in knots 3 and 4, blocks 1 and 3 have a coupling in knot 6, of horizon 8.
   LqPlan() {
     LqOptions options;
     options.horizon = 8;
     options.groups = [](int k) { return k == 3 || k == 4 ? Lists{{2, 0}} : Lists{}; };
-    options.bonds = [](int k) { return k == 6 ? Lists{{1, 3}} : Lists{}; };
+    options.couplings = [](int k) { return k == 6 ? Lists{{1, 3}} : Lists{}; };
     problem = random_lq(rng, options);
   }
   std::mt19937 rng{2};
@@ -44,8 +44,8 @@ TEST_F(LqPlan, IslandsAreWhatIsJoinedInAKnotOrLater) {
   }
 }
 
-TEST_F(LqPlan, WithoutBondsClustersAreThoseOfAllKnots) {
-  for (const auto& knot : lq::make_plan(problem, lq::Join::kNoBonds)) {
+TEST_F(LqPlan, WithoutCouplingsClustersAreThoseOfAllKnots) {
+  for (const auto& knot : lq::make_plan(problem, lq::Join::kNoCouplings)) {
     EXPECT_EQ(clusters(knot), (Lists{{0, 2}, {1}, {3}}));
     for (const lq::Cluster& c : knot) EXPECT_EQ(c.nv, c.nu);
   }

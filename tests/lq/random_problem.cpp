@@ -51,7 +51,7 @@ void fill(lq::Group& g, const lq::Knot& knot, int nu, std::mt19937& rng, const L
   MatrixXd G = random_matrix(nx + nv + 2, nx + nv, rng) / std::sqrt(nx + nv + 2.);
   G.leftCols(nx) *= std::sqrt(options.state_weight);
   G.middleCols(nx, nu) *= std::sqrt(options.control_weight);
-  G.rightCols(nw) *= std::sqrt(options.bond_weight);
+  G.rightCols(nw) *= std::sqrt(options.coupling_weight);
   const MatrixXd H = G.transpose() * G;
   g.Q = H.topLeftCorner(nx, nx);
   g.S = H.topRightCorner(nx, nv);
@@ -69,11 +69,11 @@ void fill(lq::Group& g, const lq::Knot& knot, int nu, std::mt19937& rng, const L
   g.d = 0.1 * random_matrix(g.d.rows(), 1, rng);
   // Rows move when w does, as contacts do when forces act.
   Eigen::Index row = 0, w = nu;
-  for (int b : g.bonds) {
-    const lq::Bond& bond = knot.bonds[b];
-    g.D.block(row, w, bond.rows, bond.size) += MatrixXd::Identity(bond.rows, bond.size);
-    row += bond.rows;
-    w += bond.size;
+  for (int b : g.couplings) {
+    const lq::Coupling& coupling = knot.couplings[b];
+    g.D.block(row, w, coupling.rows, coupling.size) += MatrixXd::Identity(coupling.rows, coupling.size);
+    row += coupling.rows;
+    w += coupling.size;
   }
 }
 
@@ -83,7 +83,7 @@ void refill(lq::Problem& problem, std::mt19937& rng, const LqOptions& options) {
   for (lq::Knot& knot : problem.knots)
     for (lq::Group& g : knot.groups) {
       int nw = 0;
-      for (int b : g.bonds) nw += knot.bonds[b].size;
+      for (int b : g.couplings) nw += knot.couplings[b].size;
       fill(g, knot, static_cast<int>(g.R.rows()) - nw, rng, options);
     }
   problem.x0 = random_matrix(problem.x0.size(), 1, rng);
@@ -96,13 +96,13 @@ lq::Problem random_lq(std::mt19937& rng, const LqOptions& options) {
   for (int k = 0; k <= options.horizon; ++k) {
     lq::Knot knot;
     for (const auto& blocks : complete(options.groups(k), problem.blocks())) knot.groups.emplace_back().blocks = blocks;
-    for (const auto& touched : options.bonds(k)) {
-      const int b = static_cast<int>(knot.bonds.size());
-      knot.bonds.push_back({options.bond_size, options.bond_rows});
+    for (const auto& touched : options.couplings(k)) {
+      const int b = static_cast<int>(knot.couplings.size());
+      knot.couplings.push_back({options.coupling_size, options.coupling_rows});
       for (lq::Group& g : knot.groups)
         for (int i : touched)
           if (std::find(g.blocks.begin(), g.blocks.end(), i) != g.blocks.end()) {
-            g.bonds.push_back(b);
+            g.couplings.push_back(b);
             break;
           }
     }
@@ -152,11 +152,11 @@ lq::Problem chain_of_robots(int robots, int horizon, std::mt19937& rng, int nx, 
   options.nx.assign(robots, nx);
   options.nu.assign(robots, nu);
   options.horizon = horizon;
-  options.bond_size = options.bond_rows = m;
-  options.bonds = [=](int k) {
-    std::vector<std::vector<int>> bonds;
-    for (int i = 0; k < horizon && i + 1 < robots; ++i) bonds.push_back({i, i + 1});
-    return bonds;
+  options.coupling_size = options.coupling_rows = m;
+  options.couplings = [=](int k) {
+    std::vector<std::vector<int>> couplings;
+    for (int i = 0; k < horizon && i + 1 < robots; ++i) couplings.push_back({i, i + 1});
+    return couplings;
   };
   return random_lq(rng, options);
 }

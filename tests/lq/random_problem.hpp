@@ -14,14 +14,14 @@ struct LqOptions {
   int horizon = 12;
   /// Blocks that are one group in knot k, as lists; blocks that stand nowhere are groups of their own.
   std::function<std::vector<std::vector<int>>(int k)> groups = [](int) { return std::vector<std::vector<int>>{}; };
-  /// Bonds of knot k: the blocks that each touches.
-  std::function<std::vector<std::vector<int>>(int k)> bonds = [](int) { return std::vector<std::vector<int>>{}; };
-  int bond_size = 2;  // of w
-  int bond_rows = 2;
-  double growth = 0.95;       // of the free motion: |A| about this; above 1 it is unstable
-  double state_weight = 1;    // Q's size; 0: no cost on states
-  double control_weight = 1;  // R's; 0: none
-  double bond_weight = 0;     // of w in the cost
+  /// Couplings of knot k: the blocks that each touches.
+  std::function<std::vector<std::vector<int>>(int k)> couplings = [](int) { return std::vector<std::vector<int>>{}; };
+  int coupling_size = 2;  // of w
+  int coupling_rows = 2;
+  double growth = 0.95;        // of the free motion: |A| about this; above 1 it is unstable
+  double state_weight = 1;     // Q's size; 0: no cost on states
+  double control_weight = 1;   // R's; 0: none
+  double coupling_weight = 0;  // of w in the cost
   /// The size of J's and G's part in blocks of as many coordinates or more; of groups of one block, those of even size.
   std::optional<int> steps;
 };

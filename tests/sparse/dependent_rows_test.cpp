@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "manycontact/sparse/tolerances.hpp"
 #include "sparse/saddle_point.hpp"
 #include "spatial/compare.hpp"
@@ -21,7 +20,7 @@ using sparse::DependentRows;
 struct FactorOfRows {
   Symmetric K;
   int nv;
-  std::vector<double> row_size;
+  std::vector<double> row_scale;
   sparse::LdlSymbolic symbolic;
   sparse::LdlWorkspace work;
   std::vector<double> L, D;
@@ -29,15 +28,15 @@ struct FactorOfRows {
   int done = -1;
 
   explicit FactorOfRows(const SaddlePoint& s)
-      : K(s.dense()), nv(s.nv()), row_size(K.n(), s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
+      : K(s.dense()), nv(s.nv()), row_scale(K.n(), s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
     D.assign(K.n(), NAN);
     factor();
   }
   void factor() {
-    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), nv, tolerance::kPivotLeft,
-                                        row_size.data(), work, L.data(), D.data(), rows);
-    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, row_size.data(), L.data(), D.data(), rows);
+    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), nv, tolerance::kPivotLeft, row_scale.data(),
+                                        work, L.data(), D.data(), rows);
+    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, row_scale.data(), L.data(), D.data(), rows);
   }
   void solve(double* x) {
     project_out(rows, x);
@@ -151,15 +150,16 @@ TEST_P(DependentRowsOf, ProjectOutGivesThePartThatItTakes) {
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(42);
   const VectorXd given = random_matrix(s.n(), 1, rng), before = random_matrix(s.n(), 1, rng);
-  VectorXd y = given, null_part = before;
-  project_out(f.rows, y.data(), null_part.data());
+  VectorXd y = given, null_component = before;
+  project_out(f.rows, y.data(), null_component.data());
   EXPECT_EQ(y.head(s.nv()), given.head(s.nv())) << "rows of M are not its business";
-  EXPECT_EQ(null_part.head(s.nv()), before.head(s.nv()));
+  EXPECT_EQ(null_component.head(s.nv()), before.head(s.nv()));
   if (s.nc() == 0) return;
   const Spectrum truth(s.J);
   const double tolerance = allowed(truth, f.rows) * size_of(given);
   EXPECT_LE(difference_of(y.tail(s.nc()), VectorXd(given.tail(s.nc()) - truth.P * given.tail(s.nc()))), tolerance);
-  EXPECT_LE(difference_of((null_part - before).tail(s.nc()).eval(), VectorXd(truth.P * given.tail(s.nc()))), tolerance)
+  EXPECT_LE(difference_of((null_component - before).tail(s.nc()).eval(), VectorXd(truth.P * given.tail(s.nc()))),
+            tolerance)
       << "P y is added to what is there";
 }
 

@@ -169,11 +169,11 @@ TEST_F(FailingAllocations, InDependentRows) {
     std::vector<int> row(K.n());
     for (int k = 0; k < K.n(); ++k) row[k] = k;
     MatrixXd X(3, K.n());
-    const std::vector<double> row_size(K.n(), s.J_size());
+    const std::vector<double> row_scale(K.n(), s.J_size());
     const auto solve = [&] {
-      if (sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), s.nv(), tolerance::kPivotLeft,
-                                       row_size.data(), work, L.data(), D.data(), rows) == K.n())
-        find_null_space(K.pattern, symbolic, K.x.data(), s.nv(), row_size.data(), L.data(), D.data(), rows);
+      if (sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), s.nv(), tolerance::kPivotLeft, row_scale.data(),
+                                       work, L.data(), D.data(), rows) == K.n())
+        find_null_space(K.pattern, symbolic, K.x.data(), s.nv(), row_scale.data(), L.data(), D.data(), rows);
       X.setOnes();
       project_out(rows, X.data());
       project_out_panel(rows, row.data(), X.data(), 3, 0, 3);

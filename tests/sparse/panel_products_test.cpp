@@ -63,13 +63,13 @@ TEST(ProductOfRows, EqualsTheDenseOne) {
       const Eigen::MatrixXd l = L.leftCols(rows), exact = l.transpose() * r;
       const Eigen::MatrixXd scale = l.cwiseAbs().transpose() * r.cwiseAbs();
       for (const sparse::PanelKernels* level : sparse::panel_levels())
-        for (const bool past_caches : {false, true}) {
-          SCOPED_TRACE(testing::Message() << level->name << ", " << rows << " by " << cols << ", " << past_caches);
+        for (const bool non_temporal : {false, true}) {
+          SCOPED_TRACE(testing::Message() << level->name << ", " << rows << " by " << cols << ", " << non_temporal);
           AlignedPanel X;
           X.resize(given.rows(), ld);
           static_cast<AlignedPanel::View&>(X) = given;
           double* x = X.data() + kFirst;
-          level->product_of_rows(L.data(), ldl, x, from, kDepth, x, to, rows, cols, ld, past_caches);
+          level->product_of_rows(L.data(), ldl, x, from, kDepth, x, to, rows, cols, ld, non_temporal);
           for (int i = 0; i < rows; ++i) {
             EXPECT_TRUE(((X.row(to[i]).segment(kFirst, cols) - exact.row(i)).array().abs() <=
                          kDepth * kEps * scale.row(i).array())

@@ -27,7 +27,7 @@
 namespace manycontact::test {
 namespace {
 
-// Quadrupeds in a line, each with a front foot on the trunk of the next: bonds in one frame or the other.
+// Quadrupeds in a line, each with a front foot on the trunk of the next: couplings in one frame or the other.
 std::string chain_scene(int robots, const std::string& frame = "local", const std::string& damping = "0",
                         const std::string& type = "6d") {
   std::string out = "<scene name='chain' damping='" + damping + "'><robot name='q' urdf='" + kModels +
@@ -130,7 +130,7 @@ void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
   }
 }
 
-// Of each robot's foot, whose force the bonds' wrenches have a part in: one inequality, one equality.
+// Of each robot's foot, whose force the couplings' wrenches have a part in: one inequality, one equality.
 const std::string kPush =
     "<constraint name='push' type='contact_force' contact='RF' lower='3 -inf 40' upper='3 inf inf'/>";
 TEST(JoinedNodes, WithConstraints) { expect_nodes_of_the_whole(chain(3, "local", "0", "6d", kPush), 3); }
@@ -216,11 +216,11 @@ void expect_dense_direction(const TaskFile& task, const std::string& way, double
   }
 }
 
-TEST(JoinedDirections, OfAChainBySchurComplement) { expect_dense_direction(chain(5), "Schur complement of bonds"); }
+TEST(JoinedDirections, OfAChainBySchurComplement) { expect_dense_direction(chain(5), "Schur complement of couplings"); }
 TEST(JoinedDirections, OfContactsOfFewerRows) {
   for (const char* type : {"1d", "2d", "3d", "5d"}) {
     SCOPED_TRACE(type);
-    expect_dense_direction(chain(5, "local", "0", type), "Schur complement of bonds");
+    expect_dense_direction(chain(5, "local", "0", type), "Schur complement of couplings");
     expect_dense_direction(chain(2, "local", "0", type), "Riccati by islands");
   }
 }
@@ -248,7 +248,7 @@ TaskFile humanoids(int robots, bool closed, int nodes) {
                      "<solver tolerance='1e-13'/>");
 }
 
-// Two humanoids and a beam, in four bonds.
+// Two humanoids and a beam, in four couplings.
 TaskFile beam(int nodes) {
   TaskFile task = read_task(kModels + "tasks/two_humanoids_lift_beam.xml");
   task.phases.resize(1);
@@ -259,8 +259,10 @@ TaskFile beam(int nodes) {
   return task;
 }
 
-TEST(JoinedDirections, OfARing) { expect_dense_direction(humanoids(4, true, 4), "Schur complement of bonds", 0.05); }
-TEST(JoinedDirections, OfABeamCarriedByTwo) { expect_dense_direction(beam(4), "Schur complement of bonds", 0.05); }
+TEST(JoinedDirections, OfARing) {
+  expect_dense_direction(humanoids(4, true, 4), "Schur complement of couplings", 0.05);
+}
+TEST(JoinedDirections, OfABeamCarriedByTwo) { expect_dense_direction(beam(4), "Schur complement of couplings", 0.05); }
 
 // ---- motions ----------------------------------------------------------------------------------------------------
 
@@ -291,7 +293,7 @@ TEST(JoinedTask, OptimumOfAChainThatForms) { expect_dense_optimum(chain(3), 3); 
 TEST(JoinedTask, OptimumOfARing) { expect_dense_optimum(humanoids(3, true, 6), 3); }
 TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3); }
 
-// A force exact in x and at least so much in z, which binds; what each robot is held to goes through the bonds too.
+// A force exact in x and at least so much in z, which binds; what each robot is held to goes through the couplings too.
 // Constraints are met to 1e-9, the KKT residual to 1e-6.
 TEST(JoinedTask, OptimumWithConstraints) {
   TaskFile task = chain(3, "local", "0", "6d", kPush);
@@ -352,20 +354,20 @@ TEST(JoinedTask, AutoTakesBlocksWhereTheyCostLess) {
   EXPECT_EQ(problem.blocks.size(), 6u);
   const TaskSolution solution = optimize(task, problem, {TaskSolver::kAuto, 1, {}});
   EXPECT_EQ(solution.solver, "sparse");
-  EXPECT_EQ(solution.direction, "Schur complement of bonds");
+  EXPECT_EQ(solution.direction, "Schur complement of couplings");
   EXPECT_EQ(solution.blocks.size(), 6u);
   const TaskFile carried = beam(60);
   EXPECT_FALSE(blocks_are_cheaper(carried, divide_robots(carried)));
 }
 
-TEST(JoinedTask, RobotsThatBondsCannotJoinAreOneBlock) {
+TEST(JoinedTask, RobotsThatCouplingsCannotJoinAreOneBlock) {
   using Blocks = std::vector<std::vector<int>>;
   const auto of = [](const std::string& name, const std::string& scene, const std::string& costs,
                      const std::string& integrator = "euler") {
     return divide_robots(task_of(
         name, scene, "<phase nodes='2' contacts='RF LH RH hold'>" + costs + "</phase>" + kTerminal, integrator));
   };
-  EXPECT_EQ(of("bonds", chain_scene(3), kCosts), (Blocks{{0}, {1}, {2}}));
+  EXPECT_EQ(of("couplings", chain_scene(3), kCosts), (Blocks{{0}, {1}, {2}}));
   EXPECT_EQ(of("rk4", chain_scene(2), kCosts, "rk4"), (Blocks{{0, 1}}));
   EXPECT_EQ(of("force", chain_scene(3), "<cost name='f' type='contact_force' contact='hold0'/>"),
             (Blocks{{0, 1}, {2}}));
@@ -374,7 +376,7 @@ TEST(JoinedTask, RobotsThatBondsCannotJoinAreOneBlock) {
 }
 
 // Two trunks held to each other twice.
-TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
+TEST(JoinedTask, DependentCouplingsTakeNodesOfTheWholeScene) {
   std::string scene = chain_scene(2);
   scene.insert(scene.find("</scene>"),
                "<contact name='once' type='6d' frame='q0/trunk' to='q1/trunk'/>"
@@ -383,7 +385,7 @@ TEST(JoinedTask, DependentBondsTakeNodesOfTheWholeScene) {
       task_of("twice", scene, "<phase nodes='2' contacts='RF LH RH once again'>" + kCosts + "</phase>" + kTerminal);
   const std::vector<std::vector<int>> blocks = divide_robots(task);
   EXPECT_EQ(blocks.size(), 2u);
-  EXPECT_FALSE(bonds_are_independent(task, blocks));
+  EXPECT_FALSE(couplings_are_independent(task, blocks));
   EXPECT_EQ(make_problem(task, TaskSolver::kSparse).blocks.size(), 1u);
 }
 
@@ -467,7 +469,7 @@ TEST(JoinedFeedForward, DescendsToTheOptimum) {
 }
 
 // Wherever: the wrenches that joined nodes eliminate are the whole scene's. Both sums are of terms of the residual's
-// size, but for the condition of the bonds' equations.
+// size, but for the condition of the couplings' equations.
 TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
   const TaskFile task = chain(3, "local", "0", "6d", kPush);
   const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);

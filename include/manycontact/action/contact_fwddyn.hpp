@@ -78,6 +78,11 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// Method and order of the solves, of data created from now on.
   const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }
+  /// Where motions start (nx; empty, as at first: anywhere). Contact rows that depend on each other there, as those of
+  /// closed mechanisms with more rows than they need, do so in all solves of data created from now on, also where
+  /// integration has taken the state off the closed loop by as little as it does.
+  const Eigen::VectorXd& get_start() const { return start_; }
+  void set_start(const Eigen::VectorXd& x0);
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
   std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
@@ -113,6 +118,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   double damping_;
   bool enable_force_;
   Options options_;
+  Eigen::VectorXd start_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;  // of the constraints, at set_g_lb, set_g_ub
 };

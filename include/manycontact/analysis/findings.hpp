@@ -104,17 +104,17 @@ std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& d
 
 /// Coordinates of a robot at q (its nq) in which its joint-space inertia, armature included, has nothing: pivots of its
 /// leaf-to-root elimination that are rounding. Throws std::length_error for trees too deep for a joint-space inertia.
-std::vector<int> weightless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
 
 /// A joint that makes the joint-space inertia singular, and why.
-struct Weightless {
+struct MasslessJoint {
   std::string joint;  // "r0/wrist"
   std::string why;    // no mass below it; or a moment of inertia that is missing; or what the joints below leave to it
 };
 
 /// Of all robots in islands that failed for want of inertia, each joint once. Of trees too deep for a joint-space
 /// inertia those alone that have no mass below them. After solve.
-std::vector<Weightless> weightless_joints(const Scene& scene, const SceneData& data,
-                                          const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data,
+                                           const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace manycontact

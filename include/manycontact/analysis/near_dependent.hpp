@@ -17,7 +17,7 @@ constexpr double kCloseGap = 1e3;
 struct RankGap {       // Of an island.
   bool known = false;  // false: damping decides, the island failed, is too large or has no rows
   double least_kept =
-      1;  // what rows before it leave of the row kept that has least, of its size (contact/row_size.hpp)
+      1;  // what rows before it leave of the row kept that has least, of its size (contact/row_scale.hpp)
   double most_dropped = 0;  // and of the row dropped that has most; at least eps, which is what rounding leaves of rows
   int kept = -1, dropped = -1;  // these rows, of f; -1: there is none
 

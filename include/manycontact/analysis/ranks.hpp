@@ -1,6 +1,7 @@
 #pragma once
 // Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
-// of J, to tolerance::kRank of what each row is picked from (row_size, contact/row_size.hpp), its own length at least.
+// of J, to tolerance::kRank of what each row is picked from (row_scale, contact/row_scale.hpp), its own length at
+// least.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"

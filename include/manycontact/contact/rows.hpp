@@ -59,6 +59,11 @@ struct ContactData {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
 };
 
+/// How far A is from B', G = B'MA, in A's axes [m, rad]: log6(G) of 6D; else of the points G_R^T G_p, and of hinges the
+/// turn between their axes m = G_R^T n, m x n. W picks the rows of it.
+template <class S>
+Vec6<S> contact_error(const Contact& contact, const SE3<S>& G);
+
 /// nu, nudot, x, W and a0, from aMA, bMA, G, vA, vB, aA and aB.
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
@@ -86,7 +91,7 @@ void contact_rows_with_world(const Vec3<double>& gravity, const Contact& contact
 /// hundredth of the turning times the levers it was computed with: both bodies' motions are taken at A's frame, so
 /// where B's frame is on its body is not one of them. After contact_rows.
 template <class S>
-S motion_size(const Contact& contact, const ContactData<S>& data) {
+S motion_scale(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
   S of_row[6] = {S(0), S(0), S(0), S(0), S(0), S(0)};
   for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)

@@ -33,6 +33,7 @@
 #include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/ddp.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/parts.hpp"
 
 namespace manycontact {
 

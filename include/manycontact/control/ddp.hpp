@@ -11,16 +11,20 @@
 // algorithm and defaults of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/limited_bfgs.hpp"
-#include "manycontact/control/riccati_direction.hpp"
 #include "manycontact/control/solver.hpp"
 
 namespace manycontact {
 
+class Direction;  // how a step is found
+class RiccatiDirection;
+struct ShootingPart;
+
 class SolverDDP : public SolverAbstract {  // differential dynamic programming
  public:
-  using MatrixXdRowMajor = RiccatiDirection::MatrixXdRowMajor;
+  using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
+  ~SolverDDP() override;
 
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
              const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,

@@ -28,13 +28,13 @@ class SolverSparse : public SolverFDDP {
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
   /// Where nodes were replaced, as in a receding horizon, parts of the same coordinates follow with their memory; those
-  /// that are joined by bonds are made anew.
+  /// that are joined by couplings are made anew.
   void allocateData() override;
 
-  /// Controls of each part (of one joined by bonds, of each cluster of it): the sizes of the matrices Quu that are
+  /// Controls of each part (of one joined by couplings, of each cluster of it): the sizes of the matrices Quu that are
   /// factorized at a node.
   std::vector<int> blocks() const;
-  /// How directions are found: "Riccati", or of parts that are joined by bonds lq::DirectionSolver's name.
+  /// How directions are found: "Riccati", or of parts that are joined by couplings lq::DirectionSolver's name.
   std::string direction() const;
 
  private:

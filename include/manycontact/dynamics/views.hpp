@@ -8,7 +8,6 @@
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/data.hpp"
-#include "manycontact/kkt/choose.hpp"
 #include "manycontact/kkt/matrix.hpp"
 
 namespace manycontact {
@@ -26,12 +25,8 @@ const Island& island_of(const SceneData& data, std::size_t i);
 int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up; its report says which answered.
 Choice choice_of(const SceneData& data, std::size_t i);
-/// The island's trees and contacts, with the analyses made of them.
-const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
 /// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
 int factorizations_of(const SceneData& data, std::size_t i);
-/// Number of shapes analysed so far.
-std::size_t shapes_analysed(const SceneData& data);
 /// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
 const KktMatrix& matrix_of(const SceneData& data, std::size_t i);
 

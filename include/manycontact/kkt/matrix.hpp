@@ -14,9 +14,9 @@ struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // in the pattern's slots
   double damping = 0;          // delta
-  /// Rows of J are judged beside this: the largest of the motions they are picked from (contact/rows.hpp, motion_size).
-  /// All of J may be rounding.
-  double row_size = 0;
+  /// Rows of J are judged beside this: the largest of the motions they are picked from (contact/rows.hpp,
+  /// motion_scale). All of J may be rounding.
+  double row_scale = 0;
 
   /// Takes a pattern and the memory its values need.
   void reset(std::shared_ptr<const KktPattern> p);
@@ -37,8 +37,8 @@ void gather_rows(const KktMatrix& K, std::vector<double>& J);
 /// Vectors of a system, all in K's order of elimination.
 struct KktVectors {
   std::vector<double> b, x;
-  std::vector<double> r, scale;   // residual b - K x, and |b| + |K| |x|
-  std::vector<double> null_part;  // of b: what dependent rows cannot agree on
+  std::vector<double> r, scale;        // residual b - K x, and |b| + |K| |x|
+  std::vector<double> null_component;  // of b: what dependent rows cannot agree on
 
   void resize(int n);
 };

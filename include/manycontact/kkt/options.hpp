@@ -37,6 +37,13 @@ inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, O
 std::string to_string(Order order);                               // "leaf-to-root"
 std::optional<Order> order_from_string(const std::string& name);  // likewise
 
+/// How an island is solved. method: not kAuto. order: of the pattern that K is assembled in, eliminated in that order
+/// where the method has one.
+struct Choice {
+  Method method = Method::kSparseLdl;
+  Order order = Order::kLeafToRoot;
+};
+
 /// Instructions for robots side by side in SIMD lanes, 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) of one model at a
 /// time: islands of one robot by sparse-ldl as a whole; islands of several robots by sparse-ldl robot by robot where
 /// that is cheaper, else, and by sparse-supernodal, the robots' and contacts' terms; by sparse-bodies the parts into

@@ -84,6 +84,9 @@ struct Scene {  // Constant while it is solved; data.hpp says what may change be
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
   double damping = 0;  // delta, Crocoddyl's JMinvJt_damping
+  /// How exact lengths are [m], and over the largest lever angles [rad]: contact rows that depend on each other but for
+  /// that are dependent, in accelerations, forces and derivatives. 0: exact to rounding.
+  double tolerance = 0;
   std::vector<Robot> robots;
   std::vector<Contact> contacts;
 

@@ -88,6 +88,7 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
 
   SceneAtRest at_rest;
+  std::vector<char> kept_active;  // contacts whose rows that depended on each other are kept so
 
   // by semi-implicit Euler
   FreeGroups free_groups;

@@ -19,9 +19,9 @@ struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<ActuationModelAbstract> actuation;
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node
   std::shared_ptr<ShootingProblem> problem;
-  std::vector<Eigen::VectorXd> xs, us;            // initial guess
-  std::vector<std::vector<int>> parts;            // robots that meet, of each part of the nodes
-  std::vector<std::vector<int>> blocks;           // parts, taken apart at their bonds; one: nodes of the whole scene
+  std::vector<Eigen::VectorXd> xs, us;   // initial guess
+  std::vector<std::vector<int>> parts;   // robots that meet, of each part of the nodes
+  std::vector<std::vector<int>> blocks;  // parts, taken apart at their couplings; one: nodes of the whole scene
   std::vector<Eigen::VectorXd> multipliers = {};  // guess of the constraints', as TaskSolution has them; none: zeros
 };
 
@@ -29,7 +29,7 @@ struct TaskProblem {  // A task as a shooting problem.
 bool has_constraints(const TaskFile& task);
 
 /// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; parts that
-/// divide_robots takes apart (task/joined.hpp) are coupled nodes of these blocks, unless their bonds depend on each
+/// divide_robots takes apart (task/joined.hpp) are coupled nodes of these blocks, unless their couplings depend on each
 /// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. kBoxFddp: parts
 /// are not taken apart. With a single block, and for kFddp, nodes of the whole scene.
 /// Throws InputError where a term does not fit the models, with the task's file and line, and where the nodes would not

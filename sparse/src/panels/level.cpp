@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "simd/levels.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact::sparse {
 
@@ -171,7 +171,7 @@ struct Indexed {
 // M x N of H.
 template <int M, int N, class Rows>
 inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, double* H, Rows to,
-                         bool past_caches) {
+                         bool non_temporal) {
   const double zeros[N] = {};
   Tile<double, N> t[M];
   for (int a = 0; a < M; ++a) t[a] = Tile<double, N>::load(zeros);
@@ -181,7 +181,7 @@ inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, R
     for (int a = 0; a < M; ++a) t[a].add(L[a], r);
   }
   for (int a = 0; a < M; ++a)
-    if (past_caches)
+    if (non_temporal)
       t[a].stream(H + to(a));
     else
       t[a].store(H + to(a));
@@ -190,12 +190,12 @@ inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, R
 // M rows of H.
 template <int M, class Rows>
 inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, int cols,
-                         double* H, Rows to, bool past_caches = false) {
+                         double* H, Rows to, bool non_temporal = false) {
   const int end = (cols + 7) / 8 * 8;
   int j = 0;
-  for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, from, depth, H + j, to, past_caches);
-  for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, from, depth, H + j, to, past_caches);
-  for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, from, depth, H + j, to, past_caches);
+  for (; j + kWide <= end; j += kWide) product_tile<M, kWide>(L, ldl, R + j, from, depth, H + j, to, non_temporal);
+  for (; j + 8 <= end; j += 8) product_tile<M, 8>(L, ldl, R + j, from, depth, H + j, to, non_temporal);
+  for (; j < end; j += 4) product_tile<M, 4>(L, ldl, R + j, from, depth, H + j, to, non_temporal);
 }
 
 void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
@@ -222,11 +222,11 @@ void product(const double* L, int ldl, const double* R, int depth, int rows, int
 
 // No row is done again: it may be on its way to memory.
 void product_of_rows(const double* L, int ldl, const double* R, const int* from, int depth, double* H, const int* to,
-                     int rows, int cols, int ld, bool past_caches) {
+                     int rows, int cols, int ld, bool non_temporal) {
   kernel::in_chunks<kHigh>(0, rows, [&](int i, auto high) {
-    product_rows<high.value>(L + i, ldl, R, Indexed{from, ld}, depth, cols, H, Indexed{to + i, ld}, past_caches);
+    product_rows<high.value>(L + i, ldl, R, Indexed{from, ld}, depth, cols, H, Indexed{to + i, ld}, non_temporal);
   });
-  if (past_caches) kernel::finish_streams();
+  if (non_temporal) kernel::finish_streams();
 }
 
 // f(first, number) for the columns, 4 registers of them at a time.

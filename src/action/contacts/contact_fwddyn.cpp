@@ -75,6 +75,11 @@ void Model_::set_damping_factor(double damping) {
   damping_ = damping;
 }
 
+void Model_::set_start(const Eigen::VectorXd& x0) {
+  if (x0.size() > 0) check_size("set_start", "x0", x0.size(), state_->get_nx());
+  start_ = x0;
+}
+
 void Model_::set_armature(const Eigen::VectorXd& armature) {
   check_size("set_armature", "armature", armature.size(), state_->get_nv());
   for (double number : armature)

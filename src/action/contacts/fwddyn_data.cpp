@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "fwddyn_steps.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 
 namespace manycontact {
 
@@ -35,6 +36,12 @@ DifferentialActionDataContactFwdDynamics::DifferentialActionDataContactFwdDynami
       models(model->models_) {
   multibody = std::make_unique<DataCollector>(scene_of(*model, *models), model->get_options(),
                                               model->get_actuation()->createData());
+  if (const Eigen::VectorXd& x0 = model->get_start(); x0.size() > 0) {
+    const Scene& scene = multibody->scene;
+    const Eigen::VectorXd no_torques = Eigen::VectorXd::Zero(scene.nu);
+    (void)solve(scene, x0.head(scene.nq), x0.tail(scene.nv), no_torques, multibody->solution);
+    keep_dependent(multibody->solution);
+  }
   internal::lay_out_islands(*model->get_actuation(), *this);
   for (const auto& [name, item] : model->get_contacts()->get_contacts())
     multibody->contacts->contacts[name] = std::make_shared<ContactDataAbstract>();

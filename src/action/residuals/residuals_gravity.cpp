@@ -2,6 +2,7 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/static_torque.hpp"
 #include "residual_parts.hpp"
 

@@ -82,10 +82,10 @@ std::string required(const Arguments& arguments, const std::string& option) {
   return *value;
 }
 
-BatchRun set_up(const Arguments& arguments, const Team& team) {
+BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
   const std::string path = scene_operand(arguments), states = required(arguments, "--states"),
                     out = required(arguments, "--out");
-  const int threads = arguments.integer("--threads", 1, kMostThreads, team.size() > 1 ? 1 : 0);
+  const int threads = arguments.integer("--threads", 1, kMostThreads, communicator.size() > 1 ? 1 : 0);
   const Options options = solver_options(arguments);
   BatchRun run;
   run.islands = arguments.has("--islands");
@@ -97,7 +97,7 @@ BatchRun set_up(const Arguments& arguments, const Team& team) {
   check_files(arguments, file.files, {"--out"});
   if (arguments.has("--derivatives")) check_unread("--derivatives", derivatives_path(out), file.files);
   run.name = file.scene.name;
-  run.part = run.islands ? part_of(file.scene, team.rank(), team.size()) : part_of(file.scene, 0, 1);
+  run.part = run.islands ? part_of(file.scene, communicator.rank(), communicator.size()) : part_of(file.scene, 0, 1);
   run.states = std::make_unique<NpyInput>(states);
   const std::vector<std::int64_t>& shape = run.states->shape();
   if (shape.size() != 2 || shape[1] != run.in_size())
@@ -111,7 +111,7 @@ BatchRun set_up(const Arguments& arguments, const Team& team) {
   if (arguments.has("--derivatives"))
     run.out.emplace_back(derivatives_path(out),
                          std::vector<std::int64_t>{run.count, run.derivative_rows(), run.derivative_cols()});
-  run.block = block_size(run, team.size());
+  run.block = block_size(run, communicator.size());
   run.data = std::make_unique<BatchData>(run.part.scene, threads, options);
   return run;
 }
@@ -169,27 +169,27 @@ void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
 
 // Every block, and how many states have each status: split by states, a process has every size()-th block; split by
 // islands, all have all of them, and rank 0 writes.
-std::vector<std::int64_t> work(BatchRun& run, Team& team) {
+std::vector<std::int64_t> work(BatchRun& run, Communicator& communicator) {
   std::vector<std::int64_t> counts(kStatuses, 0);
   StateBlock b;
   std::vector<int> status;
   Progress progress("states", static_cast<double>(run.count));
   const std::int64_t blocks = (run.count + run.block - 1) / run.block;
-  const bool writes = !run.islands || team.rank() == 0;
-  for (std::int64_t k = run.islands ? 0 : team.rank(); k < blocks; k += run.islands ? 1 : team.size()) {
+  const bool writes = !run.islands || communicator.rank() == 0;
+  for (std::int64_t k = run.islands ? 0 : communicator.rank(); k < blocks; k += run.islands ? 1 : communicator.size()) {
     const std::int64_t first = k * run.block, n = std::min(run.block, run.count - first);
     work_on(run, first, n, b);
     status.assign(n, 0);
     for (std::int64_t i = 0; i < n; ++i) status[i] = static_cast<int>(b.status[i]);
     if (run.islands) {
-      team.collect(b.out.data(), b.out.size());
-      team.largest(status);
+      communicator.collect(b.out.data(), b.out.size());
+      communicator.largest(status);
     }
     if (writes) {
       for (std::int64_t i = 0; i < n; ++i) b.out(i, run.out_size() - 1) = status[i], ++counts[status[i]];
       run.out[0].write(first * run.out_size(), b.out.size(), b.out.data());
     }
-    if (team.rank() == 0) progress.update(static_cast<double>(first + n));
+    if (communicator.rank() == 0) progress.update(static_cast<double>(first + n));
   }
   return counts;
 }
@@ -203,40 +203,40 @@ void print_summary(const BatchRun& run, const std::vector<std::int64_t>& counts)
 }
 
 int run_alone(const Arguments& arguments) {
-  Team team;
-  return run_batch(arguments, team);
+  Communicator communicator;
+  return run_batch(arguments, communicator);
 }
 
 }  // namespace
 
-int run_batch(const Arguments& arguments, Team& team) {
+int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
-  const auto together = [&team](auto&& step) {  // a step that may fail in some processes and not in others
+  const auto together = [&communicator](auto&& step) {  // a step that may fail in some processes and not in others
     std::exception_ptr error;
     try {
       step();
     } catch (...) {
       error = std::current_exception();
     }
-    team.agree(error);
+    communicator.agree(error);
   };
-  together([&] { run = set_up(arguments, team); });
+  together([&] { run = set_up(arguments, communicator); });
   together([&] {
     for (NpyOutput& out : run.out)
-      if (team.rank() == 0) out.create();
+      if (communicator.rank() == 0) out.create();
   });
-  team.begin();
+  communicator.begin();
   for (NpyOutput& out : run.out) {
-    const std::string name = team.told(team.rank() == 0 ? out.temporary() : "");
-    if (team.rank() > 0) out.join(name);
+    const std::string name = communicator.told(communicator.rank() == 0 ? out.temporary() : "");
+    if (communicator.rank() > 0) out.join(name);
   }
-  std::vector<std::int64_t> counts = work(run, team);
+  std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  team.sum(counts);      // all are done
-  if (team.rank() == 0)  // the answers last: where they are, the derivatives are too
+  communicator.sum(counts);      // all are done
+  if (communicator.rank() == 0)  // the answers last: where they are, the derivatives are too
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
-  team.end();
-  if (team.rank() == 0) print_summary(run, counts);
+  communicator.end();
+  if (communicator.rank() == 0) print_summary(run, counts);
   int worst = 0;
   for (int k = 0; k < kStatuses; ++k)
     if (counts[k] > 0) worst = k;

@@ -2,12 +2,12 @@
 // `manycontact batch`, in one process or in several.
 
 #include "../program/arguments.hpp"
-#include "team.hpp"
+#include "communicator.hpp"
 
 namespace manycontact::cli {
 
-/// The command, as a member of that team. Returns the exit status.
-int run_batch(const Arguments& arguments, Team& team);
+/// The command, as a member of that communicator. Returns the exit status.
+int run_batch(const Arguments& arguments, Communicator& communicator);
 
 /// Whether this process is one of several that mpirun started.
 bool under_mpirun();

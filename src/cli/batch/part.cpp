@@ -61,6 +61,7 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
   part.scene.name = scene.name;
   part.scene.gravity = scene.gravity;
   part.scene.damping = scene.damping;
+  part.scene.tolerance = scene.tolerance;
   std::vector<int> own_robot(scene.robots.size(), -1);
   for (int r : members.robots) {
     const Robot& robot = scene.robots[r];

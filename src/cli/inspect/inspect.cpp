@@ -16,6 +16,7 @@
 #include "../text/table.hpp"
 #include "manycontact/analysis/advice.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 
 namespace manycontact::cli {

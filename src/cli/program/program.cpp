@@ -9,7 +9,7 @@
 #include <new>
 
 #include "../text/table.hpp"
-#include "beside.hpp"
+#include "execute.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/version.hpp"
@@ -40,10 +40,10 @@ int run(const Command& command, const std::vector<std::string>& words) {
     std::cout << help(command);
     return kExitOk;
   }
-  if (!command.run) return run_beside(command.beside, command.name, words, "`./run build` makes it");
+  if (!command.run) return execute_program(command.beside, command.name, words, "`./run build` makes it");
   if (command.by_processes && command.by_processes())
-    return run_beside("manycontact-mpi", command.name, words,
-                      "under mpirun that one is needed, `./run build --mpi` makes it");
+    return execute_program("manycontact-mpi", command.name, words,
+                           "under mpirun that one is needed, `./run build --mpi` makes it");
   try {
     return command.run(Arguments(command.options, words));
   } catch (const UsageError& error) {

@@ -168,7 +168,7 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
 
 void print_impacts(std::ostream& out, const Around& around) {
   if (!around.switches) return;
-  for (const Switches::Blow& blow : around.switches->blows())
+  for (const Switches::ImpactEvent& blow : around.switches->blows())
     wrap(out,
          "at t = " + number(blow.t, 4) + " s " + blow.contacts + " closed: the impact took " +
              number(blow.jump.energy_lost) + " J",
@@ -263,7 +263,7 @@ int run_simulate(const Arguments& arguments) {
   run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
   if (run.stopped == StepStatus::kSolverFailed)
-    run.at_start.weightless = weightless_joints(file.scene, sim.dynamics, sim.q);
+    run.at_start.massless = massless_joints(file.scene, sim.dynamics, sim.q);
   const std::string late = switches_not_reached(around, sim);
   const bool summary = !is_standard_output(arguments, {"--out", "--forces", "--json"});
   if (summary)

@@ -21,12 +21,12 @@ class Switches {
   const std::vector<Event>& events() const { return events_; }
 
   /// What happened to the motion when contacts closed.
-  struct Blow {
+  struct ImpactEvent {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
   };
-  const std::vector<Blow>& blows() const { return blows_; }
+  const std::vector<ImpactEvent>& blows() const { return blows_; }
 
   /// "5 left off, 7 right on": what is not done yet, as the option has it; empty where all is.
   std::string not_reached() const;
@@ -37,7 +37,7 @@ class Switches {
  private:
   std::vector<Event> events_;  // by time
   std::size_t done_ = 0;
-  std::vector<Blow> blows_;
+  std::vector<ImpactEvent> blows_;
 };
 
 }  // namespace manycontact::cli

@@ -8,6 +8,7 @@
 #include "../text/describe.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/rounding.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "solve.hpp"

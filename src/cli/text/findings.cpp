@@ -102,9 +102,9 @@ void print_files(std::ostream& out, const std::vector<Finding>& findings) {
   }
 }
 
-void print_weightless(std::ostream& out, const std::vector<Weightless>& list) {
+void print_massless(std::ostream& out, const std::vector<MasslessJoint>& list) {
   std::map<std::string, std::vector<std::string>> joints;  // by reason
-  for (const Weightless& w : list) joints[w.why].push_back(w.joint);
+  for (const MasslessJoint& w : list) joints[w.why].push_back(w.joint);
   for (const auto& [why, names] : joints)
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
@@ -163,7 +163,7 @@ Findings find(const SceneFile& file, const SceneData& data) {
   f.violations = violations(file.scene, file.q, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
-  f.weightless = weightless_joints(file.scene, data, file.q);
+  f.massless = massless_joints(file.scene, data, file.q);
   f.rank_changes = rank_changes(file.scene, file.q, data);
   if (!f.rank_changes.empty()) f.velocity_names = velocity_names(file.scene);
   find_gaps(file, data, f);
@@ -219,7 +219,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   print_contacts(
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
-  print_weightless(out, f.weightless);
+  print_massless(out, f.massless);
   std::vector<std::string> changes;
   for (const RankChange& c : f.rank_changes)
     if (c.singular) changes.push_back(in_words(scene, f.velocity_names, c));
@@ -265,7 +265,7 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
   for (const Contradiction& c : f.contradictions)
     say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
-  for (const Weightless& w : f.weightless) say("no_inertia", w.joint, w.why);
+  for (const MasslessJoint& w : f.massless) say("no_inertia", w.joint, w.why);
   for (const RankChange& c : f.rank_changes)
     if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, f.velocity_names, c));
   for (std::size_t k = 0; k < f.near_dependent.size(); ++k)
@@ -314,7 +314,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
                                     {"without", n.without}});
   }
   to["massless_joints"] = Json::array();
-  for (const Weightless& w : f.weightless) to["massless_joints"].push_back(w.joint);
+  for (const MasslessJoint& w : f.massless) to["massless_joints"].push_back(w.joint);
   to["findings"] = all_in_words(scene, f);
 }
 

@@ -19,7 +19,7 @@ struct Findings {
   std::vector<Violation> violations;
   std::vector<LimitPassed> limits;
   std::vector<Contradiction> contradictions;
-  std::vector<Weightless> weightless;
+  std::vector<MasslessJoint> massless;
   std::vector<RankChange> rank_changes;
   std::vector<NearDependent> near_dependent;
   std::vector<std::string> force_names, velocity_names;  // of all, where those above need them
@@ -29,7 +29,7 @@ struct Findings {
 
   bool empty() const {
     return files.empty() && misplaced.empty() && moving.empty() && violations.empty() && limits.empty() &&
-           contradictions.empty() && weightless.empty() && near_dependent.empty() && close_rows.empty() &&
+           contradictions.empty() && massless.empty() && near_dependent.empty() && close_rows.empty() &&
            std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
   }
 };

@@ -105,7 +105,7 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
   return worst.value;
 }
 
-// The same of nodes with couplings: the bonds' wrenches are eliminated from the gradients, by the scene's own
+// The same of nodes with couplings: the couplings' wrenches are eliminated from the gradients, by the scene's own
 // derivatives and not by the rows that directions are made of.
 double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                                bool limits, const Vectors& ys, Eigen::VectorXd& work) {
@@ -135,8 +135,8 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
   const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
   if (work.size() < size) work.resize(size);
-  return CoupledDirection::serves(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, work)
-                                           : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
+  return CoupledDirection::applies_to(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, work)
+                                               : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
 }
 
 }  // namespace

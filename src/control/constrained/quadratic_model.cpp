@@ -43,7 +43,7 @@ const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t
 
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
   std::vector<ActionPart> out;
-  if (CoupledDirection::serves(problem)) {
+  if (CoupledDirection::applies_to(problem)) {
     for (const ActionPart& part : as_coupled(problem, problem.get_T())->get_parts())
       out.push_back({nullptr, part.x, part.dx, part.u});
   } else {
@@ -56,17 +56,17 @@ std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
   return out;
 }
 
-lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& bonds) {
+lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& couplings) {
   lq::Knot knot;
   for (std::size_t i = 0; i < blocks; ++i) {
     lq::Group group;
     group.blocks = {static_cast<int>(i)};
-    for (std::size_t b = 0; b < bonds.size(); ++b)
-      if (bonds[b].first == static_cast<int>(i) || bonds[b].second == static_cast<int>(i))
-        group.bonds.push_back(static_cast<int>(b));
+    for (std::size_t b = 0; b < couplings.size(); ++b)
+      if (couplings[b].first == static_cast<int>(i) || couplings[b].second == static_cast<int>(i))
+        group.couplings.push_back(static_cast<int>(b));
     knot.groups.push_back(std::move(group));
   }
-  knot.bonds.assign(bonds.size(), {6, 6});
+  knot.couplings.assign(couplings.size(), {6, 6});
   return knot;
 }
 
@@ -77,10 +77,11 @@ lq::Problem structure_of(const ShootingProblem& problem, const std::vector<Actio
     out.nu.push_back(static_cast<int>(block.u.size()));
   }
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
-    std::vector<std::pair<int, int>> bonds;
+    std::vector<std::pair<int, int>> couplings;
     if (const auto* coupled = as_coupled(problem, t); coupled && t < problem.get_T())
-      for (const Coupling& bond : coupled->get_couplings()->bonds()) bonds.emplace_back(bond.part_a, bond.part_b);
-    out.knots.push_back(knot_of(blocks.size(), bonds));
+      for (const Coupling& coupling : coupled->get_couplings()->couplings())
+        couplings.emplace_back(coupling.part_a, coupling.part_b);
+    out.knots.push_back(knot_of(blocks.size(), couplings));
   }
   lq::set_zero(out);
   return out;

@@ -11,8 +11,8 @@ const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t
 /// The parts of nodes with couplings, the same throughout; of other nodes one, of all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 
-/// One group per block, with the bonds that touch it: pairs of blocks, of six rows each.
-lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& bonds);
+/// One group per block, with the couplings that touch it: pairs of blocks, of six rows each.
+lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& couplings);
 /// Zeros of the right sizes.
 lq::Problem structure_of(const ShootingProblem& problem, const std::vector<ActionPart>& blocks);
 

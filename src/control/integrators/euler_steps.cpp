@@ -17,7 +17,7 @@ const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, c
   return !node.has_matrices() || typeid(own) == typeid(IntegratedActionModelEuler) ? euler : nullptr;
 }
 
-void fill_steps(const IntegratedActionDataEuler& euler, lq::Steps& out) {
+void fill_steps(const IntegratedActionDataEuler& euler, lq::SymplecticStructure& out) {
   const auto fill = [&](lq::BlockDiagonal& D, double scale, Mat6<double> IntegratedActionDataEuler::WideJoint::*which) {
     D.scale = scale;
     D.parts.resize(euler.wide_joints.size());

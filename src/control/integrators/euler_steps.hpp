@@ -1,5 +1,6 @@
 #pragma once
-// Nodes of symplectic Euler, whose new configuration is the old one stepped by the new velocity, as lq::Steps.
+// Nodes of symplectic Euler, whose new configuration is the old one stepped by the new velocity, as
+// lq::SymplecticStructure.
 
 #include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/euler.hpp"
@@ -17,6 +18,6 @@ inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
 /// or keeps no matrices, and whose joints are known.
 const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node);
 /// J1 and h J2, in memory that is there from the second time on.
-void fill_steps(const IntegratedActionDataEuler& euler, lq::Steps& out);
+void fill_steps(const IntegratedActionDataEuler& euler, lq::SymplecticStructure& out);
 
 }  // namespace manycontact::internal

@@ -4,6 +4,7 @@
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 
 namespace manycontact::internal {
 
@@ -13,6 +14,7 @@ constexpr double kSlow = 0x1p-30;  // s
 
 void copy_what_may_change(const Scene& from, Scene& to) {
   to.damping = from.damping;
+  to.tolerance = from.tolerance;
   for (std::size_t r = 0; r < from.robots.size(); ++r) to.robots[r].base = from.robots[r].base;
   for (std::size_t c = 0; c < from.contacts.size(); ++c) {
     const Contact& contact = from.contacts[c];
@@ -56,6 +58,7 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw)
     kin.emplace_back(*robot.model);
     robots_.emplace_back(*robot.model);
   }
+  keep_dependent_as(of.solution, scene, solution);
 }
 
 void HeldVelocities::kinematics_at_start(const DataCollector& of) {

@@ -5,8 +5,8 @@
 #include "../constrained/quadratic_model.hpp"
 #include "coordinates.hpp"
 #include "manycontact/control/couplings.hpp"
-#include "manycontact/lq/bond_schur.hpp"
 #include "manycontact/lq/choose.hpp"
+#include "manycontact/lq/coupling_schur.hpp"
 #include "manycontact/lq/kkt.hpp"
 
 namespace manycontact {
@@ -22,17 +22,17 @@ bool same_coordinates(const ActionPart& a, const ActionPart& b) { return a.x == 
 }  // namespace
 
 CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
-                                  const std::vector<std::vector<std::pair<int, int>>>& bonds) {
+                                  const std::vector<std::vector<std::pair<int, int>>>& couplings) {
   lq::Problem problem;
   problem.nx = nx;
   problem.nu = nu;
-  for (const auto& of_node : bonds) problem.knots.push_back(internal::knot_of(nx.size(), of_node));
+  for (const auto& of_node : couplings) problem.knots.push_back(internal::knot_of(nx.size(), of_node));
   problem.knots.push_back(internal::knot_of(nx.size(), {}));
   const lq::Prediction flops = lq::predict(problem);
-  return {flops.dense, std::min(flops.islands, flops.bond_schur)};
+  return {flops.dense, std::min(flops.islands, flops.coupling_schur)};
 }
 
-bool CoupledDirection::serves(const ShootingProblem& problem) {
+bool CoupledDirection::applies_to(const ShootingProblem& problem) {
   const ActionModelParts* last = internal::as_coupled(problem, problem.get_T());
   for (std::size_t t = 0; last && t < problem.get_T(); ++t) {
     const ActionModelParts* model = internal::as_coupled(problem, t);
@@ -54,7 +54,7 @@ void CoupledDirection::resize() {
   layout_ = lq::Layout(lq_);
   z_ = preconditioned_ = lq::Point(lq_, layout_);
   solver_ = lq::choose(lq_);
-  const auto* schur = dynamic_cast<const lq::BondSchur*>(solver_.get());
+  const auto* schur = dynamic_cast<const lq::CouplingSchur*>(solver_.get());
   policies_ = schur ? &schur->clusters() : dynamic_cast<const lq::Riccati*>(solver_.get());
 }
 

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr const char* kCouplings = "ActionModelParts";
-constexpr int kRows = 6;  // of a bond, and numbers of its wrench, whatever the contact's type
+constexpr int kRows = 6;  // of a coupling, and numbers of its wrench, whatever the contact's type
 
 std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
   std::vector<int> out(scene.robots.size(), -1);
@@ -78,7 +78,7 @@ std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<st
   return out;
 }
 
-std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& bonds,
+std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& couplings,
                                    const std::vector<std::vector<int>>& robots, int part) {
   const std::vector<int>& own = robots[static_cast<std::size_t>(part)];
   const auto end = [&](const Attachment& at, double sign) {
@@ -86,22 +86,22 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Couplin
     return WrenchEnd{static_cast<int>(found - own.begin()), at.joint, sign};
   };
   std::vector<WrenchEnd> out;
-  for (const Coupling& bond : bonds) {
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(bond.contact)];
-    if (bond.part_a == part) out.push_back(end(contact.A, 1));
-    if (bond.part_b == part) out.push_back(end(contact.B, -1));
+  for (const Coupling& coupling : couplings) {
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(coupling.contact)];
+    if (coupling.part_a == part) out.push_back(end(contact.A, 1));
+    if (coupling.part_b == part) out.push_back(end(contact.B, -1));
   }
   return out;
 }
 
 Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
     : scene_(std::move(scene)),
-      bonds_(couplings_between(scene_, robots_of(parts))),
-      bonds_of_(parts.size()),
+      couplings_(couplings_between(scene_, robots_of(parts))),
+      couplings_of_(parts.size()),
       local_robot_(scene_.robots.size()) {
-  for (std::size_t b = 0; b < bonds_.size(); ++b)
-    for (const int i : {bonds_[b].part_a, bonds_[b].part_b})
-      bonds_of_[static_cast<std::size_t>(i)].push_back(static_cast<int>(b));
+  for (std::size_t b = 0; b < couplings_.size(); ++b)
+    for (const int i : {couplings_[b].part_a, couplings_[b].part_b})
+      couplings_of_[static_cast<std::size_t>(i)].push_back(static_cast<int>(b));
   const std::vector<std::vector<int>> robots = robots_of(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ActionPart& part = parts[i];
@@ -109,8 +109,8 @@ Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
       local_robot_[static_cast<std::size_t>(part.robots[l])] = static_cast<int>(l);
     const auto& dynamics = dynamics_of(part);
     const auto* actuation = dynamic_cast<const ActuationModelWrenches*>(dynamics.get_actuation().get());
-    require(actuation && same(actuation->ends(), wrench_ends(scene_, bonds_, robots, static_cast<int>(i))), kCouplings,
-            "a part is expected to be actuated by ActuationModelWrenches of its wrench_ends");
+    require(actuation && same(actuation->ends(), wrench_ends(scene_, couplings_, robots, static_cast<int>(i))),
+            kCouplings, "a part is expected to be actuated by ActuationModelWrenches of its wrench_ends");
     check_size(kCouplings, "a part's robots", static_cast<Index>(part.robots.size()),
                static_cast<std::size_t>(dynamics.get_model().scene().nrobots()));
     check_size(kCouplings, "a part's u", static_cast<Index>(part.u.size()), actuation->nu_own());
@@ -120,32 +120,32 @@ Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
 CouplingData::CouplingData(const Couplings& of, const std::vector<ActionPart>& parts) : solution(of.scene()) {
   const Scene& scene = of.scene();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Index rows = static_cast<Index>(kRows * of.bonds_of_parts()[i].size());
+    const Index rows = static_cast<Index>(kRows * of.couplings_of_parts()[i].size());
     C.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].dx.size())));
     D.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].model->get_nu())));
   }
   robots.resize(scene.robots.size());
-  for (const Coupling& bond : of.bonds()) {
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(bond.contact)];
+  for (const Coupling& coupling : of.couplings()) {
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(coupling.contact)];
     for (const int r : {contact.A.robot, contact.B.robot})
       if (!robots[static_cast<std::size_t>(r)])
         robots[static_cast<std::size_t>(r)] =
             std::make_unique<OfRobot>(*scene.robots[static_cast<std::size_t>(r)].model);
     const ContactSupport support = contact_support(scene, contact);
-    bonds.push_back({support, {contact, support}, {scene, contact, support}});
+    couplings.push_back({support, {contact, support}, {scene, contact, support}});
   }
 }
 
-const std::string& Couplings::name(std::size_t bond) const {
-  return scene_.contacts[static_cast<std::size_t>(bonds_[bond].contact)].name;
+const std::string& Couplings::name(std::size_t coupling) const {
+  return scene_.contacts[static_cast<std::size_t>(couplings_[coupling].contact)].name;
 }
 
-VectorXd Couplings::force(std::size_t bond, const CouplingData& data) const {
-  const auto c = static_cast<std::size_t>(bonds_[bond].contact);
+VectorXd Couplings::force(std::size_t coupling, const CouplingData& data) const {
+  const auto c = static_cast<std::size_t>(couplings_[coupling].contact);
   return data.solution.f.segment(data.solution.f_offset[c], scene_.contacts[c].rows());
 }
 
-// Dynamics of the whole scene, and from it the bonds' wrenches.
+// Dynamics of the whole scene, and from it the couplings' wrenches.
 void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef& x, const ConstVectorRef& u,
                       ActionDataParts& d) const {
   CouplingData& own = *d.couplings;
@@ -159,21 +159,21 @@ void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef
     forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv),
                                   own.solution.a.data() + robot.idx_v, scene_.gravity, kin);
   }
-  for (std::size_t b = 0; b < bonds_.size(); ++b) {
-    const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
-    CouplingData::OfBond& bond = own.bonds[b];
+  for (std::size_t b = 0; b < couplings_.size(); ++b) {
+    const Contact& contact = scene_.contacts[static_cast<std::size_t>(couplings_[b].contact)];
+    CouplingData::OfCoupling& coupling = own.couplings[b];
     const Kinematics<double>& A = own.robots[static_cast<std::size_t>(contact.A.robot)]->kin;
-    contact_rows<double>(scene_, contact, bond.support, A, &own.robots[static_cast<std::size_t>(contact.B.robot)]->kin,
-                         bond.rows);
-    const Mat3<double>& R = bond.rows.aMA.R;
+    contact_rows<double>(scene_, contact, coupling.support, A,
+                         &own.robots[static_cast<std::size_t>(contact.B.robot)]->kin, coupling.rows);
+    const Mat3<double>& R = coupling.rows.aMA.R;
     const Vec6<double> F =
-        bond.rows.W.transpose() *
-        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(bonds_[b].contact)], contact.rows());
-    for (const int i : {bonds_[b].part_a, bonds_[b].part_b}) {
-      const std::vector<int>& of_part = bonds_of_[static_cast<std::size_t>(i)];
+        coupling.rows.W.transpose() *
+        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(couplings_[b].contact)], contact.rows());
+    for (const int i : {couplings_[b].part_a, couplings_[b].part_b}) {
+      const std::vector<int>& of_part = couplings_of_[static_cast<std::size_t>(i)];
       const auto k = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
       const auto part = static_cast<std::size_t>(i);
-      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin(contact.A.joint) + bond.rows.aMA.p;
+      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin(contact.A.joint) + coupling.rows.aMA.p;
       auto w = d.u[part].segment<kRows>(static_cast<Index>(parts[part].u.size()) + kRows * k);
       w << R * F.head<3>(), R * F.tail<3>();
     }

@@ -22,26 +22,26 @@ const DifferentialActionDataAbstract& dynamics_of_part(ActionDataAbstract& part)
 }
 
 // Of both ends: rows = [C D_u] in the node's dx and u, and what stands with the wrenches.
-struct BondSystem {
+struct CouplingSystem {
   MatrixXd rows, by_w;
 };
 
-BondSystem system_of(const Couplings& couplings, const std::vector<ActionPart>& parts, const CouplingData& d, Index ndx,
-                     Index nu) {
-  const Index size = 6 * static_cast<Index>(couplings.bonds().size());
-  BondSystem out{MatrixXd::Zero(size, ndx + nu), MatrixXd::Zero(size, size)};
+CouplingSystem system_of(const Couplings& couplings, const std::vector<ActionPart>& parts, const CouplingData& d,
+                         Index ndx, Index nu) {
+  const Index size = 6 * static_cast<Index>(couplings.couplings().size());
+  CouplingSystem out{MatrixXd::Zero(size, ndx + nu), MatrixXd::Zero(size, size)};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ActionPart& part = parts[i];
-    const std::vector<int>& bonds = couplings.bonds_of_parts()[i];
+    const std::vector<int>& of_part = couplings.couplings_of_parts()[i];
     const Index own = static_cast<Index>(part.u.size());
-    for (std::size_t a = 0; a < bonds.size(); ++a) {
+    for (std::size_t a = 0; a < of_part.size(); ++a) {
       const auto C = d.C[i].middleRows<6>(static_cast<Index>(6 * a)),
                  D = d.D[i].middleRows<6>(static_cast<Index>(6 * a));
-      auto rows = out.rows.middleRows<6>(6 * bonds[a]);
+      auto rows = out.rows.middleRows<6>(6 * of_part[a]);
       for (std::size_t j = 0; j < part.dx.size(); ++j) rows.col(part.dx[j]) += C.col(static_cast<Index>(j));
       for (std::size_t j = 0; j < part.u.size(); ++j) rows.col(ndx + part.u[j]) += D.col(static_cast<Index>(j));
-      for (std::size_t b = 0; b < bonds.size(); ++b)
-        out.by_w.block<6, 6>(6 * bonds[a], 6 * bonds[b]) += D.middleCols<6>(own + static_cast<Index>(6 * b));
+      for (std::size_t b = 0; b < of_part.size(); ++b)
+        out.by_w.block<6, 6>(6 * of_part[a], 6 * of_part[b]) += D.middleCols<6>(own + static_cast<Index>(6 * b));
     }
   }
   return out;
@@ -73,14 +73,15 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
 
 // The turning of r2's frame, its delta f, and the rows of what is not transmitted. With F the force in A's moving axes,
 // and a world-aligned frame's turning, d(W F) = W (X^T w - s x* F + th x F), s = J_A dq_A.
-void add_force_rows(const CouplingData::OfBond& bond, double delta, Index first, Index w, MatrixRef C, MatrixRef D) {
-  const ContactDerivatives& dr = bond.derivatives;
-  const auto& W = bond.rows.W;
+void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
+                    MatrixRef D) {
+  const ContactDerivatives& dr = coupling.derivatives;
+  const auto& W = coupling.rows.W;
   const Index m = W.rows();
   const auto N = complement_of(W);
-  for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
-    const Index column = static_cast<Index>(k), to = first + bond.support.a[k];
-    Vec6<double> dF = -cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
+  for (std::size_t k = 0; k < coupling.support.a.size(); ++k) {
+    const Index column = static_cast<Index>(k), to = first + coupling.support.a[k];
+    Vec6<double> dF = -cross_force(Vec6<double>(coupling.rows.Jl.col(column)), dr.F);
     if (dr.turns) {
       dF += turned<double>(dr.turn.col(column), dr.F);
       C.col(to).head(m).noalias() += W * turned<double>(dr.turn.col(column), dr.x);
@@ -88,7 +89,7 @@ void add_force_rows(const CouplingData::OfBond& bond, double delta, Index first,
     C.col(to).head(m).noalias() += delta * (W * dF);
     C.col(to).tail(6 - m).noalias() += N * dF;
   }
-  const Mat3<double> Rt = bond.rows.aMA.R.transpose();
+  const Mat3<double> Rt = coupling.rows.aMA.R.transpose();
   for (const Index half : {Index(0), Index(3)}) {
     D.block(0, w + half, m, 3).noalias() += delta * (W.middleCols<3>(half) * Rt);
     D.block(m, w + half, 6 - m, 3).noalias() += N.middleCols<3>(half) * Rt;
@@ -97,22 +98,22 @@ void add_force_rows(const CouplingData::OfBond& bond, double delta, Index first,
 
 }  // namespace
 
-// The share in bond b's rows of A's part or of B's.
+// The share in coupling b's rows of A's part or of B's.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
-  const Contact& contact = scene_.contacts[static_cast<std::size_t>(bonds_[b].contact)];
-  const CouplingData::OfBond& bond = own.bonds[b];
-  const auto part = static_cast<std::size_t>(of_a ? bonds_[b].part_a : bonds_[b].part_b);
+  const Contact& contact = scene_.contacts[static_cast<std::size_t>(couplings_[b].contact)];
+  const CouplingData::OfCoupling& coupling = own.couplings[b];
+  const auto part = static_cast<std::size_t>(of_a ? couplings_[b].part_a : couplings_[b].part_b);
   const int r = (of_a ? contact.A : contact.B).robot;
-  const std::vector<int>& of_part = bonds_of_[part];
+  const std::vector<int>& of_part = couplings_of_[part];
   const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
   const auto& state = static_cast<const StateMultibody&>(*parts[part].model->get_state());
   const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
   const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
-  const std::vector<int>& chain = of_a ? bond.support.a : bond.support.b;
-  const Index column = of_a ? 0 : static_cast<Index>(bond.support.a.size());
-  const ContactDerivatives& dr = bond.derivatives;
-  const auto& W = bond.rows.W;
+  const std::vector<int>& chain = of_a ? coupling.support.a : coupling.support.b;
+  const Index column = of_a ? 0 : static_cast<Index>(coupling.support.a.size());
+  const ContactDerivatives& dr = coupling.derivatives;
+  const auto& W = coupling.rows.W;
 
   const DifferentialActionDataAbstract& a = dynamics_of_part(*d.parts[part]);
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
@@ -121,12 +122,12 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
-    C_held.noalias() += bond.rows.J.col(from) * a.Fx.row(to);
-    D_held.noalias() += bond.rows.J.col(from) * a.Fu.row(to);
+    C_held.noalias() += coupling.rows.J.col(from) * a.Fx.row(to);
+    D_held.noalias() += coupling.rows.J.col(from) * a.Fu.row(to);
     C_held.col(to).noalias() += W * dr.dx_dq.col(from);
     C_held.col(nv + to).noalias() += W * dr.dx_dv.col(from);
   }
-  if (of_a) add_force_rows(bond, scene_.damping, first, static_cast<Index>(parts[part].u.size()) + 6 * at, C, D);
+  if (of_a) add_force_rows(coupling, scene_.damping, first, static_cast<Index>(parts[part].u.size()) + 6 * at, C, D);
 }
 
 void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
@@ -135,16 +136,16 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
     if (own.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
       rnea_derivatives<double>(*scene_.robots[r].model, own.robots[r]->kin, own.robots[r]->kin.Y, {},
                                own.robots[r]->terms);
-  for (std::size_t b = 0; b < bonds_.size(); ++b) {
-    const int c = bonds_[b].contact;
+  for (std::size_t b = 0; b < couplings_.size(); ++b) {
+    const int c = couplings_[b].contact;
     const Contact& contact = scene_.contacts[static_cast<std::size_t>(c)];
     const CouplingData::OfRobot& A = *own.robots[static_cast<std::size_t>(contact.A.robot)];
     const CouplingData::OfRobot& B = *own.robots[static_cast<std::size_t>(contact.B.robot)];
-    CouplingData::OfBond& bond = own.bonds[b];
+    CouplingData::OfCoupling& coupling = own.couplings[b];
     contact_derivatives<double>(
-        contact, bond.support, A.kin, &B.kin, A.terms, &B.terms,
-        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()), bond.rows,
-        bond.derivatives);
+        contact, coupling.support, A.kin, &B.kin, A.terms, &B.terms,
+        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()), coupling.rows,
+        coupling.derivatives);
     share_of_end(parts, d, b, true);
     share_of_end(parts, d, b, false);
   }
@@ -154,7 +155,7 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] alike
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();
-  const BondSystem system = system_of(*this, parts, *d.couplings, ndx, nu);
+  const CouplingSystem system = system_of(*this, parts, *d.couplings, ndx, nu);
   const MatrixXd W = -system.by_w.partialPivLu().solve(system.rows);
   MatrixXd F = MatrixXd::Zero(ndx, ndx + nu), H = MatrixXd::Zero(ndx + nu, ndx + nu);
   MatrixXd C = MatrixXd::Zero(d.g.size(), ndx + nu), E = MatrixXd::Zero(d.h.size(), ndx + nu);
@@ -167,8 +168,8 @@ void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& 
     MatrixXd T = MatrixXd::Zero(nx + nv, ndx + nu), AB(nx, nx + nv), L(nx + nv, nx + nv);
     for (Index j = 0; j < nx; ++j) T(j, part.dx[static_cast<std::size_t>(j)]) = 1;
     for (std::size_t j = 0; j < part.u.size(); ++j) T(nx + static_cast<Index>(j), ndx + part.u[j]) = 1;
-    for (std::size_t b = 0; b < bonds_of_[i].size(); ++b)
-      T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * bonds_of_[i][b]);
+    for (std::size_t b = 0; b < couplings_of_[i].size(); ++b)
+      T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * couplings_of_[i][b]);
     VectorXd l(nx + nv);
     l << from.Lx, from.Lu;
     AB << from.Fx, from.Fu;
@@ -218,7 +219,7 @@ void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, 
   const auto rows = internal::constraint_rows(model.get_parts(), false);
   gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
   gu.resize(static_cast<Index>(model.get_nu()));
-  by_w.setZero(6 * static_cast<Index>(model.get_couplings()->bonds().size()));
+  by_w.setZero(6 * static_cast<Index>(model.get_couplings()->couplings().size()));
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const ActionPart& part = model.get_parts()[i];
     const ActionDataAbstract& from = *d.parts[i];
@@ -227,8 +228,8 @@ void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, 
     const VectorXd all = own.u + from.Fu.transpose() * of_next;
     gx(part.dx) = own.x + from.Fx.transpose() * of_next;
     gu(part.u) = all.head(static_cast<Index>(part.u.size()));
-    for (std::size_t b = 0; b < model.get_couplings()->bonds_of_parts()[i].size(); ++b)
-      by_w.segment<6>(6 * model.get_couplings()->bonds_of_parts()[i][b]) +=
+    for (std::size_t b = 0; b < model.get_couplings()->couplings_of_parts()[i].size(); ++b)
+      by_w.segment<6>(6 * model.get_couplings()->couplings_of_parts()[i][b]) +=
           all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
   }
 }
@@ -249,15 +250,16 @@ void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, c
   VectorXd by_w;
   gradient_of_parts(model, d, next, y, gx, gu, by_w);
   if (by_w.size() == 0) return;
-  const BondSystem system = system_of(*model.get_couplings(), model.get_parts(), *d.couplings, gx.size(), gu.size());
+  const CouplingSystem system =
+      system_of(*model.get_couplings(), model.get_parts(), *d.couplings, gx.size(), gu.size());
   const VectorXd mu = -system.by_w.transpose().partialPivLu().solve(by_w);
   const VectorXd add = system.rows.transpose() * mu;
   gx += add.head(gx.size());
   gu += add.tail(gu.size());
 }
 
-// A bond's wrench is w = R F about a point that stands still, F = W^T f in A's moving axes. With s = J_A dq_A, and th
-// the turning of a world-aligned frame as A's axes see it,
+// A coupling's wrench is w = R F about a point that stands still, F = W^T f in A's moving axes. With s = J_A dq_A, and
+// th the turning of a world-aligned frame as A's axes see it,
 //
 //     R^T dw = W^T df + s x* F - th x F
 //
@@ -271,22 +273,22 @@ void scene_gradient(const ActionModelParts& model, ActionDataParts& d, const Vec
   CouplingData& own = *d.couplings;
   const Scene& scene = model.get_couplings()->scene();
   VectorXd by_f = VectorXd::Zero(own.solution.f.size());
-  for (std::size_t b = 0; b < model.get_couplings()->bonds().size(); ++b) {
-    const int c = model.get_couplings()->bonds()[b].contact;
+  for (std::size_t b = 0; b < model.get_couplings()->couplings().size(); ++b) {
+    const int c = model.get_couplings()->couplings()[b].contact;
     const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
-    const CouplingData::OfBond& bond = own.bonds[b];
-    const ContactDerivatives& dr = bond.derivatives;
-    const Mat3<double>& R = bond.rows.aMA.R;
+    const CouplingData::OfCoupling& coupling = own.couplings[b];
+    const ContactDerivatives& dr = coupling.derivatives;
+    const Mat3<double>& R = coupling.rows.aMA.R;
     Vec6<double> g;
     g << R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b)),
         R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b) + 3);
-    by_f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = bond.rows.W * g;
+    by_f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = coupling.rows.W * g;
     const int first = scene.robots[static_cast<std::size_t>(contact.A.robot)].idx_v;
-    for (std::size_t k = 0; k < bond.support.a.size(); ++k) {
+    for (std::size_t k = 0; k < coupling.support.a.size(); ++k) {
       const Index column = static_cast<Index>(k);
-      Vec6<double> moved = cross_force(Vec6<double>(bond.rows.Jl.col(column)), dr.F);
+      Vec6<double> moved = cross_force(Vec6<double>(coupling.rows.Jl.col(column)), dr.F);
       if (dr.turns) moved -= turned<double>(dr.turn.col(column), dr.F);
-      gx[first + bond.support.a[k]] += g.dot(moved);
+      gx[first + coupling.support.a[k]] += g.dot(moved);
     }
   }
   VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu);

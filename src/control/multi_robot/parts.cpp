@@ -134,7 +134,7 @@ DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
 bool ActionModelParts::checkData(const DataPtr& data) {
   const auto* own = dynamic_cast<const ActionDataParts*>(data.get());
   if (!own || own->parts.size() != parts_.size() || !own->couplings != !couplings_) return false;
-  if (couplings_ && own->couplings->bonds.size() != couplings_->bonds().size()) return false;
+  if (couplings_ && own->couplings->couplings.size() != couplings_->couplings().size()) return false;
   for (std::size_t i = 0; i < parts_.size(); ++i)
     if (!parts_[i].model->checkData(own->parts[i])) return false;
   return true;
@@ -178,7 +178,7 @@ void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, co
   take_values(x, u, d);
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
   internal::collect_values(parts_, d.parts, d);
-  const bool coupled = couplings_ && !couplings_->bonds().empty();
+  const bool coupled = couplings_ && !couplings_->couplings().empty();
   if (coupled) couplings_->differentiate(parts_, d);
   if (d.Fx.size() == 0) return;
   coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
@@ -233,7 +233,7 @@ void ActionModelParts::quasiStatic(const DataPtr& data, VectorRef u, const Const
 
 void ActionModelParts::print(std::ostream& os) const {
   os << "ActionModelParts {";
-  if (couplings_) os << "bonds=" << couplings_->bonds().size() << ", ";
+  if (couplings_) os << "couplings=" << couplings_->couplings().size() << ", ";
   for (std::size_t i = 0; i < parts_.size(); ++i) os << (i ? ", " : "") << *parts_[i].model;
   os << "}";
 }

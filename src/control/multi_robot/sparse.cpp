@@ -1,6 +1,7 @@
 #include "manycontact/control/sparse.hpp"
 
 #include "manycontact/control/coupled_direction.hpp"
+#include "manycontact/control/riccati_direction.hpp"
 
 namespace manycontact {
 
@@ -10,7 +11,7 @@ SolverSparse::SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits
 }
 
 std::unique_ptr<Direction> SolverSparse::direction_of(ShootingPart part) const {
-  const bool coupled = CoupledDirection::serves(*part.problem);
+  const bool coupled = CoupledDirection::applies_to(*part.problem);
   if (coupled && !keeps_limits()) return std::make_unique<CoupledDirection>(std::move(part), false);
   require(!coupled || part.problem->get_terminalData()->Fx.size() > 0, "SolverSparse",
           "limits of robots that hold each other by nodes of storage kSparse, kDense is expected");
@@ -24,7 +25,7 @@ void SolverSparse::allocateData() {
   std::vector<ShootingPart> parts = separate(*problem_);
   const auto follows = [](const Direction& own, const ShootingPart& part) {
     return own.part().x == part.x && own.part().dx == part.dx && !dynamic_cast<const CoupledDirection*>(&own) &&
-           !CoupledDirection::serves(*part.problem);
+           !CoupledDirection::applies_to(*part.problem);
   };
   if (directions_.size() != parts.size()) directions_.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "manycontact/control/box_solvers.hpp"
 
+#include "manycontact/control/riccati_direction.hpp"
+
 namespace manycontact {
 
 // The terminal gap closes by the step length, as in Crocoddyl.

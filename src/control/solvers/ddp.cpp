@@ -8,11 +8,14 @@
 #include "../nodes/nodes.hpp"
 #include "cost_scale.hpp"
 #include "fit.hpp"
+#include "manycontact/control/riccati_direction.hpp"
 #include "step_lengths.hpp"
 
 namespace manycontact {
 
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
+
+SolverDDP::~SolverDDP() = default;
 
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)
     : SolverDDP(std::move(problem), limits, WithoutMatrices{}) {

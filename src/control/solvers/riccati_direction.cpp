@@ -116,7 +116,8 @@ void RiccatiDirection::add_gap(std::size_t t) {
 }
 
 // [fu fx], of nodes with steps the lower half: these, or nullptr. Nodes within an augmented Lagrangian have matrices.
-const lq::Steps* RiccatiDirection::set_dynamics(const ActionModelAbstract& model, const ActionDataAbstract& data) {
+const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
+                                                              const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
   if (!euler || !internal::known_steps(model, data)) {
     riccati_.set_A(data.Fx);
@@ -158,7 +159,7 @@ void RiccatiDirection::compute_action_value_function(std::size_t t, const Action
                                                      const ActionDataAbstract& data) {
   node_ = kNoNode;
   riccati_.lay_out(static_cast<int>(model.get_nu()), static_cast<int>(part_.problem->get_ndx()));
-  const lq::Steps* steps = set_dynamics(model, data);
+  const lq::SymplecticStructure* steps = set_dynamics(model, data);
   if (steps)
     riccati_.multiply(value(t + 1), *steps);
   else

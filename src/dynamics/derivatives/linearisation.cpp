@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <map>
 
-#include "../steps.hpp"
+#include "../internal.hpp"
 
 namespace manycontact {
 
-Linearisation::Place::Place(const Model& model)
+Linearisation::Slot::Slot(const Model& model)
     : a(model.njoints(), Vec6<double>::Zero()), rnea(model), fext(model.njoints(), Vec6<double>::Zero()) {}
 
 Linearisation::Linearisation(const Scene& scene) {

@@ -17,16 +17,16 @@ struct Workspace;
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
-  struct Place {
-    explicit Place(const Model& model);
+  struct Slot {
+    explicit Slot(const Model& model);
     std::vector<Vec6<double>> a;     // njoints: by AtSolution, in exchange with kin.a
     RneaDerivatives rnea;            // by derivative_terms
     std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; by derivative_terms
   };
-  std::vector<Place> pool;
+  std::vector<Slot> pool;
   std::vector<int> place;  // per robot
-  Place& of(int robot) { return pool[place[robot]]; }
-  const Place& of(int robot) const { return pool[place[robot]]; }
+  Slot& of(int robot) { return pool[place[robot]]; }
+  const Slot& of(int robot) const { return pool[place[robot]]; }
 
   std::vector<ContactData<double>> contacts;    // per contact, at the solution; by AtSolution
   std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms

@@ -1,6 +1,6 @@
 #include "products.hpp"
 
-#include "../steps.hpp"
+#include "../internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/products.hpp"
 

@@ -1,4 +1,4 @@
-#include "../steps.hpp"
+#include "../internal.hpp"
 #include "columns.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 

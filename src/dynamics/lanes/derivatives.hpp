@@ -32,7 +32,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
     for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
     plain = select(wanted > S(0), select(accurate_unrefined(L), S(1), S(0)), S(1)) > S(0);
   }
-  if (plain.any()) solve_panels(L, panels, plain, job.past_caches);
+  if (plain.any()) solve_panels(L, panels, plain, job.non_temporal);
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (!plain[static_cast<int>(l)]) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
 }
@@ -174,7 +174,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
 /// B = [E -dr/dq -dr/dv S], S selecting the torques, which is there already.
 template <class S>
 void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
-  const Placed B{B_.data(), place_.data(), job.columns};
+  const Indexed B{B_.data(), place_.data(), job.columns};
   for (int k : unset_) B_[k] = S(0);
   const double* from[8];
   std::size_t next = 6;  // J_l of an end, behind the force
@@ -189,7 +189,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
   const auto rows = [&](std::size_t k, int first) { return B.block(model_->nv + plan_->island.row_offset[k], first); };
   if (job.request.q) {
-    const Placed top = B.block(0, job.q_first);
+    const Indexed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
     next = 6;
     for (std::size_t k = 0; k < plan_->joins(); ++k) {  // E D, D of the robot's own coordinates
@@ -213,7 +213,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
     }
   }
   if (job.request.v) {
-    const Placed top = B.block(0, job.v_first);
+    const Indexed top = B.block(0, job.v_first);
     internal::robot_columns<S>(*model_, rnea_.dv_lower.data(), rnea_.dv_upper.data(), top);
     for (std::size_t i = 0; i < slope_.size(); ++i) top(static_cast<int>(i), static_cast<int>(i)) -= slope_[i];
     for (std::size_t k = 0; k < contacts_.size(); ++k)
@@ -225,8 +225,8 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
 /// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
-  sparse::ldl_row_sums(inner_.K, numbers(n_.K), inner_.ldl, numbers(L), numbers(n_.D), numbers(r_.data()),
-                       numbers(scale_.data()));
+  sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
+                       as_scalar(scale_.data()));
   S of_factor(0), of_K(0);
   for (int k = 0; k < rows_; ++k) {
     of_factor = larger(r_[k], of_factor);
@@ -246,18 +246,18 @@ const S* RobotBlock<S>::inner_L() {
 
 /// [da; df] = K^-1 B, into the panels of the lanes that are plain.
 template <class S>
-void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool past_caches) {
+void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal) {
   for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
     for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c);
     // Many panels are not in the caches: they are written from one end to the other.
-    if (past_caches)
+    if (non_temporal)
       write(band, panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
     else
       write(band, panels, plain, [](const auto& piece, double* to) { piece.store(to); });
   }
-  if (past_caches) sparse::kernel::finish_streams();
+  if (non_temporal) sparse::kernel::finish_streams();
 }
 
 /// What the chunks of a band left in work_, to the panels, which start at a cache line and whose rows are multiples of
@@ -309,7 +309,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = static_cast<std::size_t>(rows_);
   const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
-  const Number* b = numbers(B_.data()) + chunks_[chunk].at;
+  const Number* b = as_scalar(B_.data()) + chunks_[chunk].at;
   Number* x = answer() + chunks_[chunk].answer;
   if (std::find(reached, reached + size, 1) == reached + size) {  // none but columns that fill up the last chunk
     std::fill_n(x, size * N, Number(0));
@@ -326,8 +326,8 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
         Row::all(Number(0)).store(x + k * N);
     }
   }
-  sparse::kernel::solve_columns<N, kInRegisters>(schedule, numbers(L), numbers(packed_.data()),
-                                                 numbers(inverse_.data()), reached, x, [](int, const auto&) {});
+  sparse::kernel::solve_columns<N, kInRegisters>(schedule, as_scalar(L), as_scalar(packed_.data()),
+                                                 as_scalar(inverse_.data()), reached, x, [](int, const auto&) {});
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.

@@ -19,7 +19,7 @@ struct Job {
   std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;  // per contact
-  const double* wanted;              // of the rows, as f; nullptr: zero
+  const double* prescribed;          // of the rows, as f; nullptr: zero
   double *a, *f;                     // the robots' parts are written where the answer is sound
 };
 
@@ -45,7 +45,7 @@ struct DerivativeJob {
   const std::vector<int>& f_offset;
   DerivativeRequest request;
   int q_first, v_first, u_first, columns;  // columns: a multiple of 8
-  bool past_caches;                        // panels, together more than these hold, are not to go through them
+  bool non_temporal;                       // panels, together more than these hold, are not to go through them
 };
 
 /// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, du to da, df;
@@ -69,8 +69,8 @@ struct Answer {
   bool panel_is_safe = false, refine_panel = false;
 };
 
-/// Robots of one plan, in all calls one of them, or after `widen` as many as fit side by side, their contacts alike but
-/// for B's placement in the world (`alike`).
+/// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
+/// alike but for B's placement in the world (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
@@ -97,7 +97,7 @@ class RobotBlocks {
 
   virtual ~RobotBlocks() = default;
   /// Memory for robots side by side, from then on: one that stands alone needs none.
-  virtual void widen() = 0;
+  virtual void reserve_batch() = 0;
 
   // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
   // met stay: where the next call is about the same ones at the same solution, they are taken from there.
@@ -129,8 +129,8 @@ class RobotBlocks {
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Contacts alike that join two robots, side by side: one, or after `widen` as many as fit.
-class JoiningContacts {
+/// Contacts alike that join two robots, side by side: one, or after `reserve_batch` as many as fit.
+class InterfaceContacts {
  public:
   struct Rows {
     const Contact* contact;
@@ -146,16 +146,16 @@ class JoiningContacts {
     double* terms;    // JoinTerms
   };
 
-  virtual ~JoiningContacts() = default;
+  virtual ~InterfaceContacts() = default;
   /// Memory for contacts side by side. The arguments of Level::make_contacts.
-  virtual void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
+  virtual void reserve_batch(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
   // alike but for placements (`alike_rows`)
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };
 
-struct PartPlan;  // lanes/parts.hpp
-class Parts;
+struct SubtreePlan;  // lanes/subtrees.hpp
+class SubtreeBatch;
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
@@ -163,9 +163,9 @@ struct Level {
   int width;  // robots side by side
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
   /// contact: any of the kernel's, in its scene.
-  std::unique_ptr<JoiningContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
-                                                    const ContactSupport& support);
-  std::unique_ptr<Parts> (*make_parts)(std::shared_ptr<const PartPlan> plan);
+  std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
+                                                      const ContactSupport& support);
+  std::unique_ptr<SubtreeBatch> (*make_subtrees)(std::shared_ptr<const SubtreePlan> plan);
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.

@@ -6,23 +6,24 @@
 #include <optional>
 
 #include "derivatives.hpp"
-#include "joining_contacts.hpp"
-#include "parts_side_by_side.hpp"
+#include "interface_contacts.hpp"
 #include "products.hpp"
 #include "simd/levels.hpp"
+#include "subtree_batch.hpp"
 
 namespace manycontact::lanes {
 
 namespace {
 
-// Work of one robot, island or contact; once widened, of as many as fit side by side. The arguments are those of Work.
+// Work of one robot, island or contact; once a batch is reserved, of as many as fit side by side. The arguments are
+// those of Work.
 template <template <class> class Work>
-class AloneOrTogether {
+class ScalarOrBatch {
  public:
   template <class... Arguments>
-  explicit AloneOrTogether(const Arguments&... arguments) : alone_(arguments...) {}
+  explicit ScalarOrBatch(const Arguments&... arguments) : alone_(arguments...) {}
   template <class... Arguments>
-  void widen(const Arguments&... arguments) {
+  void reserve_batch(const Arguments&... arguments) {
     if (!together_) together_.emplace(arguments...);
   }
   /// use(work) on the one for so many.
@@ -42,7 +43,7 @@ class AloneOrTogether {
 class LevelBlocks final : public RobotBlocks {
  public:
   explicit LevelBlocks(std::shared_ptr<const BlockPlan> plan) : plan_(std::move(plan)), work_(plan_) {}
-  void widen() override { work_.widen(plan_); }
+  void reserve_batch() override { work_.reserve_batch(plan_); }
   std::size_t width(bool one) const override { return one ? 1 : MANYCONTACT_LANES; }
   void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) override {
     work_.of(robots.size(), [&](auto& work) { work.solve(job, robots, answers); });
@@ -81,15 +82,15 @@ class LevelBlocks final : public RobotBlocks {
 
  private:
   std::shared_ptr<const BlockPlan> plan_;
-  AloneOrTogether<RobotBlock> work_;
+  ScalarOrBatch<RobotBlock> work_;
 };
 
-class LevelContacts final : public JoiningContacts {
+class LevelContacts final : public InterfaceContacts {
  public:
   LevelContacts(const Scene& scene, const Contact& contact, const ContactSupport& support)
       : work_(scene, contact, support) {}
-  void widen(const Scene& scene, const Contact& contact, const ContactSupport& support) override {
-    work_.widen(scene, contact, support);
+  void reserve_batch(const Scene& scene, const Contact& contact, const ContactSupport& support) override {
+    work_.reserve_batch(scene, contact, support);
   }
   void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) override {
     work_.of(rows.size(), [&](auto& work) { work.evaluate(gravity, rows); });
@@ -99,32 +100,33 @@ class LevelContacts final : public JoiningContacts {
   }
 
  private:
-  AloneOrTogether<JoiningContactsOf> work_;
+  ScalarOrBatch<InterfaceContactsOf> work_;
 };
 
-class LevelParts final : public Parts {
+class LevelParts final : public SubtreeBatch {
  public:
-  explicit LevelParts(std::shared_ptr<const PartPlan> plan) : work_(std::move(plan)) {}
-  void solve(std::span<Part> parts) override { work_.solve(parts); }
+  explicit LevelParts(std::shared_ptr<const SubtreePlan> plan) : work_(std::move(plan)) {}
+  void solve(std::span<Subtree> subtrees) override { work_.solve(subtrees); }
 
  private:
-  PartsSideBySide<Pack<MANYCONTACT_LANES>> work_;
+  SubtreeBatchOf<Pack<MANYCONTACT_LANES>> work_;
 };
 
 std::unique_ptr<RobotBlocks> make(std::shared_ptr<const BlockPlan> plan) {
   return std::make_unique<LevelBlocks>(std::move(plan));
 }
-std::unique_ptr<JoiningContacts> make_contacts(const Scene& scene, const Contact& contact,
-                                               const ContactSupport& support) {
+std::unique_ptr<InterfaceContacts> make_contacts(const Scene& scene, const Contact& contact,
+                                                 const ContactSupport& support) {
   return std::make_unique<LevelContacts>(scene, contact, support);
 }
-std::unique_ptr<Parts> make_parts(std::shared_ptr<const PartPlan> plan) {
+std::unique_ptr<SubtreeBatch> make_subtrees(std::shared_ptr<const SubtreePlan> plan) {
   return std::make_unique<LevelParts>(std::move(plan));
 }
 
 }  // namespace
 
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_contacts, make_parts};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_contacts,
+                                            make_subtrees};
 
 }  // namespace manycontact::lanes

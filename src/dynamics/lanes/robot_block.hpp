@@ -9,7 +9,7 @@
 
 #include "../robot_quantities.hpp"
 #include "arrays.hpp"
-#include "judge.hpp"
+#include "checks.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/derivatives.hpp"
@@ -21,14 +21,14 @@
 namespace manycontact::lanes {
 
 /// To the sparse kernels one robot alone is doubles: they take several rows of a column at a time then.
-inline double* numbers(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
-inline const double* numbers(const Pack<1>* x) { return x ? &x->v : nullptr; }
+inline double* as_scalar(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
+inline const double* as_scalar(const Pack<1>* x) { return x ? &x->v : nullptr; }
 template <int W>
-Pack<W>* numbers(Pack<W>* x) {
+Pack<W>* as_scalar(Pack<W>* x) {
   return x;
 }
 template <int W>
-const Pack<W>* numbers(const Pack<W>* x) {
+const Pack<W>* as_scalar(const Pack<W>* x) {
   return x;
 }
 
@@ -63,8 +63,8 @@ class RobotBlock {
     S *K, *b, *L, *D, *x, *w;
   };
   /// Robots joined to others: a batch meets its numbers again after all others have met theirs.
-  using Ahead = std::conditional_t<W == 1, sparse::kernel::NoNext, sparse::kernel::Next>;
-  static Ahead ahead_of(const Memory& memory) {
+  using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
+  static Prefetch prefetch_of(const Memory& memory) {
     if constexpr (W == 1)
       return {};
     else
@@ -107,17 +107,17 @@ class RobotBlock {
     std::size_t at;
     int stride;
   };
-  struct Place {
+  struct Slot {
     int i, j;
     bool of_tree;  // what robot_columns writes
   };
   /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
-  struct Placed {
+  struct Indexed {
     S* B;
     const int* place;
     int ld;
     S& operator()(int i, int j) const { return B[place[i * ld + j]]; }
-    Placed block(int i, int j) const { return {B, place + i * ld + j, ld}; }
+    Indexed block(int i, int j) const { return {B, place + i * ld + j, ld}; }
   };
 
   // the steps
@@ -126,7 +126,7 @@ class RobotBlock {
   void load_standing_ends(const Scene& scene, Robots robots);
   void set_up(const Job& job, Robots robots);
   void evaluate_rows(const Scene& scene, Robots robots);
-  void judge_rows(const Scene& scene, Robots robots);
+  void check_rows(const Scene& scene, Robots robots);
   void assemble_rows(double damping);
   void assemble_right_side(const Job& job, Robots robots);
   void apply_inverse(S* x) const;
@@ -139,13 +139,13 @@ class RobotBlock {
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
   // with a border
-  void fetch_kept(Ahead ahead) const;
+  void prefetch_cached(Prefetch prefetch) const;
   void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
   void store_ends(Robots robots);
   void store_schur_complement(Robots robots);
   void begin(Robots robots);
   void forward(Robots robots, Mask open);
-  S judge_residual(Robots robots, Ahead ahead);
+  S check_residual(Robots robots, Prefetch prefetch);
   // of derivatives and products
   template <class Job>
   void linearise(const Job& job, Robots robots, double* memory);
@@ -163,7 +163,7 @@ class RobotBlock {
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
-  void solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool past_caches);
+  void solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal);
   template <class Put>
   void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
@@ -233,7 +233,7 @@ class RobotBlock {
   RneaDerivativesOf<S> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // per contact: its coordinates
-  std::vector<Place> places_;              // of -dr/dq, -dr/dv: where they are not zero
+  std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;              // that reach_ is of
   std::vector<Chunk> chunks_;              // of all columns
   std::vector<Band> bands_;
@@ -354,7 +354,7 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   internal::evaluate_bias<S>(*model_, base_, q_, v_, job.scene.gravity, robot_);
   internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
   evaluate_rows(job.scene, robots);
-  judge_rows(job.scene, robots);
+  check_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
@@ -374,11 +374,11 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
 /// The smallest row of J, and the largest motion that rows are picked from: rows that are nothing but rounding beside
 /// that no pivot shows.
 template <class S>
-void RobotBlock<S>::judge_rows(const Scene& scene, Robots robots) {
+void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
   if (scene.damping > 0) return;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    motion_ = larger(motion_size(scene.contacts[robots.front().contacts[k]], contacts_[k]), motion_);
+    motion_ = larger(motion_scale(scene.contacts[robots.front().contacts[k]], contacts_[k]), motion_);
     smallest_row_ = -larger(-smallest_row(contacts_[k]), -smallest_row_);
   }
 }
@@ -400,8 +400,8 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
       S wanted(0);
-      for (int l = 0; job.wanted && l < W; ++l)
-        wanted.set(l, job.wanted[job.f_offset[in_lane(robots, l).contacts[k]] + i]);
+      for (int l = 0; job.prescribed && l < W; ++l)
+        wanted.set(l, job.prescribed[job.f_offset[in_lane(robots, l).contacts[k]] + i]);
       n_.b[rows_of(k)[i]] = wanted - contacts_[k].a0[i];
     }
   std::fill_n(n_.b + rows_, plan_->border, S(0));
@@ -410,8 +410,8 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
 /// r = b - K x, scale = |b| + |K| |x|.
 template <class S>
 void RobotBlock<S>::residual_and_sizes() {
-  sparse::ldl_scheduled_residual(pattern_.K, numbers(n_.K), numbers(n_.x), numbers(n_.b), numbers(r_.data()),
-                                 numbers(scale_.data()));
+  sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
+                                 as_scalar(scale_.data()));
 }
 
 // ---- robots alone -------------------------------------------------------------------------------------------------
@@ -421,9 +421,10 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   n_ = numbers_in(reinterpret_cast<double*>(own_.data()));
   set_up(job, robots);
   keep(job.serial, robots);
-  sparse::ldl_scheduled_factor(schedule_, numbers(n_.K), numbers(n_.L), numbers(n_.D), numbers(pivot_terms_.data()));
+  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
+                               as_scalar(pivot_terms_.data()));
   usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_) &
-            believable_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+            accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
   refine();
   report(job, robots, answers);
 }
@@ -431,7 +432,7 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
 /// x <- K^-1 x
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) const {
-  sparse::ldl_scheduled_solve(schedule_, numbers(n_.L), numbers(n_.D), numbers(x));
+  sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
 /// x += K^-1 r in the lanes that are open. Where no entry moves by more than kSameSize of itself: there |K| |x| stays
@@ -461,7 +462,7 @@ S RobotBlock<S>::residual() {
 template <class S>
 S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
-    sparse::ldl_scheduled_residual(pattern_.K, numbers(n_.K), numbers(n_.x), numbers(n_.b), numbers(r_.data()));
+    sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()));
   } else {
     std::copy_n(scale_.data(), rows_, n_.w);
     residual_and_sizes();
@@ -523,15 +524,15 @@ void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset
 
 /// Asks for what those whose turn is next will write: K, b and the joins.
 template <class S>
-void RobotBlock<S>::fetch_kept(Ahead ahead) const {
+void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
   constexpr std::size_t kLine = 64 / sizeof(S);
-  for (std::size_t k = 0; k < plan_->kept_size() + plan_->joins_size(); k += kLine) ahead.fetch_to_write(n_.K + k);
+  for (std::size_t k = 0; k < plan_->kept_size() + plan_->joins_size(); k += kLine) prefetch.fetch_to_write(n_.K + k);
 }
 
 template <class S>
 void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   n_ = numbers_in(memory.at);
-  fetch_kept(ahead_of(memory));
+  prefetch_cached(prefetch_of(memory));
   set_up(job, robots);
   store_ends(robots);
   for (std::size_t l = 0; l < robots.size(); ++l) {
@@ -580,10 +581,10 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
     for (int i = 0; i < count; ++i) n_.K[*slot++] = joins_[i];
     next += JoinedEnd::size(cols);
   }
-  sparse::ldl_scheduled_factor(schedule_, numbers(n_.K), numbers(n_.L), numbers(n_.D), numbers(pivot_terms_.data()),
-                               ahead_of(memory));
+  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
+                               as_scalar(pivot_terms_.data()), prefetch_of(memory));
   const std::size_t rows = static_cast<std::size_t>(rows_);
-  const Mask good = believable_pivots<S>(model_->nv, {n_.D, rows}, pivot_terms_.data(), diagonal());
+  const Mask good = accept_pivots<S>(model_->nv, {n_.D, rows}, pivot_terms_.data(), diagonal());
   const Growth<S> growth(rows, pivot_terms_.data(), diagonal());
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
@@ -637,22 +638,22 @@ template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
   std::fill_n(n_.w + rows_, plan_->border, S(0));
-  if (open.any()) sparse::ldl_scheduled_forward(schedule_, numbers(n_.L), numbers(n_.w));
+  if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
   store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
 }
 
 template <class S>
 void RobotBlock<S>::correct(Robots robots, Memory memory) {
   n_ = numbers_in(memory.at);
-  const Ahead ahead = ahead_of(memory);
+  const Prefetch prefetch = prefetch_of(memory);
   const double* from[8];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
-  sparse::ldl_scheduled_backward(schedule_, numbers(n_.L), numbers(n_.D), numbers(n_.w), ahead);
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
   for (int k = 0; k < pattern_.size(); ++k) {
-    for (const S* x : {n_.x, n_.w, n_.b, n_.D}) ahead.fetch(x + k);
+    for (const S* x : {n_.x, n_.w, n_.b, n_.D}) prefetch.fetch(x + k);
     n_.x[k] += n_.w[k];
   }
-  forward(robots, judge_residual(robots, ahead) > S(tolerance::kRefined));
+  forward(robots, check_residual(robots, prefetch) > S(tolerance::kRefined));
 }
 
 template <class S>
@@ -667,15 +668,15 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   spread([](const Robot& r) { return r.b; }, n_.b);
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.x + rows_);
   std::fill_n(n_.b + rows_, plan_->border, S(0));
-  (void)judge_residual(robots, ahead_of(memory));
+  (void)check_residual(robots, prefetch_of(memory));
 }
 
 /// r = b - K x, scale = |b| + |K| |x|, and what is reported of them; returns the robots' componentwise backward error
 /// (sparse/refine.hpp).
 template <class S>
-S RobotBlock<S>::judge_residual(Robots robots, Ahead ahead) {
-  sparse::ldl_scheduled_residual(pattern_.K, numbers(n_.K), numbers(n_.x), numbers(n_.b), numbers(r_.data()),
-                                 numbers(scale_.data()), ahead);
+S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
+  sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
+                                 as_scalar(scale_.data()), prefetch);
   store_border(r_.data() + rows_, plan_->border, robots, [](const Border& b) { return b.r(); });
   store_border(scale_.data() + rows_, plan_->border, robots, [](const Border& b) { return b.scale(); });
   const std::span<const int> eliminated(pattern_.iperm.data(), rows_);
@@ -740,7 +741,8 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
     for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
   if (kept || !alone) return;
   assemble_rows(job.scene.damping);
-  sparse::ldl_scheduled_factor(schedule_, numbers(n_.K), numbers(n_.L), numbers(n_.D), numbers(pivot_terms_.data()));
+  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
+                               as_scalar(pivot_terms_.data()));
 }
 
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.

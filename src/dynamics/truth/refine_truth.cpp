@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "../steps.hpp"
+#include "../internal.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "truth_terms.hpp"
@@ -86,7 +86,7 @@ bool refine_island(Factor& factor, System<S>& s) {
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
-  internal::check_unasked(scene, data, "refine_truth");
+  internal::check_not_prescribed(scene, data, "refine_truth");
   const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
   const S nan = std::numeric_limits<S>::quiet_NaN();
   Truth<S> out;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "manycontact/algorithm/crba.hpp"
-#include "manycontact/contact/row_size.hpp"
+#include "manycontact/contact/row_scale.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {
@@ -16,7 +16,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
   DenseKkt<S> kkt;
   kkt.M.setZero(island.nv, island.nv);
   kkt.J.setZero(island.nc, island.nv);
-  kkt.row_size.resize(island.nc);
+  kkt.row_scale.resize(island.nc);
   kkt.delta = S(scene.damping);
   MatX<S> b1(island.nv, 1), b2(island.nc, 1), a, f;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
@@ -31,7 +31,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
     const ContactData<S>& rows = t.contacts[c];
     int j = 0;
     const int o = island.row_offset[k];
-    for (int i = 0; i < contact.rows(); ++i) kkt.row_size[o + i] = row_size(contact, rows, i);
+    for (int i = 0; i < contact.rows(); ++i) kkt.row_scale[o + i] = row_scale(contact, rows, i);
     for (int i : t.supports[c].a)
       kkt.J.col(first_dof(island, contact.A) + i).segment(o, contact.rows()) = rows.J.col(j++);
     for (int i : t.supports[c].b)

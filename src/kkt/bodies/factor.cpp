@@ -16,12 +16,12 @@ void BodySolve::resize(const BodyPattern& p) {
 }
 
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps, bool lifted) {
-  if (!lifted) lift_bodies(system, ldl, v.b);
-  double error = drop_bodies(system, ldl, v.b, v.x, v.residual);
+  if (!lifted) backward_sweep(system, ldl, v.b);
+  double error = forward_sweep(system, ldl, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },
       [&] {
-        lift_bodies(system, ldl, v.residual.r);
+        backward_sweep(system, ldl, v.residual.r);
         error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
         // perhaps of equations whose terms are nothing beside the others
         if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);

@@ -18,7 +18,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   g.resize(s.nc);
   Dinv.resize(s.D_first.back());
   count.resize(s.nodes);
-  gone.resize(s.nodes);
+  eliminated.resize(s.nodes);
   row_first.resize(s.nodes);
   joint_first.resize(s.nodes);
   square_first.resize(s.nodes);
@@ -30,7 +30,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   base_row.resize(s.most_at_base);
   base_E.resize(static_cast<std::size_t>(s.most_at_base) * s.most_at_base);
   hold.resize(s.own_first.size() - 1);
-  for (auto* x : {&reach, &least_inertia, &most_inertia}) x->resize(s.nc);
+  for (auto* x : {&pivot_sum, &least_inertia, &most_inertia}) x->resize(s.nc);
   place.assign(s.nc, -1);
 }
 
@@ -100,9 +100,9 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   if (s.most[i] == 0) return;
   Rows at = rows_of(s, d, i);
   for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
-    if (d.count[child] == d.gone[child]) continue;
+    if (d.count[child] == d.eliminated[child]) continue;
     Rows from = rows_of(s, d, child);
-    const int first = d.gone[child];
+    const int first = d.eliminated[child];
     for (int k = first; k < from.m; ++k) {
       const int row = from.row[k];
       const int to = d.place[row] >= 0 ? d.place[row] : open_row(at, row, d.place);
@@ -162,7 +162,7 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
     for (int j = 0; j < k; ++j) at.e(k, j) = at.e(j, k) += WD.dot(W.col(j));
     const double own = WD.dot(W.col(k));
     at.e(k, k) += own;
-    d.reach[at.row[k]] += own;
+    d.pivot_sum[at.row[k]] += own;
     d.least_inertia[at.row[k]] = std::min(d.least_inertia[at.row[k]], D.diagonal().minCoeff());
     d.most_inertia[at.row[k]] = std::max(d.most_inertia[at.row[k]], D.diagonal().maxCoeff());
   }
@@ -207,7 +207,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (!s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > least_left(d, at.row[k]) * d.reach[at.row[k]];
+      const bool left = E > least_left(d, at.row[k]) * d.pivot_sum[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
@@ -227,7 +227,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
     at.e(done, done) = inverse;
     ++done;
   }
-  d.gone[i] = done;
+  d.eliminated[i] = done;
   return true;
 }
 
@@ -236,15 +236,15 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
     Rows from = rows_of(s, d, i);
-    for (int k = d.gone[i]; k < from.m; ++k) {
+    for (int k = d.eliminated[i]; k < from.m; ++k) {
       if (d.place[from.row[k]] >= 0) continue;
       const int n = at.m++;
       at.row[n] = from.row[k];
       d.place[from.row[k]] = n;
       for (int j = 0; j <= n; ++j) at.e(n, j) = at.e(j, n) = 0;
     }
-    for (int k = d.gone[i]; k < from.m; ++k)
-      for (int j = d.gone[i]; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
+    for (int k = d.eliminated[i]; k < from.m; ++k)
+      for (int j = d.eliminated[i]; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
   }
   for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
   d.base_row.resize(at.m);
@@ -252,7 +252,7 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
     int best = done;
     double most = -1;
     for (int k = done; k < at.m; ++k)
-      if (const double ratio = at.e(k, k) / d.reach[at.row[k]]; ratio > most) most = ratio, best = k;
+      if (const double ratio = at.e(k, k) / d.pivot_sum[at.row[k]]; ratio > most) most = ratio, best = k;
     if (!(most > least_left(d, at.row[best]))) return false;
     std::swap(at.row[done], at.row[best]);
     for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
@@ -310,7 +310,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
   if (b) d.g = b->rows;
   std::size_t row_first = 0, joint_first = 0, square_first = 0;
   d.base_row.resize(s.most_at_base);
-  std::fill(d.reach.begin(), d.reach.end(), system.delta);
+  std::fill(d.pivot_sum.begin(), d.pivot_sum.end(), system.delta);
   std::fill(d.place.begin(), d.place.end(), -1);
   d.growth = 1;
   std::fill(d.least_inertia.begin(), d.least_inertia.end(), std::numeric_limits<double>::infinity());
@@ -330,17 +330,17 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     row_first += at.m, joint_first += static_cast<std::size_t>(at.m) * s.ndof[i];
     square_first += static_cast<std::size_t>(at.m) * s.most[i];
     project(system, d, i, at);
-    d.gone[i] = 0;
+    d.eliminated[i] = 0;
     const V6 inverse = d.P[i].diagonal().cwiseInverse();
     for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free
-      if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.reach[at.row[k]] += compliance(at.G[k], inverse);
+      if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.pivot_sum[at.row[k]] += compliance(at.G[k], inverse);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
                           : s.ndof[i] == 3 ? eliminate_joint<3>(system, d, i, size, at, P)
                                            : eliminate_joint<6>(system, d, i, size, at, P);
     if (!positive) return d.P[i].allFinite() ? Reason::kSingularInertia : Reason::kNotFinite;
     if (at.m > 0 && !eliminate_rows(s, d, i, at, P)) return P.allFinite() ? Reason::kSmallPivot : Reason::kNotFinite;
-    if (b) lift_node(system, d, *b, i);
+    if (b) backward_step(system, d, *b, i);
     const int parent = s.parent[i];
     if (parent < 0) continue;
     if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // its last child comes first

@@ -9,7 +9,7 @@ namespace {
 using V6 = Vec6<double>;
 
 // p and g_j of what comes from the children, the acceleration along the rows that hold node i put in (BodyHold).
-void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
+void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
   if (h.rows == 0) return;
@@ -21,7 +21,7 @@ void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
   for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
     const V6 at_child = pairs::motion_at(a, system.r[child]);
     const std::size_t at = d.row_first[child];
-    for (int k = d.gone[child]; k < d.count[child]; ++k) d.g[d.row[at + k]] -= d.H[at + k].dot(at_child);
+    for (int k = d.eliminated[child]; k < d.count[child]; ++k) d.g[d.row[at + k]] -= d.H[at + k].dot(at_child);
   }
   for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
     const int row = s.at[q];
@@ -39,11 +39,11 @@ void lift_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
 
 // From the leaves: what the right-hand sides leave for a node's parent, p and g.
 template <int N>
-V6 lift(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
+V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const int first = s.first_dof[i];
   const V6& c = b.motion[i];
-  if (s.hold[i] >= 0) lift_hold(system, d, b, i);
+  if (s.hold[i] >= 0) backward_hold(system, d, b, i);
   V6 p = d.p[i];
   p.noalias() += d.P[i] * c;
   Eigen::Matrix<double, N, 1> u = b.joints.segment<N>(first);
@@ -57,7 +57,7 @@ V6 lift(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const std::size_t at = d.row_first[i];
   const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + d.joint_first[i], N, m);
   for (int k = 0; k < m; ++k) d.g[d.row[at + k]] -= d.G[at + k].dot(c) + W.col(k).dot(Du);
-  for (int k = 0; k < d.gone[i]; ++k) {
+  for (int k = 0; k < d.eliminated[i]; ++k) {
     const double* L = d.E.data() + d.square_first[i] + k;  // column k
     const double g = d.g[d.row[at + k]];
     p -= d.H[at + k] * (g * L[static_cast<std::ptrdiff_t>(k) * s.most[i]]);
@@ -68,11 +68,11 @@ V6 lift(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
 
 // From the bases: y of the rows eliminated at a node, qdd, a, f. a: of the parent, about the node's origin.
 template <int N>
-void drop(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
+void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const int first = s.first_dof[i], m = d.count[i];
   const std::size_t at = d.row_first[i];
-  for (int k = d.gone[i] - 1; k >= 0; --k) {
+  for (int k = d.eliminated[i] - 1; k >= 0; --k) {
     const double* L = d.E.data() + d.square_first[i] + k;
     double y = (d.H[at + k].dot(a) - d.g[d.row[at + k]]) * L[static_cast<std::ptrdiff_t>(k) * s.most[i]];
     for (int j = k + 1; j < m; ++j) y -= L[static_cast<std::ptrdiff_t>(j) * s.most[i]] * x.rows[d.row[at + j]];
@@ -125,8 +125,8 @@ void solve_base(BodyLdl& d, int most, BodyVectors& x) {
 
 // x of what was lifted. dropped(i): a, f, qdd of node i are known; closed(i): so are its children's f, and y at it.
 template <class Dropped, class Closed>
-void drop_all(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
-              Closed&& closed) {
+void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
+                   Closed&& closed) {
   const BodyPattern& s = *system.pattern;
   solve_base(d, s.most_at_base, x);
   const auto close = [&](int i) {
@@ -137,11 +137,11 @@ void drop_all(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVe
     const int parent = s.parent[i];
     const V6 a = parent < 0 ? V6(V6::Zero()) : pairs::motion_at(x.motion[parent], system.r[i]);
     if (s.ndof[i] == 1)
-      drop<1>(system, d, b, i, a, x);
+      forward<1>(system, d, b, i, a, x);
     else if (s.ndof[i] == 3)
-      drop<3>(system, d, b, i, a, x);
+      forward<3>(system, d, b, i, a, x);
     else
-      drop<6>(system, d, b, i, a, x);
+      forward<6>(system, d, b, i, a, x);
     dropped(i);
     if (parent >= 0 && s.end[i] == s.end[parent]) close(parent);  // its last child
     if (s.end[i] == i + 1) close(i);
@@ -150,12 +150,12 @@ void drop_all(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVe
 
 }  // namespace
 
-void lift_node(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
+void backward_step(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   if (s.end[i] == i + 1) d.p[i] = b.force[i];
-  const V6 p = s.ndof[i] == 1   ? lift<1>(system, d, b, i)
-               : s.ndof[i] == 3 ? lift<3>(system, d, b, i)
-                                : lift<6>(system, d, b, i);
+  const V6 p = s.ndof[i] == 1   ? backward<1>(system, d, b, i)
+               : s.ndof[i] == 3 ? backward<3>(system, d, b, i)
+                                : backward<6>(system, d, b, i);
   const int parent = s.parent[i];
   if (parent < 0) return;
   if (s.end[i] == s.end[parent])
@@ -164,14 +164,14 @@ void lift_node(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i
     d.p[parent] += pairs::force_from(p, system.r[i]);
 }
 
-void lift_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b) {
+void backward_sweep(const BodySystem& system, BodyLdl& d, const BodyVectors& b) {
   d.g = b.rows;
-  for (int i = system.pattern->nodes - 1; i >= 0; --i) lift_node(system, d, b, i);
+  for (int i = system.pattern->nodes - 1; i >= 0; --i) backward_step(system, d, b, i);
 }
 
-double drop_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, BodyResidual& left) {
+double forward_sweep(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, BodyResidual& left) {
   BodyJudge judge(system, b, x, left);
-  drop_all(
+  forward_steps(
       system, d, b, x, [](int) {}, [&](int i) { judge.node(i); });
   judge.rows();
   return judge.error();
@@ -186,15 +186,15 @@ double correct_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b
     pairs::add(dx.force[i], x.force[i]);
     for (int k = s.first_dof[i]; k < s.first_dof[i] + s.ndof[i]; ++k) x.joints[k] += dx.joints[k];
   };
-  drop_all(system, d, left.r, dx, add, [&](int i) { judge.node(i, dx.rows.data()); });
+  forward_steps(system, d, left.r, dx, add, [&](int i) { judge.node(i, dx.rows.data()); });
   x.rows += dx.rows;
   judge.rows();
   return judge.error();
 }
 
 void solve_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x) {
-  lift_bodies(system, d, b);
-  drop_all(
+  backward_sweep(system, d, b);
+  forward_steps(
       system, d, b, x, [](int) {}, [](int) {});
 }
 

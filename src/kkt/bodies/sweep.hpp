@@ -6,6 +6,6 @@
 namespace manycontact {
 
 /// What b leaves of node i for its parent.
-void lift_node(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
+void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 
 }  // namespace manycontact

@@ -19,8 +19,8 @@ class DenseFactor final : public Factor {
     pattern_ = K.pattern;
     internal::expand(K, kkt_.M, kkt_.J);
     kkt_.delta = K.damping;
-    kkt_.row_size.resize(K.nc());
-    for (int k = 0; k < K.nc(); ++k) kkt_.row_size[k] = internal::size_of_row(K, scratch, k);
+    kkt_.row_scale.resize(K.nc());
+    for (int k = 0; k < K.nc(); ++k) kkt_.row_scale[k] = internal::size_of_row(K, scratch, k);
     factor<double>(kkt_);
     if (kkt_.regular) return Reason::kNone;
     if (!kkt_.M.allFinite() || !kkt_.J.allFinite()) return Reason::kNotFinite;
@@ -44,7 +44,7 @@ class DenseFactor final : public Factor {
   }
 
   // J^+ f
-  void some_motion(double* x) override {
+  void particular_solution(double* x) override {
     if (rank() == kkt_.nc()) return solve(x);
     Eigen::VectorXd a(kkt_.nv()), f(kkt_.nc());
     internal::split(*pattern_, x, a, f);
@@ -62,13 +62,14 @@ class DenseFactor final : public Factor {
   }
 
   // P = I - J J^+
-  void project_out(double* y, double* null_part) override {
+  void project_out(double* y, double* null_component) override {
     if (rank() == kkt_.nc()) return;
     Eigen::VectorXd a(kkt_.nv()), b(kkt_.nc());
     internal::split(*pattern_, y, a, b);
     const Eigen::VectorXd kept = kkt_.J * kkt_.motion(b);
     internal::join(*pattern_, a, kept, y);
-    for (int k = 0; null_part && k < kkt_.nc(); ++k) null_part[pattern_->iperm[kkt_.nv() + k]] += b[k] - kept[k];
+    for (int k = 0; null_component && k < kkt_.nc(); ++k)
+      null_component[pattern_->iperm[kkt_.nv() + k]] += b[k] - kept[k];
   }
   void project_out_panel(double* X, int ld, int cols) override {
     if (rank() == kkt_.nc()) return;

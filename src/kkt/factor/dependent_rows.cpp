@@ -62,7 +62,7 @@ class DependentRowsFactor final : public Factor {
     rows.clear();
     for (int k : dependence_.dropped) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
   }
-  void project_out(double* y, double* null_part) override { sparse::project_out(dependence_, y, null_part); }
+  void project_out(double* y, double* null_component) override { sparse::project_out(dependence_, y, null_component); }
   void project_out_panel(double* X, int ld, int cols) override {
     sparse::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
   }
@@ -79,7 +79,7 @@ class DependentRowsFactor final : public Factor {
  private:
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     dependence_.dropped.clear();
-    pinned_.resize(pattern->K.nonzeros());
+    penalised_.resize(pattern->K.nonzeros());
     row_size_.assign(pattern->size(), 0.0);
     ldl_.take(pattern, true);
   }
@@ -91,9 +91,9 @@ class DependentRowsFactor final : public Factor {
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
-    const int done = sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft,
-                                                  row_size_.data(), scratch.ldl, ldl_.L.data(), ldl_.D.data(),
-                                                  dependence_);
+    const int done =
+        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft, row_size_.data(),
+                                     scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
     if (done == p.size()) return Reason::kNone;
     return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
@@ -104,9 +104,9 @@ class DependentRowsFactor final : public Factor {
   bool drop_again(const KktMatrix& K, std::vector<double>& scale) {
     constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
     if (!ldl_.schedule || dependence_.dropped.empty()) return false;
-    std::copy(K.values.begin(), K.values.end(), pinned_.begin());
-    for (int k : dependence_.dropped) pinned_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
-    sparse::panel_kernels().factor(*ldl_.schedule, pinned_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
+    std::copy(K.values.begin(), K.values.end(), penalised_.begin());
+    for (int k : dependence_.dropped) penalised_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
+    sparse::panel_kernels().factor(*ldl_.schedule, penalised_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
     for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scale[k] = 0;
     if (!drops_the_same(K, scale)) return false;
     growth_ = std::max(1.0, internal::growth_of(K, scale.data()));
@@ -148,7 +148,7 @@ class DependentRowsFactor final : public Factor {
     const KktPattern& p = *ldl_.pattern;
     sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
                             dependence_);
-    return dependence_.believable();
+    return dependence_.accepted();
   }
 
   // As growth_of, without the rows dropped, of which D is infinite.
@@ -162,8 +162,8 @@ class DependentRowsFactor final : public Factor {
   }
 
   internal::LdlNumbers ldl_;
-  std::vector<double> pinned_;    // K, the rows dropped damped
-  std::vector<double> row_size_;  // in K's order; of M's rows nothing
+  std::vector<double> penalised_;  // K, the rows dropped damped
+  std::vector<double> row_size_;   // in K's order; of M's rows nothing
   sparse::DependentRows dependence_;
   double growth_ = 1;
 };

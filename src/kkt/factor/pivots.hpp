@@ -10,8 +10,8 @@
 namespace manycontact::internal {
 
 /// Rows of J, damping 0: what a small pivot is wrong by is as much larger in those after it, where it may look like a
-/// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding of
-/// either. Of M's pivots alone, which small masses make small, nothing is told.
+/// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding
+/// of either. Of M's pivots alone, which small masses make small, nothing is told.
 struct PassedOn {
   double least = 1, least_of_J = 1;  // parts left, so far
   /// Whether the next pivot may be that.
@@ -55,7 +55,7 @@ inline double growth_of(const KktMatrix& K, const double* scale) {
 
 /// What row k of J, in the island's order, is judged beside.
 inline double size_of_row(const KktMatrix& K, const FactorScratch& scratch, int k) {
-  return scratch.row_size.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_size[k] : K.row_size;
+  return scratch.row_scale.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_scale[k] : K.row_scale;
 }
 
 }  // namespace manycontact::internal

@@ -13,10 +13,10 @@ namespace {
 // The contacts' rows of b and r with what was taken out of them.
 void restore(const KktPattern& p, KktVectors& v) {
   for (int k = 0; k < p.size(); ++k) {
-    if (v.null_part[k] == 0) continue;
+    if (v.null_component[k] == 0) continue;
     v.scale[k] -= std::abs(v.b[k]);
-    v.b[k] += v.null_part[k];
-    v.r[k] += v.null_part[k];
+    v.b[k] += v.null_component[k];
+    v.r[k] += v.null_component[k];
     v.scale[k] += std::abs(v.b[k]);
   }
 }
@@ -26,8 +26,8 @@ void restore(const KktPattern& p, KktVectors& v) {
 sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps) {
   const bool dependent = factor.rank() < K.nc();
   if (dependent) {
-    std::fill(v.null_part.begin(), v.null_part.end(), 0.0);
-    factor.project_out(v.b.data(), v.null_part.data());
+    std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
+    factor.project_out(v.b.data(), v.null_component.data());
   }
   v.x = v.b;
   factor.solve(v.x.data());

@@ -27,7 +27,7 @@ struct DependentRows {
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
   /// rounding hides which rows are dependent, and a dense decomposition must tell.
-  bool believable() const;
+  bool accepted() const;
 
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
   struct Cluster {
@@ -45,20 +45,20 @@ struct DependentRows {
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
 /// of J is dropped when less than `tolerance` of its pivot is left, or no more than the rounding that small pivots
-/// before it passed on, or when all of it is rounding beside row_size (n; of the rows of M unused); a row of M never.
+/// before it passed on, or when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never.
 /// Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
 [[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv,
-                                       double tolerance, const double* row_size, LdlWorkspace& work, double* Lx,
+                                       double tolerance, const double* row_scale, LdlWorkspace& work, double* Lx,
                                        double* D, DependentRows& rows);
 
-/// N and its projector, after ldl_factor_dependent; row_size: as there. Sets largest_residual, which is rounding
+/// N and its projector, after ldl_factor_dependent; row_scale: as there. Sets largest_residual, which is rounding
 /// when the dropped rows depend on the others in truth, and largest_entry.
-void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_size,
+void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows);
 
-/// y -= P y, and P y into `null_part` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
+/// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
 /// unused.
-void project_out(DependentRows& rows, double* y, double* null_part = nullptr);
+void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
 /// The same for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols);
 

@@ -177,7 +177,7 @@ inline void finish_streams() {
 
 /// What a sweep over a matrix asks for while it works: the same entries of another one of its pattern, so many values
 /// further, which is met next and is not in the nearest cache any more. By default nothing.
-struct Next {
+struct PrefetchNext {
   std::ptrdiff_t values;
   template <class V>
   void fetch(const V* x) const {
@@ -188,7 +188,7 @@ struct Next {
     __builtin_prefetch(x + values, 1, 2);
   }
 };
-struct NoNext {
+struct NoPrefetch {
   template <class V>
   void fetch(const V*) const {}
   template <class V>
@@ -310,9 +310,9 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
 }
 
 /// A block of x = L^T \ (D \ x): the rows below it four at a time, then its own, the last one last.
-template <class V, class Ahead>
+template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
-                     const LdlSchedule::Run* end, V* own, const V* x, Ahead ahead) {
+                     const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
   const int step = width + below - 2;
   const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
   for (int c = width - 1; c >= 0; --c) {  // column: row c + 1 of column c
@@ -324,11 +324,11 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
       const V* y = x + r->row - r->begin;
       int b = r->begin;
       for (; b + 4 <= r->end; b += 4) {
-        for (int i = b; i < b + 4; ++i) ahead.fetch(l + i);
+        for (int i = b; i < b + 4; ++i) prefetch.fetch(l + i);
         four.add(Tile<V, 4>::load(l + b), Tile<V, 4>::load(y + b));
       }
       for (; b < r->end; ++b) {
-        ahead.fetch(l + b);
+        prefetch.fetch(l + b);
         rest = multiply_add(l[b], y[b], rest);
       }
     }
@@ -345,21 +345,21 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 
 /// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
 /// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale.
-template <class V, class Ahead = kernel::NoNext>
-void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D, V* scale, Ahead ahead = {}) {
+template <class V, class Prefetch = kernel::NoPrefetch>
+void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   const int* fill = schedule.fill.data();
   const int left = static_cast<int>(schedule.fill.size());
   for (int k = 0; k < left; ++k) {
-    ahead.fetch_to_write(Lx + fill[k]);
+    prefetch.fetch_to_write(Lx + fill[k]);
     Lx[fill[k]] = V{};
   }
   const int *from = schedule.from.data(), *to = schedule.to.data();
   const int entries = static_cast<int>(schedule.to.size());
   for (int k = 0; k < entries; ++k) {
-    ahead.fetch(Ax + from[k]);
-    ahead.fetch_to_write(Lx + to[k]);
+    prefetch.fetch(Ax + from[k]);
+    prefetch.fetch_to_write(Lx + to[k]);
     Lx[to[k]] = Ax[from[k]];
   }
   for (int k = 0; k < schedule.n; ++k) {
@@ -389,13 +389,13 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
 }
 
 /// x <- L^-T D^-1 x. Where not all columns are eliminated, x ends in the answer to the Schur complement.
-template <class V, class Ahead = kernel::NoNext>
-void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Ahead ahead = {}) {
+template <class V, class Prefetch = kernel::NoPrefetch>
+void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   for (int k = schedule.eliminated - 1; k >= 0; --k) {
     const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
-    kernel::backward(width, below, Lx + Lp[first], D + first, runs + run[k], runs + run[k + 1], x + first, x, ahead);
+    kernel::backward(width, below, Lx + Lp[first], D + first, runs + run[k], runs + run[k + 1], x + first, x, prefetch);
   }
 }
 
@@ -419,8 +419,9 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
 }
 
 /// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual. All of length A.n.
-template <class V, class Ahead = kernel::NoNext>
-void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, V* scale, Ahead ahead = {}) {
+template <class V, class Prefetch = kernel::NoPrefetch>
+void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, V* scale,
+                            Prefetch prefetch = {}) {
   const int *p = A.p.data(), *row = A.i.data();
   for (int k = 0; k < A.n; ++k) {
     r[k] = b[k];
@@ -432,7 +433,7 @@ void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V*
     V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
     for (int k = p[j]; k < last; ++k) {
       const int i = row[k];
-      ahead.fetch(Ax + k);
+      prefetch.fetch(Ax + k);
       const V a = -Ax[k], size = absolute(a);
       r[i] = multiply_add(a, x_j, r[i]);
       scale[i] = multiply_add(size, size_j, scale[i]);

@@ -14,7 +14,7 @@ namespace manycontact::tolerance {
 /// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
-/// Of a row of J, beside the largest motion its contact is picked from (motion_size [J's units], contact/rows.hpp):
+/// Of a row of J, beside the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
 /// smaller rows, or parts of rows orthogonal to the others, are rounding. The same margin over rounding as kPivotLeft,
 /// and for the same reason; here lengths are compared, not squares.
 /// Used by: the dense oracle's rank; rows of J that vanish; `nothing` of ldl_factor_dependent; least_norm_solution;
@@ -60,12 +60,12 @@ inline constexpr double kHeldKept = 1e-2;
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
 /// 1e-14 for the 30 terms of kLargestEntry, with room for J's own. A row that is independent but kept only kPivotLeft
 /// leaves 3e-6, so there are seven orders between the two; in between the dense oracle decides.
-/// Used by: DependentRows::believable.
+/// Used by: DependentRows::accepted.
 inline constexpr double kRowLeft = 1e-13;
 
 /// Of the coefficients z_j: the projector's error grows by their square, in units of eps, and 30^2 eps = 2e-13 stays
 /// below the 1e-12 that any value is allowed. Larger ones mean rows kept that are much smaller than those dropped.
-/// Used by: DependentRows::believable.
+/// Used by: DependentRows::accepted.
 inline constexpr double kLargestEntry = 30;
 
 /// Coefficients z_j are zero below this (beside 1, the entry of the dropped row): a few eps, what substitution leaves.

@@ -4,27 +4,27 @@
 #include <cmath>
 #include <limits>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
 BodiesSystem::BodiesSystem(IslandWork& island, const lanes::Level* level)
-    : of(island), parts(&island.shape->body_parts()), factor(island.shape->bodies()) {
+    : owner(island), subtrees(&island.shape->body_subtrees()), factor(island.shape->bodies()) {
   for (const Robot& robot : island.shape->scene().robots) kin.emplace_back(*robot.model);
-  if (parts->cuts.empty()) return;
-  held.resize(parts->cuts.size());
-  pull.resize(parts->cuts.size());
-  for (const BodyPart& part : parts->parts)
-    if (part.shape == static_cast<int>(shapes.size())) shapes.emplace_back(part.pattern, level);
+  if (subtrees->cuts.empty()) return;
+  held.resize(subtrees->cuts.size());
+  reaction.resize(subtrees->cuts.size());
+  for (const BodySubtree& subtree : subtrees->subtrees)
+    if (subtree.shape == static_cast<int>(shapes.size())) shapes.emplace_back(subtree.pattern, level);
 }
 
 BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::Level* level) : pattern(std::move(of)) {
   ldl.resize(*pattern);
-  if (level && lanes::PartPlan::fits(*pattern)) {
-    auto plan = std::make_shared<const lanes::PartPlan>(pattern);
-    if (plan->schedule.compiled) lanes = level->make_parts(std::move(plan));
+  if (level && lanes::SubtreePlan::fits(*pattern)) {
+    auto plan = std::make_shared<const lanes::SubtreePlan>(pattern);
+    if (plan->schedule.compiled) lanes = level->make_subtrees(std::move(plan));
   }
   slots.resize(lanes ? static_cast<std::size_t>(level->width) : 1);
   side_by_side.reserve(slots.size());
@@ -45,7 +45,7 @@ using V6 = Vec6<double>;
 
 void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t k, int joint, int at,
                    int dof, BodySystem& s, BodyVectors& b) {
-  const Robot& robot = scene.robots[bodies.of.island.robots[k]];
+  const Robot& robot = scene.robots[bodies.owner.island.robots[k]];
   const Model& model = *robot.model;
   const Joint& of = model.joints[joint];
   body_kinematics<double>(model, robot.base, joint, data.workspace->q.segment(robot.idx_q, model.nq),
@@ -62,7 +62,7 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
-  const int c = bodies.of.island.contacts[k];
+  const int c = bodies.owner.island.contacts[k];
   const Contact& contact = scene.contacts[c];
   ContactData<double>& rows = data.workspace->contacts[c];
   body_rows(scene, contact, kinematics_at(bodies, contact.A), kinematics_at(bodies, contact.B), none, none, rows);
@@ -73,14 +73,14 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem
     const V6 unit = rows.W.row(i).transpose();
     if (s.pattern->A[first + i] >= 0) s.GA.col(first + i) = rows.aMA.act_force(unit);
     if (s.pattern->B[first + i] >= 0) s.GB.col(first + i) = -rows.bMA.act_force(unit);
-    b.rows[first + i] = wanted_in(data, c, i) - rows.a0[i];
+    b.rows[first + i] = prescribed_in(data, c, i) - rows.a0[i];
   }
 }
 
 namespace {
 
 void evaluate_bodies(const Scene& scene, const SceneData& data, BodiesSystem& bodies) {
-  const Island& island = bodies.of.island;
+  const Island& island = bodies.owner.island;
   bodies.factor.make_room();
   bodies.solution.resize(*bodies.factor.system.pattern);
   BodySystem& s = bodies.factor.system;
@@ -132,7 +132,7 @@ bool has_vanishing_row(const BodySystem& s) {
 }  // namespace
 
 void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies) {
-  const Island& island = bodies.of.island;
+  const Island& island = bodies.owner.island;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     data.workspace->robots[island.robots[k]].state = 0;
@@ -174,7 +174,7 @@ void report_answer(const Scene& scene, const BodyAnswer& x, IslandReport& report
 }  // namespace
 
 const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at) {
-  return moves(at) ? &bodies.kin[local_robot(bodies.of.island, at.robot)] : nullptr;
+  return moves(at) ? &bodies.kin[local_robot(bodies.owner.island, at.robot)] : nullptr;
 }
 
 }  // namespace internal
@@ -192,9 +192,9 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   whole.add(factor.nonzeros(), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
   const BodyVectors& x = solution.x;
-  each_velocity_block(scene, of.island,
+  each_velocity_block(scene, owner.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });
-  each_force_block(scene, data.f_offset, of.island,
+  each_force_block(scene, data.f_offset, owner.island,
                    [&](int to, int from, int n) { data.f.segment(to, n) = -x.rows.segment(from, n); });
   return true;
 }
@@ -207,9 +207,9 @@ bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
 
 bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork&, IslandDerivatives& out) {
   if (!make_current(scene, data)) return false;
-  internal::evaluate_at_solution(scene, data, of);
-  const AtSolution at(scene, data, of.island);
-  internal::right_hand_sides(scene, data, of, out);
+  internal::evaluate_at_solution(scene, data, owner);
+  const AtSolution at(scene, data, owner.island);
+  internal::right_hand_sides(scene, data, owner, out);
   const int cols = static_cast<int>(out.X.cols());
   if (out.cols > 0) factor.solve_panel(out.X.data(), cols, 0, cols, nullptr);  // bodies have no use for zeros
   out.X.bottomRows(out.nc) *= -1;                                              // [da; -df]

@@ -1,8 +1,8 @@
 #pragma once
-// An island solved by sparse-bodies (kkt/bodies): whole, or part by part where held bodies cut its trees.
+// An island solved by sparse-bodies (kkt/bodies): whole, or subtree by subtree where held bodies cut its trees.
 
 #include "../../lanes/lanes.hpp"
-#include "../../lanes/parts.hpp"
+#include "../../lanes/subtrees.hpp"
 #include "../system.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/algorithm/rnea_products.hpp"
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// A body whose rows say how it accelerates: what hangs below is solved beside its own part, not after it.
+/// A body whose rows say how it accelerates: what hangs below is solved beside its own subtree, not after it.
 struct HeldBody {
   Vec6<double> a;
   BodyHold hold;
@@ -19,7 +19,7 @@ struct HeldBody {
 
 class BodiesSystem final : public IslandSystem {
  public:
-  /// level: of the instructions for parts in lanes, nullptr: parts stand alone.
+  /// level: of the instructions for subtrees in lanes, nullptr: subtrees stand alone.
   BodiesSystem(IslandWork& island, const lanes::Level* level);
 
   bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
@@ -29,16 +29,16 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// The whole system and its solution at the state at hand, where parts answered. False where that has no sound
+  /// The whole system and its solution at the state at hand, where subtrees answered. False where that has no sound
   /// pivots.
   bool make_current(const Scene&, const SceneData&);
 
-  IslandWork& of;
+  IslandWork& owner;
   std::vector<BodyKinematics<double>> kin;  // per robot of the island; by solve
-  // part by part, where held bodies cut the trees; alike parts share what they are solved by
-  const BodyParts* parts;
+  // subtree by subtree, where held bodies cut the trees; alike subtrees share what they are solved by
+  const BodySubtrees* subtrees;
   struct Slot {
-    const BodyPart* part = nullptr;  // the one at hand
+    const BodySubtree* subtree = nullptr;  // the one at hand
     BodySystem system;
     BodySolve solution;
     std::vector<int> row;  // per row: its number among the scene's forces
@@ -46,15 +46,15 @@ class BodiesSystem final : public IslandSystem {
   struct Shape {
     Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
-    BodyLdl ldl;                          // of a part alone
-    std::unique_ptr<lanes::Parts> lanes;  // null: its parts stand alone
-    std::vector<Slot> slots;              // as many as stand side by side
+    BodyLdl ldl;                                 // of a subtree alone
+    std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: its subtrees stand alone
+    std::vector<Slot> slots;                     // as many as stand side by side
     std::size_t filled = 0;
-    std::vector<lanes::Parts::Part> side_by_side;  // one per slot that is filled
+    std::vector<lanes::SubtreeBatch::Subtree> side_by_side;  // one per slot that is filled
   };
   std::vector<Shape> shapes;
-  std::vector<HeldBody> held;      // per cut
-  std::vector<Vec6<double>> pull;  // per cut: of what hangs below
+  std::vector<HeldBody> held;          // per cut
+  std::vector<Vec6<double>> reaction;  // per cut: of what hangs below
   // as a whole
   std::uint64_t state = 0;  // that factor and solution are of
   bool sound = false;       // and whether they can be used
@@ -77,7 +77,7 @@ struct BodyAnswer {
   void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 
-/// Part by part; false where the island is one part, or one has no sound answer.
+/// Subtree by subtree; false where the island is one subtree, or one has no sound answer.
 bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
 /// The pieces of both: a robot's node, a contact's rows, in equations numbered from node `at`, coordinate `dof` and row

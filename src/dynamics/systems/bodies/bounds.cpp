@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -23,7 +23,7 @@ using V6 = Vec6<double>;
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
 std::vector<double> uncertainty(const Scene& scene, const BodiesSystem& form) {
-  const Island& island = form.of.island;
+  const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
@@ -106,10 +106,10 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const std::vector<double> w = uncertainty(scene, *this);
   // where parts answered: how far that is from the whole system's answer, whose error is bounded
   double da = 0, df = 0;
-  each_velocity_block(scene, of.island, [&](int from, int to, int n) {
+  each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());
   });
-  each_force_block(scene, data.f_offset, of.island, [&](int from, int to, int n) {
+  each_force_block(scene, data.f_offset, owner.island, [&](int from, int to, int n) {
     df = std::max(df, (data.f.segment(from, n) + x.rows.segment(to, n)).cwiseAbs().maxCoeff());
   });
   const auto relative = [](double error, const Eigen::VectorXd& y) {
@@ -123,8 +123,8 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
 bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, IslandReport& report) {
   if (!make_current(scene, data)) return false;
   report.condition =
-      sparse::inverse_norm_1(of.island.size(), [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
-      internal::inverse_norm(of.island.size(), factor);
+      sparse::inverse_norm_1(owner.island.size(), [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
+      internal::inverse_norm(owner.island.size(), factor);
   return true;
 }
 

@@ -3,7 +3,7 @@
 
 #include "manycontact/contact/products.hpp"
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/body_rows.hpp"
@@ -32,7 +32,7 @@ V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
 int node_of(const BodiesSystem& form, const Attachment& at) {
   return at.robot < 0 || at.joint < 0
              ? -1
-             : form.factor.system.pattern->node_offset[local_robot(form.of.island, at.robot)] + at.joint;
+             : form.factor.system.pattern->node_offset[local_robot(form.owner.island, at.robot)] + at.joint;
 }
 
 // use(node, its robot's kinematics, its joint) for each node.
@@ -75,7 +75,7 @@ void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
 }
 
 void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& form) {
-  const Island& island = form.of.island;
+  const Island& island = form.owner.island;
   BodyVectors& b = form.products.b;
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
@@ -106,7 +106,7 @@ void adjoint_bodies(BodiesSystem& form) {
 }
 
 void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& form) {
-  const Island& island = form.of.island;
+  const Island& island = form.owner.island;
   const BodyVectors& x = form.products.x;
   const V6 none = V6::Zero();
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -153,7 +153,7 @@ void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
 }  // namespace
 
 void internal::evaluate_rows_at_solution(const Scene& scene, BodiesSystem& form) {
-  const Island& island = form.of.island;
+  const Island& island = form.owner.island;
   if (form.contacts.empty())
     for (int c : island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
   const V6 none = V6::Zero();
@@ -170,7 +170,7 @@ void internal::evaluate_rows_at_solution(const Scene& scene, BodiesSystem& form)
 
 bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
   if (!make_current(scene, data)) return false;
-  const Island& island = of.island;
+  const Island& island = owner.island;
   BodySolve& w = products;
   internal::evaluate_rows_at_solution(scene, *this);
   body.resize(factor.system.pattern->nodes);
@@ -200,7 +200,7 @@ bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 
 bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
   if (!make_current(scene, data)) return false;
-  const Island& island = of.island;
+  const Island& island = owner.island;
   BodySolve& w = products;
   internal::evaluate_rows_at_solution(scene, *this);
   body.resize(factor.system.pattern->nodes);

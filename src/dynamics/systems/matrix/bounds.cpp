@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
@@ -92,7 +92,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
 // entries are as good as the motions they are picked from.
 void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
                       double f, double& of_row, std::vector<double>& w) {
-  const double size = motion_size(c, d);
+  const double size = motion_scale(c, d);
   for (int column : columns) {
     of_row += size * std::abs(a[column]);
     w[column] += size * f;
@@ -102,7 +102,7 @@ void contact_rounding(const Contact& c, const ContactData<double>& d, const doub
 // c eps: of a sum down the deepest tree.
 double rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;
-  for (int r : m.of.island.robots)
+  for (int r : m.owner.island.robots)
     for (int i : scene.robots[r].model->dof_depth) depth = std::max(depth, i);
   return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
 }
@@ -112,20 +112,20 @@ double rounding(const Scene& scene, const MatrixSystem& m) {
 std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const KktVectors& s = m.v;
   const int* iperm = m.K.pattern->iperm.data();
-  std::vector<double> w(m.of.island.size(), 0.0), a(m.of.island.nv);  // in the island's order
-  for (int k = 0; k < m.of.island.nv; ++k) a[k] = s.x[iperm[k]];
-  for (std::size_t k = 0; k < m.of.island.robots.size(); ++k) {
-    const int r = m.of.island.robots[k], o = m.of.island.dof_offset[k];
+  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // in the island's order
+  for (int k = 0; k < m.owner.island.nv; ++k) a[k] = s.x[iperm[k]];
+  for (std::size_t k = 0; k < m.owner.island.robots.size(); ++k) {
+    const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
     inertia_rounding(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
   }
-  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[m.of.island.contacts[k]];
-    const int first = m.of.island.nv + m.of.island.row_offset[k];
+  for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
+    const int first = m.owner.island.nv + m.owner.island.row_offset[k];
     double f = 0;
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
-    double of_row = internal::row_terms(scene, work, m.of.island.contacts[k]);
-    contact_rounding(contact, work.contacts[m.of.island.contacts[k]], a.data(), m.of.shape->support().columns[k], f,
-                     of_row, w);
+    double of_row = internal::row_terms(scene, work, m.owner.island.contacts[k]);
+    contact_rounding(contact, work.contacts[m.owner.island.contacts[k]], a.data(), m.owner.shape->support().columns[k],
+                     f, of_row, w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
   }
   const double c = rounding(scene, m);
@@ -133,7 +133,7 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
-    const double left = deficient ? s.r[at] - s.null_part[at] : s.r[at];
+    const double left = deficient ? s.r[at] - s.null_component[at] : s.r[at];
     out[at] = std::abs(left) + c * (s.scale[at] + w[k]);
   }
   return out;
@@ -158,21 +158,21 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
 // |P| |dJ| |y|, J y = f.
 double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
-  const int n = m.of.island.size();
+  const int n = m.owner.island.size();
   std::vector<double> y(n, 0.0), w(n, 0.0), part(n);
-  for (int k = m.of.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
-  m.factor->some_motion(y.data());
-  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
-    const int c = m.of.island.contacts[k], rows = scene.contacts[c].rows();
+  for (int k = m.owner.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
+  m.factor->particular_solution(y.data());
+  for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
+    const int c = m.owner.island.contacts[k], rows = scene.contacts[c].rows();
     double moved = 0;
-    for (int column : m.of.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
-    const double of_row = rounding(scene, m) * motion_size(scene.contacts[c], work.contacts[c]) * moved;
-    for (int i = 0; i < rows; ++i) w[iperm[m.of.island.nv + m.of.island.row_offset[k] + i]] = of_row;
+    for (int column : m.owner.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
+    const double of_row = rounding(scene, m) * motion_scale(scene.contacts[c], work.contacts[c]) * moved;
+    for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]] = of_row;
   }
   const std::vector<char> kept(n, 1);
   return bound(
       [&](double* x) {
-        for (int k = 0; k < m.of.island.nv; ++k) x[iperm[k]] = 0;
+        for (int k = 0; k < m.owner.island.nv; ++k) x[iperm[k]] = 0;
         std::fill(part.begin(), part.end(), 0.0);
         m.factor->project_out(x, part.data());
         std::copy(part.begin(), part.end(), x);
@@ -184,14 +184,14 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 // equation). |dJ^T r| in elimination order.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
-  std::vector<double> w(m.of.island.size(), 0.0);
-  for (std::size_t k = 0; k < m.of.island.contacts.size(); ++k) {
-    const int c = m.of.island.contacts[k];
+  std::vector<double> w(m.owner.island.size(), 0.0);
+  for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
+    const int c = m.owner.island.contacts[k];
     double missed = 0;
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
-      missed += std::abs(m.v.null_part[iperm[m.of.island.nv + m.of.island.row_offset[k] + i]]);
-    const double of_column = rounding(scene, m) * motion_size(scene.contacts[c], work.contacts[c]) * missed;
-    for (int column : m.of.shape->support().columns[k]) w[iperm[column]] += of_column;
+      missed += std::abs(m.v.null_component[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]]);
+    const double of_column = rounding(scene, m) * motion_scale(scene.contacts[c], work.contacts[c]) * missed;
+    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += of_column;
   }
   return w;
 }
@@ -199,7 +199,8 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
 // What projecting the forces to those of least norm may have made of them.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
-  for (int k = m.of.island.nv; k < m.of.island.size(); ++k) f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[k]]));
+  for (int k = m.owner.island.nv; k < m.owner.island.size(); ++k)
+    f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[k]]));
   return m.factor->projector_error() * f;
 }
 
@@ -208,11 +209,12 @@ double projected_forces(const MatrixSystem& m) {
 std::pair<double, double> moved(const SceneData& data, const Scene& scene, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   double a = 0, f = 0;
-  each_velocity_block(scene, m.of.island, [&](int given, int own, int n) {
+  each_velocity_block(scene, m.owner.island, [&](int given, int own, int n) {
     for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[given + i] - m.v.x[iperm[own + i]]));
   });
-  each_force_block(scene, data.f_offset, m.of.island, [&](int given, int own, int n) {
-    for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[given + i] + m.v.x[iperm[m.of.island.nv + own + i]]));
+  each_force_block(scene, data.f_offset, m.owner.island, [&](int given, int own, int n) {
+    for (int i = 0; i < n; ++i)
+      f = std::max(f, std::abs(data.f[given + i] + m.v.x[iperm[m.owner.island.nv + own + i]]));
   });
   return {a, f};
 }
@@ -239,17 +241,17 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
         count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
     return error == 0 ? 0 : error / size;
   };
-  report.error_acceleration = relative(0, of.island.nv, moved_a);
+  report.error_acceleration = relative(0, owner.island.nv, moved_a);
   double more = moved_f;
   if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
-  report.error_forces = relative(of.island.nv, of.island.nc, more);
+  report.error_forces = relative(owner.island.nv, owner.island.nc, more);
   return true;
 }
 
 bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {
-  std::vector<double> sums(of.island.size());
+  std::vector<double> sums(owner.island.size());
   report.condition =
-      sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(of.island.size(), *factor);
+      sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(owner.island.size(), *factor);
   return true;
 }
 

@@ -2,7 +2,8 @@
 
 #include <stdexcept>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
+#include "manycontact/kkt/choose.hpp"
 #include "matrix.hpp"
 
 namespace manycontact::internal {
@@ -64,17 +65,19 @@ void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork&
   if (w.robots[d.island.robots.front()].state == w.state) return;
   if (d.bodies) make_joint_space(scene, w, d);
   evaluate(scene, w.q, data.v, w, d.island);
+  d.matrix.tolerated = scene.tolerance > 0 && d.island.nc > 0 ? d.matrix.within.make_dependent(scene, w, d) : 0;
 }
 
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
   const Workspace& w = *data.workspace;
-  const IslandWork& d = m.of;
+  const IslandWork& d = m.owner;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(order);
   if (m.K.pattern != pattern) m.K.reset(pattern);
   if (m.v.b.size() != static_cast<std::size_t>(m.K.size())) m.v.resize(m.K.size());
   manycontact::assemble(m.M, m.J, damping, m.K);
-  m.K.row_size = 0;
-  for (int c : d.island.contacts) m.K.row_size = std::max(m.K.row_size, motion_size(scene.contacts[c], w.contacts[c]));
+  m.K.row_scale = 0;
+  for (int c : d.island.contacts)
+    m.K.row_scale = std::max(m.K.row_scale, motion_scale(scene.contacts[c], w.contacts[c]));
 
   const int* iperm = pattern->iperm.data();  // b = [tau - h; wanted - a0]
   double* b = m.v.b.data();
@@ -88,7 +91,7 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
     const int c = d.island.contacts[k];
     const auto& a0 = w.contacts[c].a0;
     const int* to = iperm + d.island.nv + d.island.row_offset[k];
-    for (int i = 0; i < a0.size(); ++i) b[to[i]] = wanted_in(data, c, i) - a0[i];
+    for (int i = 0; i < a0.size(); ++i) b[to[i]] = prescribed_in(data, c, i) - a0[i];
   }
 }
 

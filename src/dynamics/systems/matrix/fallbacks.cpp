@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "../../steps.hpp"
-#include "manycontact/contact/row_size.hpp"
+#include "../../internal.hpp"
+#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "row_terms.hpp"
@@ -15,42 +15,42 @@ namespace manycontact::internal {
 
 namespace {
 
-enum class Way { kChosen, kDependentRows, kDense };
+enum class FactorKind { kChosen, kDependentRows, kDense };
 
 struct Attempt {
-  Way way;
+  FactorKind kind;
   Order order;
   double damping;
 };
 
-Factor& factor_of(MatrixSystem& m, Way way) {
+Factor& factor_of(MatrixSystem& m, FactorKind kind) {
   const auto made = [](std::unique_ptr<Factor>& factor, auto&& make) -> Factor& {
     if (!factor) factor = make();
     return *factor;
   };
-  if (way == Way::kDependentRows) return made(m.safe, make_dependent_rows_factor);
-  if (way == Way::kDense) return made(m.dense, make_dense_factor);
-  return made(m.chosen, [&m] { return make_factor(m.of.choice.method, m.of.shape); });
+  if (kind == FactorKind::kDependentRows) return made(m.safe, make_dependent_rows_factor);
+  if (kind == FactorKind::kDense) return made(m.dense, make_dense_factor);
+  return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
 // What the rows of the island's J are judged beside.
-void row_sizes(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
+void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
   size.resize(island.nc);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
-      size[island.row_offset[k] + i] = row_size(scene.contacts[c], w.contacts[c], i);
+      size[island.row_offset[k] + i] = row_scale(scene.contacts[c], w.contacts[c], i);
   }
 }
 
 // Whether a row of the island's J is nothing but rounding beside the contacts' motions: no pivot shows that.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
-    const Eigen::Index rows = scene.contacts[m.of.island.contacts[c]].rows();
+    const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
     const Eigen::Map<const Eigen::MatrixXd> J(m.J[c].data(), rows, static_cast<Eigen::Index>(m.J[c].size()) / rows);
     for (Eigen::Index i = 0; i < rows; ++i) {
       const double largest = J.cols() > 0 ? J.row(i).cwiseAbs().maxCoeff() : 0;
-      if (!(largest > tolerance::kRank * size[m.of.island.row_offset[c] + i])) return true;
+      if (!(largest > tolerance::kRank * size[m.owner.island.row_offset[c] + i])) return true;
     }
   }
   return false;
@@ -80,20 +80,23 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
 // agree on, which is all that exact arithmetic leaves of J a + a0. (What rounding leaves there beside it was judged as
 // a residual.) It may still be rounding of the terms of drift_size: that is no contradiction.
 // Derivatives take note of what is left above rounding alone (of_rows: kDriftRounding, too).
-bool contradictory(const KktPattern& p, const KktVectors& v, double drift, double of_rows) {
+bool contradictory(const MatrixSystem& m, double drift, double of_rows) {
+  const KktPattern& p = *m.K.pattern;
+  const KktVectors& v = m.v;
   double left = 0, Ja = 0, a0 = 0;
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
-    left = sparse::larger_or_nan(left, std::abs(v.null_part[at]));
+    left = sparse::larger_or_nan(left, std::abs(v.null_component[at]));
     Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
     a0 = std::max(a0, std::abs(v.b[at]));
   }
-  return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+  const double tolerated = m.tolerated * (Ja + a0 + drift);
+  return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift) && !(left <= tolerated);
 }
 
 // report.dependent_rows, numbered as data.f has them.
 void name_dependent_rows(const SceneData& data, MatrixSystem& m, IslandReport& report) {
-  const Island& island = m.of.island;
+  const Island& island = m.owner.island;
   m.factor->dependent_rows(m.dependent);
   report.dependent_rows.clear();
   for (int row : m.dependent) {
@@ -114,13 +117,13 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
                IslandReport& report) {
   assemble(scene, data, by.order, by.damping, m);
   m.state = data.workspace->state;
-  Factor& factor = factor_of(m, by.way);
+  Factor& factor = factor_of(m, by.kind);
   report.method = factor.method();
   report.order = by.order;
-  row_sizes(scene, *data.workspace, m.of.island, scratch.row_size);
-  if (by.way == Way::kChosen && by.damping == 0 && has_vanishing_row(scene, m, scratch.row_size))
+  row_scales(scene, *data.workspace, m.owner.island, scratch.row_scale);
+  if (by.kind == FactorKind::kChosen && by.damping == 0 && has_vanishing_row(scene, m, scratch.row_scale))
     return Reason::kSmallPivot;
-  ++m.of.factorizations;
+  ++m.owner.factorizations;
   if (const Reason reason = factor.factorize(m.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
   const sparse::Refinement refinement = solve_refined(factor, m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
@@ -129,7 +132,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
   // the oracle's answer is the best there is
-  const double most = by.way == Way::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
+  const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
 
   m.factor = &factor;
@@ -139,9 +142,9 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.status = Status::kOk;
   m.contradiction = false;
   if (m.deficient()) {
-    const double drift = drift_size(scene, *data.workspace, m.of.island);
-    m.contradiction = contradictory(*m.K.pattern, m.v, drift, tolerance::kDriftRounding);
-    const bool told = contradictory(*m.K.pattern, m.v, drift, tolerance::kContradiction);
+    const double drift = drift_size(scene, *data.workspace, m.owner.island);
+    m.contradiction = contradictory(m, drift, tolerance::kDriftRounding);
+    const bool told = contradictory(m, drift, tolerance::kContradiction);
     report.status = told ? Status::kInconsistent : Status::kRedundant;
     name_dependent_rows(data, m, report);
   }
@@ -158,16 +161,16 @@ struct Attempts {
 Attempts fallbacks_of(const Choice& choice, double damping) {
   Attempts out;
   const auto [method, order] = choice;
-  if (method != Method::kDense) out.add({Way::kChosen, order, damping});
+  if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline stands alone
-  if (method != Method::kDense && damping == 0) out.add({Way::kDependentRows, Order::kLeafToRoot, 0});
+  if (method != Method::kDense && damping == 0) out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   if (has_order(method) && damping > 0 && order != Order::kLeafToRoot)
-    out.add({Way::kChosen, Order::kLeafToRoot, damping});
-  out.add({Way::kDense, order, damping});
+    out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
+  out.add({FactorKind::kDense, order, damping});
   return out;
 }
 
-constexpr Attempt kByDependentRows{Way::kDependentRows, Order::kLeafToRoot, 0};
+constexpr Attempt kByDependentRows{FactorKind::kDependentRows, Order::kLeafToRoot, 0};
 
 }  // namespace
 
@@ -180,15 +183,15 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
     report.status = Status::kOk;
     return false;
   }
-  report.changed_order = m.of.choice.order != kByDependentRows.order;
+  report.changed_order = m.owner.choice.order != kByDependentRows.order;
   report.reason = Reason::kSmallPivot;
   return true;
 }
 
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                         IslandReport& report) {
-  const auto [method, order] = m.of.choice;
-  const Attempts attempts = fallbacks_of(m.of.choice, scene.damping);
+  const auto [method, order] = m.owner.choice;
+  const Attempts attempts = fallbacks_of(m.owner.choice, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   m.factor = nullptr;
   for (int k = 0; k < attempts.count; ++k) {
@@ -196,8 +199,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
     last = attempt(scene, data, scratch, by, m, report);
     if (k == 0) first = last;
     if (last != Reason::kNone) continue;
-    report.reason = by.way == Way::kDependentRows && m.deficient() ? Reason::kSmallPivot : first;
-    report.changed_order = by.way != Way::kDense && by.order != order;
+    report.reason = by.kind == FactorKind::kDependentRows && m.deficient() ? Reason::kSmallPivot : first;
+    report.changed_order = by.kind != FactorKind::kDense && by.order != order;
     return true;
   }
   report.reason = last;
@@ -211,9 +214,9 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
   constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
-  const auto [method, order] = m.of.choice;
-  if (m.factor == m.dense.get() || method == Method::kDenseSchur || m.of.island.size() > kLargest) return false;
-  const Attempt oracle{Way::kDense, order, scene.damping};
+  const auto [method, order] = m.owner.choice;
+  if (m.factor == m.dense.get() || method == Method::kDenseSchur || m.owner.island.size() > kLargest) return false;
+  const Attempt oracle{FactorKind::kDense, order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
   (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come
   return false;

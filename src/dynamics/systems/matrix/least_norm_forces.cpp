@@ -1,4 +1,4 @@
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 
@@ -17,17 +17,17 @@ using V6 = Vec6<double>;
 void any_motion(const MatrixSystem& m, DependentDerivatives& w) {
   const int* iperm = m.K.pattern->iperm.data();
   thread_local KktVectors v;  // memory
-  v.resize(m.of.island.size());
+  v.resize(m.owner.island.size());
   std::fill(v.b.begin(), v.b.end(), 0.0);
-  for (int k = 0; k < m.of.island.nc; ++k) v.b[iperm[m.of.island.nv + k]] = w.f[k];
+  for (int k = 0; k < m.owner.island.nc; ++k) v.b[iperm[m.owner.island.nv + k]] = w.f[k];
   if (m.factor->own_refinements() > 0) {
     v.x = v.b;
-    m.factor->some_motion(v.x.data());
+    m.factor->particular_solution(v.x.data());
   } else {
     solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
   }
-  w.y.resize(m.of.island.nv);
-  for (int k = 0; k < m.of.island.nv; ++k) w.y[k] = v.x[iperm[k]];
+  w.y.resize(m.owner.island.nv);
+  for (int k = 0; k < m.owner.island.nv; ++k) w.y[k] = v.x[iperm[k]];
 }
 
 // w.D = d(J(q) y)/dq, nc x nv.
@@ -85,13 +85,13 @@ void take_forces(const Scene& scene, const SceneData& data, const Island& island
 
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out) {
   DependentDerivatives& w = *m.rows;
-  take_forces(scene, data, m.of.island, w.f);
+  take_forces(scene, data, m.owner.island, w.f);
   any_motion(m, w);
-  jacobian_rate(scene, *data.workspace, m.of, w);
-  w.kept.setZero(m.of.island.size(), m.of.island.nv);
-  w.kept.bottomRows(m.of.island.nc) = w.D;
-  m.factor->project_out_panel(w.kept.data(), m.of.island.nv, m.of.island.nv);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(m.of.island.nc);  // += P D
+  jacobian_rate(scene, *data.workspace, m.owner, w);
+  w.kept.setZero(m.owner.island.size(), m.owner.island.nv);
+  w.kept.bottomRows(m.owner.island.nc) = w.D;
+  m.factor->project_out_panel(w.kept.data(), m.owner.island.nv, m.owner.island.nv);
+  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(m.owner.island.nc);  // += P D
 }
 
 void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
@@ -100,14 +100,14 @@ void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, Isl
   DependentDerivatives& w = *m.rows;
   const Linearisation& lin = *data.workspace->linearisation;
   IslandDerivatives& rho = w.with_rho;
-  if (rho.X.rows() != m.of.island.size()) lay_out(scene, m.of.island, {true, false, false, false}, rho);
+  if (rho.X.rows() != m.owner.island.size()) lay_out(scene, m.owner.island, {true, false, false, false}, rho);
   w.with = data.f;
-  for (int c : m.of.island.contacts)
+  for (int c : m.owner.island.contacts)
     w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
-  derivative_terms(scene, data, m.of.island, w.with);
+  derivative_terms(scene, data, m.owner.island, w.with);
   rho.X.setZero();
-  derivative_rhs(scene, lin, data.v, m.of, rho);
-  derivative_terms(scene, data, m.of.island, data.f);
+  derivative_rhs(scene, lin, data.v, m.owner, rho);
+  derivative_terms(scene, data, m.owner.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
   rho.X.bottomRows(rho.nc).setZero();
   solve_panel(scene, m, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm

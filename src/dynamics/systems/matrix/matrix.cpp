@@ -3,12 +3,12 @@
 #include <limits>
 
 #include "../../derivatives/products.hpp"
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
-bool MatrixSystem::deficient() const { return factor && factor->rank() < of.island.nc; }
+bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }
 
 namespace {
 
@@ -28,18 +28,29 @@ void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors&
 // x = [a; -f], in the scene's coordinates, and what is left of K x = b.
 void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
-  internal::scatter(scene, data.f_offset, p, m.of.island, m.v.x.data(), data.a, data.f);
-  each_force_block(scene, data.f_offset, m.of.island, [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
+  internal::scatter(scene, data.f_offset, p, m.owner.island, m.v.x.data(), data.a, data.f);
+  each_force_block(scene, data.f_offset, m.owner.island,
+                   [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
   report_residuals(scene, p, m.v, report);
   report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
+}
+
+// Whether fewer rows depend on each other than at the start, but for the contacts' drift: now they do.
+bool drifted_apart(const Scene& scene, const SceneData& data, MatrixSystem& m, const IslandReport& report) {
+  const int depend = m.factor ? report.nc - report.rank : 0;
+  if (depend >= m.owner.depended || m.tolerated > 0) return false;
+  return (m.tolerated = m.within.make_dependent(scene, *data.workspace, m.owner)) > 0;
 }
 
 // Of the state at hand: K, and x by the first factor that is sound.
 bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
                     IslandReport& report) {
   m.factor = nullptr;
-  if (!internal::joint_space_fits(m.of)) return false;
-  internal::evaluate_at_solution(scene, data, m.of);
+  if (!internal::joint_space_fits(m.owner)) return false;
+  internal::evaluate_at_solution(scene, data, m.owner);
+  const bool answered = internal::solve_by_fallbacks(scene, data, thread.scratch, m, report);
+  if (!drifted_apart(scene, data, m, report)) return answered;
+  internal::reset(report, m.owner.island);
   return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report);
 }
 
@@ -53,8 +64,12 @@ bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread
 }
 
 bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
-  internal::evaluate_at_solution(scene, data, of);
+  internal::evaluate_at_solution(scene, data, owner);
   was_dependent = internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
+  if (drifted_apart(scene, data, *this, report)) {
+    internal::reset(report, owner.island);
+    was_dependent = internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
+  }
   if (was_dependent) take_answer(scene, data, *this, report);
   return was_dependent;
 }
@@ -69,8 +84,8 @@ namespace {
 // Whether the panel could be believed.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
-  const AtSolution at(scene, data, m.of.island);
-  internal::right_hand_sides(scene, data, m.of, out);
+  const AtSolution at(scene, data, m.owner.island);
+  internal::right_hand_sides(scene, data, m.owner, out);
   const bool deficient = m.deficient() && out.request.q;
   if (deficient && !m.rows) m.rows = std::make_unique<DependentDerivatives>();
   if (deficient && m.contradiction) internal::add_contradiction(scene, data, m, out, thread.panel);
@@ -84,14 +99,14 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
 const IslandDerivatives* formed(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m) {
   if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
   IslandDerivatives& all = m.rows->all;
-  if (all.u_offset.empty()) internal::lay_out(scene, m.of.island, {}, all);
+  if (all.u_offset.empty()) internal::lay_out(scene, m.owner.island, {}, all);
   return m.differentiate(scene, data, thread, all) ? &all : nullptr;
 }
 
 bool formed_jvp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const TangentProduct& p) {
   const IslandDerivatives* D = formed(scene, data, thread, m);
   if (!D) return false;
-  const Island& island = m.of.island;
+  const Island& island = m.owner.island;
   Eigen::VectorXd &in = thread.formed.columns, &out = thread.formed.rows;
   internal::remake(in, D->cols);
   internal::remake(out, island.size());
@@ -111,7 +126,7 @@ bool formed_jvp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixS
 bool formed_vjp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const AdjointProduct& p) {
   const IslandDerivatives* D = formed(scene, data, thread, m);
   if (!D) return false;
-  const Island& island = m.of.island;
+  const Island& island = m.owner.island;
   Eigen::VectorXd &out = thread.formed.columns, &in = thread.formed.rows;
   internal::remake(in, island.size());
   internal::remake(out, D->cols);
@@ -133,9 +148,9 @@ void solve_once_refined(const Scene& scene, const SceneData& data, ThreadWork& t
                         ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
   thread.v.resize(m.K.size());
-  internal::gather(scene, data.f_offset, p, m.of.island, work.a, work.y, thread.v.b.data());
+  internal::gather(scene, data.f_offset, p, m.owner.island, work.a, work.y, thread.v.b.data());
   (void)solve_refined(*m.factor, m.K, thread.v, 1);
-  internal::scatter(scene, data.f_offset, p, m.of.island, thread.v.x.data(), work.a, work.y);
+  internal::scatter(scene, data.f_offset, p, m.owner.island, thread.v.x.data(), work.a, work.y);
 }
 
 }  // namespace
@@ -147,14 +162,14 @@ bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
 
 bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {
   if (deficient()) return formed_jvp(scene, data, thread, *this, p);
-  internal::tangent_product(scene, data, of.island, p,
+  internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
   return true;
 }
 
 bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, const AdjointProduct& p) {
   if (deficient()) return formed_vjp(scene, data, thread, *this, p);
-  internal::adjoint_product(scene, data, of.island, p,
+  internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
   return true;
 }

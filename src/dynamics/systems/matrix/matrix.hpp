@@ -8,6 +8,7 @@
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
+#include "within_tolerance.hpp"
 
 namespace manycontact {
 
@@ -23,7 +24,7 @@ struct DependentDerivatives {
 
 class MatrixSystem final : public IslandSystem {
  public:
-  explicit MatrixSystem(IslandWork& island) : of(island) {}
+  explicit MatrixSystem(IslandWork& island) : owner(island) {}
 
   bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
@@ -41,7 +42,7 @@ class MatrixSystem final : public IslandSystem {
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
 
-  IslandWork& of;
+  IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
   std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
@@ -50,9 +51,11 @@ class MatrixSystem final : public IslandSystem {
   Factor* factor = nullptr;                     // the one that answered; nullptr: none did
   double first_error = 0, last_error = 0;       // backward error before and after refinement
   bool contradiction = false;                   // the contacts contradict each other: least squares
-  bool was_dependent = false;                   // the last solve found rows dependent
-  std::vector<int> dependent;                   // scratch: rows of J
-  std::unique_ptr<DependentDerivatives> rows;   // by differentiate, where rows depend
+  WithinTolerance within;
+  double tolerated = 0;        // what rows made dependent may contradict each other by, relative to their terms
+  bool was_dependent = false;  // the last solve found rows dependent
+  std::vector<int> dependent;  // scratch: rows of J
+  std::unique_ptr<DependentDerivatives> rows;  // by differentiate, where rows depend
 };
 
 namespace internal {

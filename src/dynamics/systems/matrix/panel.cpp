@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 
@@ -41,7 +41,7 @@ constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 // refined: once, by a factor that does.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined,
                   std::vector<char>& nonzero) {
-  const Island& island = m.of.island;
+  const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
   const auto solve = [&](int first, int cols) {
     if (refined)
@@ -80,9 +80,9 @@ void reserve(std::vector<T>& memory, std::size_t size) {
 }  // namespace
 
 void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
-  if (out.cols == 0 || m.of.island.size() == 0) return;
+  if (out.cols == 0 || m.owner.island.size() == 0) return;
   // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
-  reserve(work.nonzero, m.of.island.size());
+  reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, out.X.size());
   reserve(work.R, out.X.size());
   const bool judged = !m.factor->panel_is_like_solve() ||

@@ -1,19 +1,19 @@
 // Robots alone in lanes: islands of one robot, as many side by side as there are lanes.
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "../../threads.hpp"
 #include "robots.hpp"
 
 namespace manycontact {
 
-bool AloneSystem::serves(const Workspace& work) const { return state == work.state && panel_is_safe; }
+bool AloneSystem::answered(const Workspace& work) const { return state == work.state && panel_is_safe; }
 
 namespace internal {
 
 lanes::Job job_at_state(const Scene& scene, SceneData& data) {
   const Workspace& w = *data.workspace;
-  return {scene,         w.state,  w.q.data(),    data.v.data(), data.tau.data(),
-          data.f_offset, w.wanted, data.a.data(), data.f.data()};
+  return {scene,         w.state,      w.q.data(),    data.v.data(), data.tau.data(),
+          data.f_offset, w.prescribed, data.a.data(), data.f.data()};
 }
 
 namespace {
@@ -73,7 +73,7 @@ void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use)
 }
 
 auto served_by(const Workspace& w) {
-  return [&w](const IslandWork& d) { return d.alone.serves(w); };
+  return [&w](const IslandWork& d) { return d.alone.answered(w); };
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ void solve_alone(const Scene& scene, SceneData& data) {
   const lanes::Job job = job_at_state(scene, data);
   // Not those answered already, nor those whose rows are certain to depend on each other.
   const auto wanted = [&scene](const IslandWork& d) {
-    return !d.answered && (scene.damping > 0 || d.island.nc <= d.island.nv);
+    return !d.answered && !is_inexact(scene, d) && (scene.damping > 0 || d.island.nc <= d.island.nv);
   };
   each_in_lanes(scene, w, wanted, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
     kernel.solve(job, robots, {thread.answers.data(), robots.size()});
@@ -98,14 +98,14 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
-  const bool past_caches = bytes > kCached;
+  const bool non_temporal = bytes > kCacheBytes;
   each_in_lanes(
       scene, w, served_by(w), [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
         const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                        data.a.data(), data.f.data(), data.f_offset, first.request,
                                        first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                       past_caches};
+                                       non_temporal};
         thread.panels.clear();
         for (int i : numbers) {
           IslandDerivatives& out = w.derivatives.islands[i];

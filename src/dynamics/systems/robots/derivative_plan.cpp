@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "derivatives.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -22,7 +22,7 @@ RobotsDerivatives::RobotsDerivatives(const IslandShape& shape, const RobotsSyste
     for (int c : of.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
         r.row.push_back(island.nv + island.row_offset[c] + i);
-    for (int row : of.joining) r.join.push_back(interface.row[row]);
+    for (int row : of.interface_rows) r.join.push_back(interface.row[row]);
   }
   for (int k : interface.perm) eliminated.push_back(interface.row[k]);
 }

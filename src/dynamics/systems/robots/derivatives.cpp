@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "each_batch.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
@@ -39,7 +39,7 @@ void find_reach(const Interface& interface, const RobotsDerivatives& by, Columns
   std::fill(nonzero.begin(), nonzero.end(), 0);
   for (std::size_t k = 0; k < by.robots.size(); ++k)
     if (has_own(columns_of(by.robots[k]), first, cols))
-      for (int row : interface.robots[k].joining) nonzero[interface.place[row]] = 1;
+      for (int row : interface.robots[k].interface_rows) nonzero[interface.place[row]] = 1;
   sparse::ldl_scheduled_reach(interface.schedule, nonzero.data());
 }
 
@@ -60,7 +60,7 @@ void clear_rhs(const Interface& interface, const RobotsDerivatives& by, std::vec
 lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Coupling& coupling) {
   RobotsDerivatives& by = *system.derivatives;
   return {by.terms.data() + by.at[coupling.number], coupling.rows,
-          static_cast<int>(system.of.shape->support().columns[coupling.number].size())};
+          static_cast<int>(system.owner.shape->support().columns[coupling.number].size())};
 }
 
 // The terms of contacts that join robots, from where these move; and their rows of B.
@@ -74,15 +74,15 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
   each_item(w, system.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::ContactBatch& batch = system.contact_batches[k];
     const auto couplings = std::span(system.contacts).subspan(batch.first, batch.count);
-    thread.joining_derivatives.clear();
+    thread.interface_derivatives.clear();
     for (const RobotsSystem::Coupling& coupling : couplings)
-      thread.joining_derivatives.push_back(
+      thread.interface_derivatives.push_back(
           {&scene.contacts[coupling.contact], end(coupling.A, coupling.among_A), end(coupling.B, coupling.among_B),
            data.f.data() + data.f_offset[coupling.contact], terms_of(system, coupling).J});
-    batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.joining_derivatives);
+    batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.interface_derivatives);
     for (const RobotsSystem::Coupling& coupling : couplings) {
       const lanes::JoinTerms terms = terms_of(system, coupling);
-      const std::vector<int>& columns = system.of.shape->support().columns[coupling.number];
+      const std::vector<int>& columns = system.owner.shape->support().columns[coupling.number];
       for (int i = 0; i < coupling.rows; ++i) {
         double* row = &out.X(system.interface->row[coupling.row + i], 0);
         for (int c = 0; c < terms.cols; ++c) {
@@ -111,7 +111,7 @@ void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
     const RobotsSystem::Coupling& coupling = system.contacts[i];
     const lanes::JoinTerms terms = terms_of(system, coupling);
     const bool B = coupling.A != static_cast<int>(k);
-    const int of_A = static_cast<int>(system.of.shape->support().contacts[coupling.number].a.size());
+    const int of_A = static_cast<int>(system.owner.shape->support().contacts[coupling.number].a.size());
     use(End{coupling, terms, among++, row, B, B ? of_A : 0, B ? terms.cols : of_A});
     row += coupling.rows;
   }
@@ -129,11 +129,11 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
   OfRobot& r = system.derivatives->robots[k];
-  const int size = r.size(), ldT = sparse::padded(size), ldG = r.padded(), o = system.of.island.dof_offset[k];
+  const int size = r.size(), ldT = sparse::padded(size), ldG = r.padded(), o = system.owner.island.dof_offset[k];
   for (int i = 0; i < size; ++i) std::fill(&r.P(i, 0) + r.own, &r.P(i, 0) + r.ld, 0.0);
   std::fill(r.G.begin(), r.G.end(), 0.0);
   each_end(system, k, [&](const End& e) {
-    const std::vector<int>& columns = system.of.shape->support().columns[e.coupling.number];
+    const std::vector<int>& columns = system.owner.shape->support().columns[e.coupling.number];
     for (int i = 0; i < size; ++i)
       for (int c = 0; c < 6; ++c) buffers.E[c * ldT + i] = r.P(i, 6 * e.among + c);
     kernels.product(e.terms.W(), e.terms.rows, buffers.E.data(), 6, e.terms.rows, size, ldT, r.T.data() + e.row * ldT);
@@ -156,7 +156,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
   if (!out.request.q) return;
   std::size_t next = 6;  // J_l of an end, behind the force
   each_end(system, k, [&](const End& e) {
-    const std::vector<int>& columns = system.of.shape->support().columns[e.coupling.number];
+    const std::vector<int>& columns = system.owner.shape->support().columns[e.coupling.number];
     const Eigen::Map<const Mat6X<double>> E(r.ends.data() + next, 6, e.end - e.first);
     next += lanes::MovingEnd::size(static_cast<std::size_t>(E.cols()));
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
@@ -165,7 +165,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
         if (out.q_first + columns[c] != system.derivatives->sample.column[r.sampled[s].in_X]) continue;
         for (int j = 0; j < E.cols(); ++j)
           for (int i = 0; i < 6; ++i)
-            r.B[s * r.size() + columns[e.first + j] - system.of.island.dof_offset[k]] +=
+            r.B[s * r.size() + columns[e.first + j] - system.owner.island.dof_offset[k]] +=
                 E(i, j) * e.terms.D(e.B)[i * ldD + c];
       }
   });
@@ -198,7 +198,7 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
 // K_r^-1 B_r - T_r Y in each robot's, K_r^-1 B_r where columns_of(r) says.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
-            double* X, int ld, bool past_caches, RobotsDerivatives::Buffers& buffers) {
+            double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
   find_reach(*system.interface, by, columns_of, first, cols, buffers.nonzero);
   kernels.solve(system.interface->schedule, system.L.data(), by.D.data(), by.eliminated.data(), X, ld, first, cols,
@@ -208,7 +208,7 @@ void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&&
     const bool own = has_own(columns, first, cols);
     kernels.product_of_rows(r.T.data(), sparse::padded(r.size()), X + first, r.join.data(),
                             static_cast<int>(r.join.size()), X + first, r.row.data(), r.size(), cols, ld,
-                            past_caches && !own);
+                            non_temporal && !own);
     if (own) add_own(r, columns, first, cols, X, ld);
   }
 }
@@ -299,7 +299,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
   std::fill(by.sample.b.begin(), by.sample.b.end(), 0.0);
   for (std::size_t k = 0; k < by.robots.size(); ++k)
     for (const RobotsDerivatives::Columns& c : by.robots[k].sampled)
-      for (int row : system.interface->robots[k].joining)
+      for (int row : system.interface->robots[k].interface_rows)
         by.sample.b[c.in_X * system.b.size() + row] = out.X(system.interface->row[row], by.sample.column[c.in_X]);
   each_batch(w, system, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork& thread) {
     const auto number = [&](std::size_t l) { return system.order[&robots[l] - system.members.data()]; };
@@ -324,13 +324,13 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 // The factors of the state at hand, where another system answered.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
   if (system.state == data.workspace->state) return system.sound;
-  system.first_error = system.of.matrix.first_error;
+  system.first_error = system.owner.matrix.first_error;
   return system.factorize(scene, data);
 }
 
 }  // namespace
 
-bool goes_by_robots(const IslandWork& d) {
+bool differentiates_by_robots(const IslandWork& d) {
   if (!d.robots || !d.robots->derivatives || !d.robots->derivatives->cheaper) return false;
   if (d.robots->solves) return d.answered_by(d.robots.get());
   return d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.chosen.get();
@@ -349,12 +349,12 @@ bool RobotsSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
 
   AlignedPanel& X = out.X;
   const int ld = static_cast<int>(X.cols());
-  const bool past_caches = sizeof(double) * X.size() > kCached;
+  const bool non_temporal = sizeof(double) * X.size() > kCacheBytes;
   each_item(w, (ld + RobotsDerivatives::kChunk - 1) / RobotsDerivatives::kChunk,
             [&](std::size_t chunk, ThreadWork& thread) {
               const int first = static_cast<int>(chunk) * RobotsDerivatives::kChunk,
                         cols = std::min(RobotsDerivatives::kChunk, ld - first);
-              answer(*this, *derivatives, columns_in_X, first, cols, X.data(), ld, past_caches,
+              answer(*this, *derivatives, columns_in_X, first, cols, X.data(), ld, non_temporal,
                      derivatives->buffers[thread.number]);
             });
   return true;

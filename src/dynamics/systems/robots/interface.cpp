@@ -37,7 +37,7 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
     };
     std::sort(r.joins.begin(), r.joins.end(), [&](int x, int y) { return place(x) < place(y); });
     for (int c : r.joins)
-      for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i) r.joining.push_back(first[c] + i);
+      for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i) r.interface_rows.push_back(first[c] + i);
   }
 }
 
@@ -45,8 +45,8 @@ void analyze_interface(Interface& interface) {
   std::vector<std::pair<int, int>> entries;
   const auto each_entry = [&interface](auto&& use) {
     for (Interface::OfRobot& r : interface.robots)
-      for (std::size_t j = 0; j < r.joining.size(); ++j)
-        for (std::size_t i = 0; i <= j; ++i) use(r, r.joining[i], r.joining[j]);
+      for (std::size_t j = 0; j < r.interface_rows.size(); ++j)
+        for (std::size_t i = 0; i <= j; ++i) use(r, r.interface_rows[i], r.interface_rows[j]);
   };
   each_entry([&](Interface::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
   const sparse::UpperCsc pattern = sparse::make_pattern(interface.rows(), std::move(entries));

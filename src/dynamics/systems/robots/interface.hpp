@@ -21,11 +21,11 @@ struct Interface {
   explicit Interface(const IslandShape& shape);
 
   struct OfRobot {
-    std::vector<int> contacts;    // of the island: those on this robot alone
-    std::vector<int> joins;       // and those that join it to another
-    std::vector<int> neighbours;  // robots of the island at their other ends
-    std::vector<int> joining;     // per row of G_r: the interface row
-    std::vector<int> slot;        // of the upper triangle of G_r K_r^-1 G_r^T, by columns, in S
+    std::vector<int> contacts;        // of the island: those on this robot alone
+    std::vector<int> joins;           // and those that join it to another
+    std::vector<int> neighbours;      // robots of the island at their other ends
+    std::vector<int> interface_rows;  // per row of G_r: the interface row
+    std::vector<int> slot;            // of the upper triangle of G_r K_r^-1 G_r^T, by columns, in S
   };
   std::vector<OfRobot> robots;
   std::vector<int> row;          // per interface row: the island's row

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "robots.hpp"
@@ -77,7 +77,7 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
 void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
   while (group.kernels.size() < w.threads.size()) group.kernels.push_back(w.lanes.level->make(group.plan));
   if (!side_by_side) return;
-  for (const auto& kernel : group.kernels) kernel->widen();
+  for (const auto& kernel : group.kernels) kernel->reserve_batch();
 }
 
 // Of an island of one robot that is not large; nullptr: it has no place in lanes.
@@ -104,14 +104,14 @@ bool before(const Contact& x, const Contact& y) {
   return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
 }
 
-JoiningGroup& group_of(const Scene& scene, Workspace& w, int c) {
+InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const Contact& contact = scene.contacts[c];
   const auto model = [&](const Attachment& at) { return scene.robots[at.robot].model.get(); };
-  JoiningGroup& group =
+  InterfaceContactGroup& group =
       w.lanes.contacts[{model(contact.A), model(contact.B), contact.type, contact.A.joint, contact.B.joint}];
   while (group.kernels.size() < w.threads.size()) {
     group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, w.supports[c]));
-    group.kernels.back()->widen(scene, contact, w.supports[c]);
+    group.kernels.back()->reserve_batch(scene, contact, w.supports[c]);
   }
   return group;
 }
@@ -174,7 +174,7 @@ void take_memory(RobotsSystem& system) {
 }
 
 // Which of the scene's contacts they are.
-void settle(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem& system) {
+void bind_island(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem& system) {
   const Interface& interface = *system.interface;
   const auto among = [&](int robot, std::size_t contact) {
     const std::vector<int>& joins = interface.robots[robot].joins;
@@ -211,7 +211,7 @@ void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr
   if (system) {
     for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, true);
     take_memory(*system);
-    settle(scene, w, d, *system);
+    bind_island(scene, w, d, *system);
   }
   d.robots = std::move(system);
 }
@@ -228,8 +228,8 @@ void prepare_robots(const Scene& scene, Workspace& w) {
   for (ThreadWork& thread : w.threads) {
     thread.answers.resize(in.level->width);
     thread.panels.reserve(in.level->width);
-    thread.joining.reserve(in.level->width);
-    thread.joining_derivatives.reserve(in.level->width);
+    thread.interface_contacts.reserve(in.level->width);
+    thread.interface_derivatives.reserve(in.level->width);
   }
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
@@ -242,7 +242,7 @@ void prepare_robots(const Scene& scene, Workspace& w) {
       }
       d.planned = true;
     } else if (d.robots) {
-      settle(scene, w, d, *d.robots);
+      bind_island(scene, w, d, *d.robots);
     }
     if (!d.alone.group) continue;
     make_kernels(w, *d.alone.group, !d.alone.group->islands.empty());

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "../../derivatives/products.hpp"
-#include "../../steps.hpp"
+#include "../../internal.hpp"
 #include "../../threads.hpp"
 #include "derivatives.hpp"
 #include "each_batch.hpp"
@@ -54,7 +54,7 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
            *joins = memory + width(batch) * plan.kept_size();
     for (int k = batch.first; k < batch.first + batch.count; ++k, at += of_each(plan), joins += plan.joins_size()) {
       Member& member = s.members[k];
-      member.number = s.of.island.robots[s.order[k]];
+      member.number = s.owner.island.robots[s.order[k]];
       member.contacts = s.robots[s.order[k]].contacts.data();
       member.border = {at, plan.border};
       member.joins = joins;
@@ -78,7 +78,7 @@ void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& 
 template <class Use>
 void each_border_row(const RobotsSystem& s, Use&& use) {
   for (std::size_t k = 0; k < s.robots.size(); ++k) {
-    const std::vector<int>& rows = s.interface->robots[k].joining;
+    const std::vector<int>& rows = s.interface->robots[k].interface_rows;
     for (std::size_t i = 0; i < rows.size(); ++i) use(s.member(k).border, i, rows[i]);
   }
 }
@@ -96,20 +96,20 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
   each_item(w, s.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
     const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
-    thread.joining.clear();
+    thread.interface_contacts.clear();
     for (const RobotsSystem::Coupling& coupling : couplings)
-      thread.joining.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
-                                join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
-    batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.joining);
+      thread.interface_contacts.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
+                                           join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
+    batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.interface_contacts);
     for (std::size_t i = 0; i < couplings.size(); ++i) {
-      couplings[i].motion = thread.joining[i].motion;
-      couplings[i].smallest_row = thread.joining[i].smallest_row;
+      couplings[i].motion = thread.interface_contacts[i].motion;
+      couplings[i].smallest_row = thread.interface_contacts[i].smallest_row;
     }
   });
 }
 
 // No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
-bool believable_rows(const Scene& scene, const RobotsSystem& s) {
+bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
   const auto add = [&](const auto& x) {
     smallest = std::min(smallest, x.smallest_row);
@@ -124,7 +124,7 @@ bool believable_rows(const Scene& scene, const RobotsSystem& s) {
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
-      s.b[coupling.row + i] = wanted_in(data, coupling.contact, i) - s.b[coupling.row + i];
+      s.b[coupling.row + i] = prescribed_in(data, coupling.contact, i) - s.b[coupling.row + i];
 }
 
 // -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
@@ -191,10 +191,10 @@ double backward_error_of(const RobotsSystem& s) {
 
 void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refinement& refinement,
                    IslandReport& report) {
-  reset(report, s.of.island);
+  reset(report, s.owner.island);
   report.method = Method::kSparseLdl;
-  report.order = s.of.choice.order;
-  report.factor_nonzeros = s.interface->symbolic.nonzeros() + s.of.island.size();
+  report.order = s.owner.choice.order;
+  report.factor_nonzeros = s.interface->symbolic.nonzeros() + s.owner.island.size();
   for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
   report.refinement_steps = refinement.steps;
   Largest largest = largest_of(s);
@@ -233,7 +233,8 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
 void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, ProductWork& work) {
   Workspace& w = *data.workspace;
   const auto turn = [&] {  // y = -f
-    each_force_block(scene, data.f_offset, s.of.island, [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
+    each_force_block(scene, data.f_offset, s.owner.island,
+                     [&](int first, int, int n) { work.y.segment(first, n) *= -1; });
   };
   turn();
   const lanes::Job job{scene,         data.serial, nullptr,       nullptr,      nullptr,
@@ -267,7 +268,7 @@ double interface_error(double damping, RobotsSystem& s) {
 
 }  // namespace internal
 
-RobotsSystem::RobotsSystem(IslandWork& island) : of(island) {}
+RobotsSystem::RobotsSystem(IslandWork& island) : owner(island) {}
 RobotsSystem::~RobotsSystem() = default;
 
 bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
@@ -276,7 +277,7 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   const lanes::Job job = job_at_state(scene, data);
   state = w.state;
   sound = false;
-  ++of.factorizations;
+  ++owner.factorizations;
   form_robot_batches(scene, w, *this);
   form_contact_batches(scene, w, *this);
   each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
@@ -284,7 +285,7 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   });
   if (!all_sound(*this)) return false;
   evaluate_interface(scene, w, *this);
-  if (!believable_rows(scene, *this)) return false;
+  if (!accept_rows(scene, *this)) return false;
   each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
     kernel.factor(robots, memory);
   });
@@ -318,15 +319,15 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
-  internal::evaluate_at_solution(scene, data, of);
-  internal::tangent_product(scene, data, of.island, p,
+  internal::evaluate_at_solution(scene, data, owner);
+  internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  internal::evaluate_at_solution(scene, data, of);
-  internal::adjoint_product(scene, data, of.island, p,
+  internal::evaluate_at_solution(scene, data, owner);
+  internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;
 }

@@ -30,21 +30,21 @@ struct BlockGroup {
 };
 
 /// Contacts that join two robots, alike but for places and gains.
-struct JoiningGroup {
+struct InterfaceContactGroup {
   struct Key {  // what their kernels are made for
     const Model *A, *B;
     ContactType type;
     int joint_A, joint_B;
     auto operator<=>(const Key&) const = default;
   };
-  std::vector<std::unique_ptr<lanes::JoiningContacts>> kernels;  // one per thread
+  std::vector<std::unique_ptr<lanes::InterfaceContacts>> kernels;  // one per thread
 };
 
 /// By prepare: who stands in lanes.
 struct InLanes {
   const lanes::Level* level = nullptr;                                     // nullptr: nobody
   std::map<std::pair<const Model*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
-  std::map<JoiningGroup::Key, JoiningGroup> contacts;
+  std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of a call: the islands it is about, those that stand side by side one after the other
   struct Batch {
     const BlockGroup* group;
@@ -64,7 +64,7 @@ struct AloneSystem final : IslandSystem {
   bool refine_panel = false;    // and are refined once
 
   /// Whether derivatives of the solution at hand and products with them come from a lane.
-  bool serves(const Workspace& work) const;
+  bool answered(const Workspace& work) const;
 };
 
 /// An island of several robots.
@@ -84,7 +84,7 @@ class RobotsSystem final : public IslandSystem {
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
 
-  IslandWork& of;
+  IslandWork& owner;
   using Robot = lanes::RobotBlocks::Robot;
   struct Batch {  // robots side by side: numbers of `order`
     BlockGroup* group;
@@ -92,11 +92,11 @@ class RobotsSystem final : public IslandSystem {
     std::size_t at;  // in `memory`
   };
   struct ContactBatch {  // likewise, of `contacts`
-    JoiningGroup* group;
+    InterfaceContactGroup* group;
     int first, count;
   };
   struct Coupling {  // a contact that joins robots
-    JoiningGroup* group;
+    InterfaceContactGroup* group;
     int contact;           // of the scene
     int number;            // of the island
     int row, rows;         // the first of its interface rows, and how many
@@ -143,7 +143,7 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
 /// Solves the islands that stand in lanes alone, at w.q, data.v, data.tau, but for those answered already.
 void solve_alone(const Scene& scene, SceneData& data);
-/// Derivatives of those that AloneSystem::serves into w.derivatives, and products with them. Vectors in the scene's
+/// Derivatives of those that AloneSystem::answered into w.derivatives, and products with them. Vectors in the scene's
 /// coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
@@ -155,7 +155,7 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
 /// by the factor of the whole K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
 /// Whether it is; but for that the way may turn out not to be sound.
-bool goes_by_robots(const IslandWork& island);
+bool differentiates_by_robots(const IslandWork& island);
 
 /// What lanes are asked at the state at hand, in the scene's coordinates.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);

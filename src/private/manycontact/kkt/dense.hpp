@@ -7,8 +7,8 @@
 //
 // Null-space method: J^T P = Q [C; 0], C^T = U T (a complete orthogonal decomposition), a = J^+ b2 + N y,
 // (N^T M N) y = N^T (b1 - M J^+ b2). Which rows count, and come first in P, a QR with pivoting tells of J with each row
-// beside its own size: metres and radians, and levers of any length, do not decide it. With delta > 0 the answer is unique: LU of K.
-// Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2.
+// beside its own size: metres and radians, and levers of any length, do not decide it. With delta > 0 the answer is
+// unique: LU of K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2.
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -22,7 +22,7 @@ template <class S>
 struct DenseKkt {  // K and its rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
-  VecX<S> row_size;  // nc, what rows of J count beside (contact/row_size.hpp); empty: their largest entries
+  VecX<S> row_scale;  // nc, what rows of J count beside (contact/row_scale.hpp); empty: their largest entries
 
   // by factor
   int rank = 0;          // of J
@@ -31,8 +31,8 @@ struct DenseKkt {  // K and its rank-revealing factor
   Eigen::ColPivHouseholderQR<MatX<S>> choice;  // of J^T, rows over their sizes: P, and how much was left of each
   Eigen::HouseholderQR<MatX<S>> of_Jt, of_Ct;  // J^T P = Q [C; 0], C^T = U T
   MatX<S> N;                                   // nv x (nv - rank): orthonormal basis of J's null space
-  Eigen::LLT<MatX<S>> reduced;                          // of N^T M N
-  Eigen::PartialPivLU<MatX<S>> lu;                      // of K, delta > 0
+  Eigen::LLT<MatX<S>> reduced;                 // of N^T M N
+  Eigen::PartialPivLU<MatX<S>> lu;             // of K, delta > 0
 
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }

@@ -8,13 +8,13 @@
 namespace manycontact::lq {
 
 struct Prediction {
-  double dense, islands, bond_schur;  // operations of factorize
+  double dense, islands, coupling_schur;  // operations of factorize
 };
 /// From the structure alone.
 Prediction predict(const Problem& problem);
 
-/// Riccati by islands, which is the dense one where all is joined, unless the Schur complement of bonds is predicted to
-/// cost less, or a terminal knot has more equations than w, which Riccati cannot meet. Analysed.
+/// Riccati by islands, which is the dense one where all is joined, unless the Schur complement of couplings is
+/// predicted to cost less, or a terminal knot has more equations than w, which Riccati cannot meet. Analysed.
 std::unique_ptr<DirectionSolver> choose(const Problem& problem);
 
 }  // namespace manycontact::lq

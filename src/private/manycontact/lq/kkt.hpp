@@ -6,7 +6,7 @@
 
 namespace manycontact::lq {
 
-/// h: q, r of controls, r of bonds, (x0, f of knots 0 ... T-1) in lambda, d in mu.
+/// h: q, r of controls, r of couplings, (x0, f of knots 0 ... T-1) in lambda, d in mu.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
 /// residual = H z + h. Returns the largest error over the equations, each |residual| relative to the largest sum of

@@ -15,7 +15,7 @@ std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count);
 std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 
 /// The task of these robots alone, with the contacts among them and the terms that are about them. The robots are whole
-/// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose bonds are left out.
+/// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose couplings are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
 /// Which coordinates of the scene's x, dx, u are these robots', in the order of part_of's scene. The model is left out.

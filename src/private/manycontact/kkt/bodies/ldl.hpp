@@ -45,17 +45,18 @@ Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
 struct BodyLdl {  // block LDL from leaves to root
   // by factorize_bodies
-  std::vector<Mat6<double>> P;   // per node, before its joint is eliminated
-  Mat6X<double> U;               // 6 x nv
-  std::vector<double> Dinv;      // per node ndof x ndof
-  std::vector<int> count, gone;  // per node: rows open before it, of which so many are eliminated there, these first
+  std::vector<Mat6<double>> P;  // per node, before its joint is eliminated
+  Mat6X<double> U;              // 6 x nv
+  std::vector<double> Dinv;     // per node ndof x ndof
+  std::vector<int> count,
+      eliminated;  // per node: rows open before it, of which so many are eliminated there, these first
   std::vector<std::size_t> row_first, joint_first, square_first;  // per node, where its numbers begin in those below
   std::vector<int> row;                                           // of each open row: its number
   std::vector<Vec6<double>> G, H;  // the same: G before the joint; when it is eliminated, or when it leaves the node
   std::vector<double> W, E;        // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
   std::vector<int> base_row;       // rows left at the bases, in the order in which they are eliminated
   std::vector<double> base_E;      // as E
-  std::vector<double> reach;       // per row: sum of what joints gave E_kk
+  std::vector<double> pivot_sum;   // per row: sum of what joints gave E_kk
   std::vector<BodyHold> hold;      // per hold of the pattern
   double growth = 1;               // of P
   std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, rows held before included
@@ -75,10 +76,10 @@ struct BodyLdl {  // block LDL from leaves to root
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr);
 
 /// The first half of solving, from the leaves: what b leaves at the bases.
-void lift_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
+void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 
 /// The second, from the bases: x of the b lifted, and how far it is from solving.
-double drop_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
+double forward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
 /// The same for a correction, of which b = left.r was lifted: x += dx, and how far x is from solving for b.
 double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
                       BodyResidual& left);

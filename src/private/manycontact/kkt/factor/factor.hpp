@@ -13,9 +13,9 @@ namespace manycontact {
 struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;  // of pivots
-  /// In, of each row of J, in the island's order: the largest motion it is picked from (contact/row_size.hpp), beside
-  /// which it is judged. Of another length: all are K.row_size.
-  std::vector<double> row_size;
+  /// In, of each row of J, in the island's order: the largest motion it is picked from (contact/row_scale.hpp), beside
+  /// which it is judged. Of another length: all are K.row_scale.
+  std::vector<double> row_scale;
 };
 
 class Factor {  // one island's factor, whatever the method
@@ -47,9 +47,9 @@ class Factor {  // one island's factor, whatever the method
   virtual int rank() const = 0;
   /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
-  /// With P the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_part where that is
-  /// given (of K's size; zero elsewhere). Nothing where rank() is nc.
-  virtual void project_out(double* y, double* null_part) { (void)y, (void)null_part; }
+  /// With P the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_component where that
+  /// is given (of K's size; zero elsewhere). Nothing where rank() is nc.
+  virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
   /// The same for all columns of a panel as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
 
@@ -60,7 +60,7 @@ class Factor {  // one island's factor, whatever the method
   virtual int nonzeros() const = 0;
   /// Where J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
   /// contacts' rows are overwritten.
-  virtual void some_motion(double* x) { solve(x); }
+  virtual void particular_solution(double* x) { solve(x); }
 
   /// Steps of refinement that solve and solve_panel make by themselves; their answers are then final.
   virtual int own_refinements() const { return 0; }

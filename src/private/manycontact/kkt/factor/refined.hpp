@@ -7,7 +7,7 @@
 namespace manycontact {
 
 /// v.x <- K^-1 v.b, v.r and v.scale those of the answer. Where rows are dependent, what they cannot agree on is taken
-/// out of b while K x = b is refined, and left in v.null_part; b and r are as without that when this returns.
+/// out of b while K x = b is refined, and left in v.null_component; b and r are as without that when this returns.
 sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps);
 
 /// Memory for refining panels, row-major of K.size() rows.

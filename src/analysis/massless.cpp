@@ -1,0 +1,107 @@
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/dynamics/views.hpp"
+
+namespace manycontact {
+
+namespace {
+
+constexpr double kNothing = 64 * std::numeric_limits<double>::epsilon();  // of the entry a pivot was computed from
+
+// Row k of a packed matrix stands at its own entry, its parent's, ... (algorithm/crba.hpp); leaves first: M = L^T D L.
+std::vector<int> zero_pivots(const Model& model, std::vector<double> M) {
+  std::vector<double> at_first;
+  for (int k = 0; k < model.nv; ++k) at_first.push_back(M[model.M_begin[k]]);
+  std::vector<int> zero;
+  for (int k = model.nv - 1; k >= 0; --k) {
+    const double* row = M.data() + model.M_begin[k];
+    if (!(row[0] > kNothing * at_first[k])) {
+      zero.insert(zero.begin(), k);
+      continue;
+    }
+    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a) {
+      double* above = M.data() + model.M_begin[i];
+      for (int j = i, b = a; j >= 0; j = model.dof_parent[j], ++b) above[b - a] -= row[a] * row[b] / row[0];
+    }
+  }
+  return zero;
+}
+
+}  // namespace
+
+std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  const Model& model = *robot.model;
+  Kinematics<double> kin(model);
+  std::vector<Inertia<double>> Yc;
+  std::vector<double> M(packed_size(model));
+  forward_kinematics<double>(model, robot.base, q, kin);
+  crba<double>(model, kin, Yc, M.data());
+  return zero_pivots(model, std::move(M));
+}
+
+namespace {
+
+bool is_nothing(const Inertia<double>& Y) { return Y.m == 0 && Y.h.isZero(0) && Y.I.isZero(0); }
+
+// Neither masses nor moments nor armatures from joint i on.
+bool nothing_below(const Model& model, int i) {
+  for (int j = i; j < model.subtree_end[i]; ++j) {
+    const Joint& joint = model.joints[j];
+    if (!is_nothing(joint.inertia) || !model.armature.segment(joint.idx_v, joint.nv()).isZero(0)) return false;
+  }
+  return true;
+}
+
+// What a body lacks for a joint that nothing resists.
+std::string lacking(JointType type) {
+  switch (type) {
+    case JointType::kPrismatic:
+      return "mass";
+    case JointType::kRevolute:
+      return "a moment of inertia about its axis";
+    default:
+      return "mass or a moment of inertia";
+  }
+}
+
+std::string why_massless(const Model& model, int i) {
+  if (nothing_below(model, i)) return "no mass below it";
+  const std::string own = "what it carries lacks " + lacking(model.joints[i].type);
+  return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
+}
+
+// Joints, ascending.
+std::set<int> massless_of(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  const Model& model = *robot.model;
+  std::set<int> joints;
+  if (model.nv > 0 && model.M_begin.empty()) {
+    for (int i = 0; i < model.njoints(); ++i)
+      if (nothing_below(model, i)) joints.insert(i);
+  } else {
+    for (const int k : massless_coordinates(robot, q)) joints.insert(model.dof_joint[k]);
+  }
+  return joints;
+}
+
+}  // namespace
+
+std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data,
+                                           const Eigen::Ref<const Eigen::VectorXd>& q) {
+  std::vector<MasslessJoint> out;
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const IslandReport& report = data.report.islands[i];
+    if (report.status != Status::kFailed || report.reason != Reason::kSingularInertia) continue;
+    for (int r : island_of(data, i).robots) {
+      const Robot& robot = scene.robots[r];
+      for (const int j : massless_of(robot, q.segment(robot.idx_q, robot.model->nq)))
+        out.push_back({robot.name + "/" + robot.model->joints[j].name, why_massless(*robot.model, j)});
+    }
+  }
+  return out;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,31 @@
+#include "execute.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+namespace manycontact::cli {
+
+namespace fs = std::filesystem;
+
+int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
+                    const std::string& how) {
+  const std::string path = (fs::read_symlink("/proc/self/exe").parent_path() / name).string();
+  std::vector<char*> argv{const_cast<char*>(path.c_str()), const_cast<char*>(command.c_str())};
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  execv(path.c_str(), argv.data());
+  throw std::runtime_error(command + " is done by another program, " + path + ", which cannot be run: " + how);
+}
+
+void restart_without_blas_threads(char** argv) {
+  rlimit addresses{};
+  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
+  if (!std::getenv("OPENBLAS_NUM_THREADS") && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0)
+    execv("/proc/self/exe", argv);  // where that fails this one goes on
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,18 @@
+#pragma once
+// Programs that stand beside this one.
+
+#include <string>
+#include <vector>
+
+namespace manycontact::cli {
+
+/// Becomes the program `name` in this program's folder, with `command` and `words` as its arguments. Returns only when
+/// it is not there, or cannot be executed: throws std::runtime_error that says how to get it, `how`.
+int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
+                    const std::string& how);
+
+/// Where memory for addresses is limited (ulimit -v): this program once more, without OpenBLAS' own threads, which
+/// would ask for memory for ever. They start before main() does, so only the environment can keep them from it.
+void restart_without_blas_threads(char** argv);
+
+}  // namespace manycontact::cli

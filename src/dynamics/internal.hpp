@@ -1,0 +1,82 @@
+#pragma once
+// Steps of solve and differentiate.
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/algorithm/crba.hpp"
+#include "workspace.hpp"
+
+namespace manycontact::internal {
+
+/// prepare, of a scene already checked.
+void prepare_checked(const Scene& scene, SceneData& data);
+/// Why this island's input cannot be used, kNone if it can.
+Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                   const Island& island);
+/// An island's report as it is before it is solved; keeps the memory of its list.
+void reset(IslandReport& report, const Island& island);
+/// What row i of a contact is asked for, as accelerations.
+inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
+  const double* prescribed = data.workspace->prescribed;
+  return prescribed ? prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i] : 0;
+}
+
+/// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
+/// there is no answer, or neither could.
+template <class Use>
+bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
+  if (!d.answered) return false;
+  if (use(*d.answered)) return true;
+  return d.answered != &d.matrix && d.matrix.make_current(scene, data, thread) && use(d.matrix);
+}
+
+/// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
+/// new data does.
+void reset_warm_starts(SceneData& data);
+
+/// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
+inline constexpr std::size_t kCacheBytes = 4 << 20;
+
+/// Sizes and places of an island's blocks.
+void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
+/// -dr into the panel out.X, which is laid out and zero where it may stand. After derivative_terms.
+void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
+                    IslandDerivatives& out);
+/// Both, of the solution at hand, into a panel of anything. While AtSolution lives.
+void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
+
+/// |K^-1|_1 of n rows by a factor: of a small K itself, by all its columns, which costs no more than a factor; else an
+/// estimate.
+double inverse_norm(int n, Factor& factor);
+
+/// The largest of an inertia's mass, first moment and moments.
+inline double inertia_size(const Inertia<double>& Y) {
+  return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
+}
+
+/// Between an island's vector in elimination order, x = [a; y], and the scene's: a in the order of v, y in that of f.
+template <class X, class A, class Y>
+void scatter(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island,
+             const X* x, A& a, Y& y) {
+  const int* iperm = p.iperm.data();
+  each_velocity_block(scene, island, [&](int to, int from, int n) {
+    for (int i = 0; i < n; ++i) a[to + i] = x[iperm[from + i]];
+  });
+  each_force_block(scene, f_offset, island, [&](int to, int from, int n) {
+    for (int i = 0; i < n; ++i) y[to + i] = x[iperm[island.nv + from + i]];
+  });
+}
+template <class X, class A, class Y>
+void gather(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island, const A& a,
+            const Y& y, X* x) {
+  const int* iperm = p.iperm.data();
+  each_velocity_block(scene, island, [&](int from, int to, int n) {
+    for (int i = 0; i < n; ++i) x[iperm[to + i]] = a[from + i];
+  });
+  each_force_block(scene, f_offset, island, [&](int from, int to, int n) {
+    for (int i = 0; i < n; ++i) x[iperm[island.nv + to + i]] = y[from + i];
+  });
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,145 @@
+#pragma once
+// Whether numbers side by side can be believed, per lane.
+
+#include <limits>
+#include <span>
+
+#include "manycontact/model/model.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+/// f(k, k mod 4) for k < n: four sums, or largest entries, that do not wait for each other.
+template <class F>
+[[gnu::always_inline]] inline void in_four(std::size_t n, F&& f) {
+  std::size_t k = 0;
+  for (; k + 4 <= n; k += 4) {
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c) f(k + c, c);
+  }
+#pragma GCC unroll 4
+  for (int c = 0; c < 4; ++c)
+    if (k + c < n) f(k + c, c);
+}
+template <class S>
+struct FourSums {
+  S of[4] = {S(0), S(0), S(0), S(0)};
+  S total() const { return (of[0] + of[1]) + (of[2] + of[3]); }
+};
+template <class S>
+struct FourLargest {  // of numbers that are not negative
+  S of[4] = {S(0), S(0), S(0), S(0)};
+  void take(int c, S x) { of[c] = larger(x, of[c]); }
+  S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
+};
+
+/// Input is finite, quaternions have unit length.
+template <class S>
+typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S>& v, const VecX<S>& tau) {
+  FourSums<S> sum;  // finite numbers times zero are zero
+  for (const VecX<S>* x : {&q, &v, &tau})
+    in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
+  constexpr double k = tolerance::kQuaternion;
+  typename S::Mask usable = sum.total() <= S(0);
+  for (const Joint& joint : model.joints) {
+    if (joint.type != JointType::kFloating) continue;
+    const S norm2 = q.template segment<4>(joint.idx_q + 3).squaredNorm();
+    usable = usable & (abs(norm2 - S(1)) <= S(2 * k - k * k));  // then | |q| - 1 | <= k
+  }
+  return usable;
+}
+
+/// As check_pivots (kkt/factor/pivots.hpp). terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
+template <class S, class Diagonal>
+typename S::Mask accept_pivots(int nv, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
+  const S largest(std::numeric_limits<double>::max()), one(1);
+  FourSums<S> positive;
+  typename S::Mask good = S(0) <= largest;
+  S least = one, least_of_J = one;  // as PassedOn has them
+  in_four(D.size(), [&](std::size_t k, int c) {
+    positive.of[c] += select(D[k] > S(0), S(1), S(0));
+    const S size = abs(D[k]), left = select(diagonal(k) < S(0), one, size / terms[k]);
+    good = good & (left * select(D[k] > S(0), least_of_J, least) >= S(tolerance::kRowRounding));
+    least = -larger(-left, -least);
+    least_of_J = select(D[k] > S(0), least_of_J, -larger(-left, -least_of_J));
+    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * terms[k]) &
+           (terms[k] <= largest) & (select(D[k] > S(0), diagonal(k), terms[k]) >= S(tolerance::kPivotLeft) * terms[k]);
+  });
+  return good & (positive.total() >= S(nv)) & (positive.total() <= S(nv));
+}
+
+/// The componentwise backward error (sparse/refine.hpp) of residuals and the sizes of their terms; NaN where any is.
+template <class S>
+S componentwise_error(std::span<const S> r, const S* scale) {
+  FourLargest<S> largest, error;
+  FourSums<S> sum;
+  in_four(r.size(), [&](std::size_t k, int c) { largest.take(c, scale[k]); });
+  const S floor = largest.total() * S(std::numeric_limits<double>::epsilon());
+  in_four(r.size(), [&](std::size_t k, int c) {
+    const S bound = larger(scale[k], floor), size = abs(r[k]);
+    sum.of[c] += size + bound;
+    error.take(c, select(size > S(0), size / bound, S(0)));
+  });
+  return error.total() + sum.total() * S(0);
+}
+
+/// sparse/refine.hpp of several at once, each as if it stood alone.
+template <class S>
+struct Refinement {
+  S steps = S(0), error, first;  // corrections made; backward errors, the last and that before the first step
+
+  /// correct(open): x += A^-1 r where the lane is open; returns the error of all.
+  template <class Correct>
+  Refinement(typename S::Mask usable, S error_of_x, Correct&& correct) : error(error_of_x), first(error_of_x) {
+    typename S::Mask open = usable & (error > S(tolerance::kRefined));
+    for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
+      const S before = error;
+      error = correct(open);
+      steps += select(open, S(1), S(0));
+      open = open & (error < S(0.5) * before) & (error > S(tolerance::kRefined));
+    }
+  }
+};
+
+/// The largest residual of some rows, and the largest size of the terms it is left of.
+template <class S>
+struct Largest {
+  S r, scale;
+
+  Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
+      : Largest(
+            least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
+  /// Of the first `count` rows.
+  Largest(S least_scale, std::size_t count, const S* residual, const S* size)
+      : Largest(
+            least_scale, count, [](std::size_t k) { return k; }, residual, size) {}
+  template <class Row>
+  Largest(S least_scale, std::size_t count, Row&& row, const S* residual, const S* size) {
+    FourLargest<S> of_r, of_scale;
+    in_four(count, [&](std::size_t k, int c) {
+      of_r.take(c, abs(residual[row(k)]));
+      of_scale.take(c, size[row(k)]);
+    });
+    r = of_r.total(), scale = larger(of_scale.total(), least_scale);
+  }
+  double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
+};
+
+/// Growth of K's entries (kkt/factor/pivots.hpp): the largest of the pivots' terms and of K's diagonal, entry(k) =
+/// K_kk.
+template <class S>
+struct Growth {
+  S terms, diagonal;
+
+  template <class Diagonal>
+  Growth(std::size_t n, const S* of_pivots, Diagonal&& entry) {
+    FourLargest<S> of_terms, of_diagonal;
+    in_four(n, [&](std::size_t k, int c) {
+      of_terms.take(c, of_pivots[k]);
+      of_diagonal.take(c, abs(entry(k)));
+    });
+    terms = of_terms.total(), diagonal = of_diagonal.total();
+  }
+};
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,151 @@
+#pragma once
+// InterfaceContacts in the lanes of S = Pack<W>.
+
+#include <limits>
+
+#include "arrays.hpp"
+#include "lanes.hpp"
+#include "manycontact/contact/derivatives.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class InterfaceContactsOf {
+ public:
+  InterfaceContactsOf(const Scene& scene, const Contact& contact, const ContactSupport& support)
+      : support_(support),
+        A_(*scene.robots[contact.A.robot].model, support.a),
+        B_(*scene.robots[contact.B.robot].model, support.b),
+        rows_(contact, support),
+        terms_(scene, contact, support),
+        f_(contact.rows()),
+        out_(JoinTerms::size(contact.rows(), support.cols())) {}
+
+  void evaluate(const Vec3<double>& gravity, std::span<InterfaceContacts::Rows> rows) {
+    using Rows = InterfaceContacts::Rows;
+    const Contact& contact = *rows.front().contact;
+    A_.load(rows, contact.A.joint, false, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
+    B_.load(rows, contact.B.joint, false, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
+    evaluate_between(gravity, contact);
+    double* to[8];
+    const int at_A = static_cast<int>(rows_.J.rows() * support_.a.size());
+    store_arrays(rows_.J.data(), at_A, side_by_side(rows, to, [](const Rows& r) { return r.A; }));
+    store_arrays(rows_.J.data() + at_A, static_cast<int>(rows_.J.size()) - at_A,
+                 side_by_side(rows, to, [](const Rows& r) { return r.B; }));
+    store_arrays(rows_.a0.data(), contact.rows(), side_by_side(rows, to, [](const Rows& r) { return r.a0; }));
+    const S smallest = smallest_row(rows_), motion = motion_scale(contact, rows_);
+    for (std::size_t l = 0; l < rows.size(); ++l) {
+      const int lane = static_cast<int>(l);
+      rows[l].smallest_row = smallest[lane];
+      rows[l].motion =
+          (holds_turning(contact.type) ? motion : motion_scale(*rows[l].contact, rows_))[lane];  // placement
+    }
+  }
+
+  void differentiate(const Vec3<double>& gravity, std::span<const InterfaceContacts::Derivatives> rows) {
+    using Rows = InterfaceContacts::Derivatives;
+    const Contact& contact = *rows.front().contact;
+    A_.load(rows, contact.A.joint, true, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
+    B_.load(rows, contact.B.joint, true, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
+    evaluate_between(gravity, contact);
+    const double* from[8];
+    load_arrays(side_by_side(rows, from, [](const Rows& r) { return r.f; }), contact.rows(), f_.data());
+    contact_derivatives<S>(contact, support_, A_.kin, &B_.kin, A_.rnea, &B_.rnea, f_, rows_, terms_);
+    collect(contact.rows());
+    double* to[8];
+    store_arrays(out_.data(), static_cast<int>(out_.size()),
+                 side_by_side(rows, to, [](const Rows& r) { return r.terms; }));
+    const Vec6<S> F_A = rows_.aMA.act_force(terms_.F), F_B = -rows_.bMA.act_force(terms_.F);
+    const int a = static_cast<int>(support_.a.size()), n = contact.rows(), cols = support_.cols();
+    for (const bool B : {false, true}) {
+      const auto end = side_by_side(rows, to, [B](const Rows& r) { return B ? r.B : r.A; });
+      const int first = B ? a : 0, count = B ? cols - a : a, ld = JoinTerms::padded(cols);
+      const auto put = [&](const S* numbers, int many) {
+        store_arrays(numbers, many, end);
+        for (std::size_t l = 0; l < rows.size(); ++l) to[l] += many;
+      };
+      put((B ? F_B : F_A).data(), 6);
+      put(rows_.Jl.data() + 6 * first, 6 * count);
+      for (int e = 0; e < 6; ++e) put(out_.data() + 3 * n * cols + 6 * n + ((B ? 6 : 0) + e) * ld + first, count);
+    }
+  }
+
+ private:
+  // What the rows need of the robot at one end, and the contact's frame there.
+  struct End {
+    Kinematics<S> kin;
+    std::vector<std::pair<int, int>> stretches;  // of coordinates: begin, end
+    SE3<S> on_body;
+    RneaDerivativesOf<S> rnea;  // of it Psid, Psidd, Sv
+
+    End(const Model& model, const std::vector<int>& coordinates) : kin(model), rnea(model) {
+      for (int i : coordinates) {
+        if (stretches.empty() || stretches.back().second != i) stretches.emplace_back(i, i);
+        stretches.back().second = i + 1;
+      }
+    }
+    // moving: MovingEnd, in place of JoinedEnd.
+    template <class Row, class Of>
+    void load(std::span<Row> rows, int joint, bool moving, Of&& end) {
+      const double* from[8];
+      load_arrays(side_by_side(rows, from, [&](const auto& r) { return end(r).first->placement.R.data(); }), 12,
+                  on_body.R.data());
+      int next = 0;
+      const auto load = [&](int count, S* to) {
+        load_arrays(side_by_side(rows, from, [&](const auto& r) -> const double* { return end(r).second + next; }),
+                    count, to);
+        next += count;
+      };
+      load(6, origin_numbers(kin, joint));
+      load(12, kin.oMi[joint].R.data());
+      load(6, kin.v[joint].data());
+      load(6, kin.a[joint].data());
+      for (Mat6X<S>* of : {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv})
+        for (std::size_t k = 0; k < stretches.size() && (moving || of == &kin.J); ++k)
+          load(6 * (stretches[k].second - stretches[k].first), of->col(stretches[k].first).data());
+    }
+    PlacedEnd<S> placed(int joint) const { return {kin.oMi[joint] * on_body, origin_at<S>(kin, joint)}; }
+  };
+
+  void evaluate_between(const Vec3<double>& gravity, const Contact& contact) {
+    rows_between<S>(gravity, contact, support_, A_.kin, A_.placed(contact.A.joint), B_.kin, B_.placed(contact.B.joint),
+                    rows_);
+  }
+
+  // JoinTerms, of rows_ and terms_.
+  void collect(int n) {
+    const int a = static_cast<int>(support_.a.size()), cols = support_.cols();
+    const int ld = JoinTerms::padded(cols);
+    using Rows = Eigen::Map<MatX<S>>;
+    S* next = out_.data();
+    const auto take = [&next](int rows, int columns) {
+      S* at = next;
+      next += rows * columns;
+      return Rows(at, rows, columns);
+    };
+    take(n, cols) = rows_.J;
+    take(n, 6) = rows_.W;
+    Rows dq = take(n, cols), dv = take(n, cols), D_A = take(ld, 6), D_B = take(ld, 6);  // D transposed
+    D_A.setZero(), D_B.setZero();
+    for (int k = 0; k < cols; ++k) {
+      dq.col(k) = -(rows_.W * terms_.dx_dq.col(k));
+      dv.col(k) = -(rows_.W * terms_.dx_dv.col(k));
+      D_B.row(k) = cross_force(Vec6<S>(rows_.Jl.col(k)), terms_.F).transpose();
+    }
+    for (int k = 0; terms_.turns && k < a; ++k) {
+      const Vec3<S> turn = terms_.turn.col(k);
+      dq.col(k) -= rows_.W * turned<S>(turn, terms_.x);
+      D_A.row(k) = -turned<S>(turn, terms_.F).transpose();
+      D_B.row(k) += D_A.row(k);
+    }
+  }
+
+  ContactSupport support_;
+  End A_, B_;
+  ContactData<S> rows_;
+  ContactDerivativesOf<S> terms_;
+  VecX<S> f_;
+  std::vector<S> out_;
+};
+
+}  // namespace manycontact::lanes

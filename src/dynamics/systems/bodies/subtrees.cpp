@@ -1,0 +1,137 @@
+// An island by sparse-bodies where held bodies cut its trees (kkt/bodies/subtrees.hpp). The rows of a held body say how
+// it accelerates, so no subtree waits for another: each is evaluated, and as soon as so many alike subtrees are as
+// stand side by side, they are solved and judged. What they reaction at held bodies is added at last.
+
+#include <algorithm>
+
+#include "../../internal.hpp"
+#include "bodies.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+using V6 = Vec6<double>;
+
+// use(node of the subtree, robot of the island, its joint) for each.
+template <class Use>
+void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& use) {
+  const std::vector<int>& offset = bodies.factor.system.pattern->node_offset;
+  std::size_t robot = 0;
+  for (int i = 0; i < subtree.pattern->nodes; ++i) {
+    while (robot + 1 < offset.size() && offset[robot + 1] <= subtree.node[i]) ++robot;
+    use(i, robot, subtree.node[i] - offset[robot]);
+  }
+}
+
+// The equations of a subtree, its bases moved as the body above is.
+void evaluate_part(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
+                   BodiesSystem::Slot& slot) {
+  BodySystem& s = slot.system;
+  BodyVectors& b = slot.solution.b;
+  slot.subtree = &subtree;
+  s.S.setZero();  // alike subtrees may have joints of other types
+  each_joint(bodies, subtree, [&](int i, std::size_t robot, int joint) {
+    evaluate_node(scene, data, bodies, robot, joint, i, s.pattern->first_dof[i], s, b);
+    if (s.pattern->parent[i] < 0 && subtree.above >= 0) b.motion[i] += motion_at(bodies.held[subtree.above].a, s.r[i]);
+  });
+  int first = 0;
+  for (int k : subtree.contact) {
+    const int contact = bodies.owner.island.contacts[k], rows = scene.contacts[contact].rows();
+    evaluate_rows(scene, data, bodies, k, first, s, b);
+    for (int i = 0; i < rows; ++i) slot.row[first + i] = data.f_offset[contact] + i;
+    first += rows;
+  }
+}
+
+// What a held body's rows say, and give where something pulls at it. False: they depend on each other, or nearly.
+bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
+  if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
+  V6 g;
+  for (int k = 0; k < 6; ++k) {
+    g[k] = slot.solution.b.rows[cut.row[k]];
+    held.row[k] = slot.row[cut.row[k]];
+  }
+  held.a = held.hold.Q * solve_transposed(held.hold, g);  // G^T a = g, G = Q R
+  return true;
+}
+
+// Accelerations and forces of a subtree.
+void put_part(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
+  const BodySubtree& subtree = *slot.subtree;
+  const BodyPattern& p = *subtree.pattern;
+  const BodyVectors& x = slot.solution.x;
+  each_joint(bodies, subtree, [&](int i, std::size_t k, int joint) {
+    const Robot& robot = scene.robots[bodies.owner.island.robots[k]];
+    const int to = robot.idx_v + robot.model->joints[joint].idx_v;
+    data.a.segment(to, p.ndof[i]) = x.joints.segment(p.first_dof[i], p.ndof[i]);
+  });
+  for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
+}
+
+// How a subtree pulls at the body that it hangs on. Returns what of that the body's rows do not hold, beside the terms
+// it is a sum of.
+double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
+  const BodyPattern& p = *slot.subtree->pattern;
+  V6 size = V6::Zero();
+  reaction.setZero();
+  for (int i = 0; i < p.nodes; i = p.end[i]) {
+    const V6 f = force_from(slot.solution.x.force[i], slot.system.r[i]);
+    reaction += f, size += f.cwiseAbs();
+  }
+  const V6 left = reaction - hold.Q * (hold.Q.transpose() * reaction).eval();
+  const double worst = size.maxCoeff();
+  return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
+}
+
+// The subtrees in a shape's slots, side by side where they are sound so. False where one has no sound answer.
+bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
+                  BodyAnswer& answer) {
+  shape.side_by_side.clear();
+  for (std::size_t k = 0; k < shape.filled; ++k)
+    shape.side_by_side.push_back({&shape.slots[k].system, &shape.slots[k].solution, false, 0, {}});
+  if (shape.lanes && shape.filled > 0) shape.lanes->solve(shape.side_by_side);
+  for (std::size_t k = 0; k < shape.filled; ++k) {
+    BodiesSystem::Slot& slot = shape.slots[k];
+    auto& [system, solution, sound, factor_nonzeros, refinement] = shape.side_by_side[k];
+    if (!sound) {
+      if (factorize_and_solve(*system, shape.ldl, *solution, refinement) != Reason::kNone) return false;
+      factor_nonzeros = nonzeros(*shape.pattern, shape.ldl);
+    }
+    put_part(scene, data, bodies, slot);
+    if (const int above = slot.subtree->above; above >= 0) {
+      const double left = reaction_of(slot, bodies.held[above].hold, bodies.reaction[above]);
+      if (!(left <= tolerance::kConverged)) return false;
+      refinement.backward_error = std::max(refinement.backward_error, left);
+    }
+    answer.add(factor_nonzeros, solution->residual, refinement);
+  }
+  shape.filled = 0;
+  return true;
+}
+
+}  // namespace
+
+bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodyAnswer& answer) {
+  if (bodies.shapes.empty() || scene.damping > 0) return false;
+  for (BodiesSystem::Shape& shape : bodies.shapes) shape.filled = 0;
+  begin_evaluation(scene, data, bodies);
+  for (const BodySubtree& subtree : bodies.subtrees->subtrees) {
+    BodiesSystem::Shape& shape = bodies.shapes[subtree.shape];
+    BodiesSystem::Slot& slot = shape.slots[shape.filled++];
+    evaluate_part(scene, data, bodies, subtree, slot);
+    for (int c = subtree.first_cut; c < subtree.end_cut; ++c)
+      if (!hold_body(slot, bodies.subtrees->cuts[c], bodies.held[c])) return false;
+    if (shape.filled == shape.slots.size() && !solve_filled(scene, data, bodies, shape, answer)) return false;
+  }
+  for (BodiesSystem::Shape& shape : bodies.shapes)
+    if (!solve_filled(scene, data, bodies, shape, answer)) return false;
+  for (std::size_t c = 0; c < bodies.held.size(); ++c) {
+    const V6 y = forces_of(bodies.held[c].hold, bodies.reaction[c]);
+    for (int k = 0; k < 6; ++k) data.f[bodies.held[c].row[k]] += y[k];  // f = -y
+  }
+  return true;
+}
+
+}  // namespace manycontact::internal

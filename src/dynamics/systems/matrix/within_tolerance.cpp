@@ -1,0 +1,237 @@
+// Rows of J that depend on each other but for what the scene is not exact in are made to depend on each other.
+//
+// A closed loop drawn with four digits, or one that has drifted by 1e-6 m, has rows J_k = sum_j z_j J_j + r with a
+// small r where the mechanism has r = 0. Taken at its word it is locked, by forces that are 1 / |r| too large. With the
+// columns n_k = e_k - z of N (sparse/dependent_rows.hpp), each column c of J gives up its part in N:
+//
+//     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: those rows of N that column c has
+//
+// the least change within the pattern of J after which N^T J = 0. All that follows (factors, refinement, derivatives,
+// products, bounds) is of this J.
+//
+// N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses have no part in this: 1 for
+// coordinates in m, L^2 for those in rad, L being the largest lever. A dependence counts where it leaves no more than
+// the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance, for turning (or of turning) that over L.
+
+#include "within_tolerance.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "../../internal.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "matrix.hpp"
+
+namespace manycontact {
+
+struct WithinTolerance::Work {
+  // of the island
+  std::vector<char> turns;                                         // per coordinate: in rad
+  std::vector<int> contact, row;                                   // per row of J
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // per coordinate: contacts that have it, and where
+
+  // by find
+  std::vector<double> K, L, D, row_scale;
+  sparse::LdlWorkspace ldl;
+  sparse::DependentRows rows;
+  Eigen::VectorXd left;
+};
+
+WithinTolerance::WithinTolerance() = default;
+WithinTolerance::~WithinTolerance() = default;
+
+namespace {
+
+using Work = WithinTolerance::Work;
+
+constexpr double kMostOfLever = 1e-2;   // more than that of the largest lever is no inaccuracy
+constexpr double kDrift = 10;           // how many misplacements of its contacts J may be off by
+constexpr double kLeastOfLever = 1e-9;  // what depended at the start and has drifted by less
+
+void fill_turning(const Model& model, char* turns) {
+  for (const Joint& joint : model.joints) {
+    char* at = turns + joint.idx_v;
+    switch (joint.type) {
+      case JointType::kPrismatic:
+        at[0] = 0;
+        break;
+      case JointType::kPlanar:
+        at[0] = at[1] = 0, at[2] = 1;
+        break;
+      case JointType::kFloating:
+        for (int i = 0; i < 6; ++i) at[i] = i >= 3;
+        break;
+      default:
+        std::fill_n(at, joint.nv(), 1);
+    }
+  }
+}
+
+void take_island(const Scene& scene, const IslandWork& d, Work& w) {
+  w.turns.assign(d.island.nv, 0);
+  for (std::size_t k = 0; k < d.island.robots.size(); ++k)
+    fill_turning(*scene.robots[d.island.robots[k]].model, w.turns.data() + d.island.dof_offset[k]);
+  w.contact.clear(), w.row.clear();
+  w.columns.assign(d.island.nv, {});
+  for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
+    for (int i = 0; i < scene.contacts[d.island.contacts[k]].rows(); ++i)
+      w.contact.push_back(static_cast<int>(k)), w.row.push_back(i);
+    const std::vector<int>& columns = d.shape->support().columns[k];
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      w.columns[columns[j]].emplace_back(static_cast<int>(k), static_cast<Eigen::Index>(j));
+  }
+}
+
+// The largest lever: metres that a point moves by for a radian; 1 where nothing turns.
+double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) {
+  double L = 0;
+  for (int c = 0; c < d.island.nv; ++c)
+    for (const auto& [k, j] : w.columns[c])
+      if (const Eigen::MatrixXd& J = work.contacts[d.island.contacts[k]].J; w.turns[c])
+        L = std::max(L, J.col(j).head(std::min<Eigen::Index>(J.rows(), 3)).cwiseAbs().maxCoeff());
+  return L > 0 && std::isfinite(L) ? L : 1;
+}
+
+// How far the contacts are from closed [m], angles times L.
+double misplacement(const Scene& scene, const Workspace& work, const IslandWork& d, double L) {
+  double largest = 0;
+  for (int c : d.island.contacts) {
+    const Eigen::VectorXd e = work.contacts[c].W * contact_error<double>(scene.contacts[c], work.contacts[c].G);
+    for (Eigen::Index i = 0; i < e.size(); ++i) largest = std::max(largest, (i < 3 ? 1 : L) * std::abs(e[i]));
+  }
+  return largest;
+}
+
+void factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double left, Work& w) {
+  w.K.assign(p.K.nonzeros(), 0.0);
+  for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? L * L : 1;
+  const int* slot = p.J_slot.data();
+  for (int c : d.island.contacts)
+    for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
+  w.row_scale.assign(p.size(),
+                     0.0);  // so that all of a row is dropped where it is below sqrt(left) of what it could be
+  for (int r = 0; r < p.nc; ++r)
+    w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / tolerance::kRank;
+  w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
+  w.rows.dropped.clear();
+  if (sparse::ldl_factor_dependent(p.K, p.ldl, w.K.data(), p.nv, left, w.row_scale.data(), w.ldl, w.L.data(),
+                                   w.D.data(), w.rows) != p.size())
+    w.rows.dropped.clear();  // not finite
+  std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
+  sparse::find_null_space(p.K, p.ldl, w.K.data(), p.nv, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+}
+
+// Whether column n of N leaves no more than the tolerance.
+bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double tolerance, int n,
+               Work& w) {
+  w.left.setZero(p.nv);
+  double of_points = 0, of_turning = 0;  // what a row in m and in rad is off by, for a coordinate in rad
+  for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) {
+    const int row = p.perm[w.rows.Ni[k]] - p.nv, contact = w.contact[row];
+    const auto of_row = work.contacts[d.island.contacts[contact]].J.row(w.row[row]);
+    const std::vector<int>& columns = d.shape->support().columns[contact];
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      w.left[columns[j]] += w.rows.Nx[k] * of_row[static_cast<Eigen::Index>(j)];
+    (w.row[row] < 3 ? of_points : of_turning) += std::abs(w.rows.Nx[k]) * tolerance;
+  }
+  for (int c = 0; c < p.nv; ++c)
+    if (!(std::abs(w.left[c]) <= (w.turns[c] ? of_points : of_points / L) + of_turning / L)) return false;
+  return true;
+}
+
+// The columns of N, `most` of them at most, or none. The more have to be told apart, the less may be left of a pivot.
+bool find(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double tolerance, int most,
+          Work& w) {
+  constexpr double kGenerous = 30, kStep = 1e-2, kMost = 1e-2;
+  const double turned = kGenerous * tolerance / L;
+  for (double left = std::clamp(turned * turned, tolerance::kPivotLeft, kMost);; left *= kStep) {
+    factorize(work, d, p, L, left, w);
+    const int count = static_cast<int>(w.rows.dropped.size());
+    if (count == 0) return false;
+    bool within = count <= most && w.rows.largest_entry <= tolerance::kLargestEntry;
+    for (int n = 0; within && n < count; ++n) within = is_within(work, d, p, L, tolerance, n, w);
+    if (within) return true;
+    if (left < tolerance::kPivotLeft) return false;
+  }
+}
+
+// J_c -= N_c (N_c^T N_c)^+ N_c^T J_c for the columns of N in one cluster.
+void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const sparse::DependentRows::Cluster& cluster,
+            const Work& w) {
+  std::vector<int> rows;  // of J, that the cluster has
+  for (int m = 0; m < cluster.count; ++m) {
+    const int n = w.rows.members[cluster.first + m];
+    for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) rows.push_back(p.perm[w.rows.Ni[k]] - p.nv);
+  }
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  Eigen::MatrixXd N = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), cluster.count);
+  for (int m = 0; m < cluster.count; ++m) {
+    const int n = w.rows.members[cluster.first + m];
+    for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k)
+      N(std::lower_bound(rows.begin(), rows.end(), p.perm[w.rows.Ni[k]] - p.nv) - rows.begin(), m) = w.rows.Nx[k];
+  }
+  for (int c = 0; c < p.nv; ++c) {
+    std::vector<double*> entries;
+    std::vector<Eigen::Index> in_N;
+    for (const auto& [contact, j] : w.columns[c])
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (w.contact[rows[i]] == contact) {
+          entries.push_back(&work.contacts[d.island.contacts[contact]].J(w.row[rows[i]], j));
+          in_N.push_back(static_cast<Eigen::Index>(i));
+        }
+    if (entries.empty()) continue;
+    Eigen::VectorXd J_c(static_cast<Eigen::Index>(entries.size()));
+    for (Eigen::Index i = 0; i < J_c.size(); ++i) J_c[i] = *entries[static_cast<std::size_t>(i)];
+    if (J_c.isZero(0)) continue;
+    const Eigen::MatrixXd N_c = N(in_N, Eigen::all);
+    const Eigen::VectorXd part = N_c * N_c.completeOrthogonalDecomposition().solve(J_c);
+    for (Eigen::Index i = 0; i < J_c.size(); ++i) *entries[static_cast<std::size_t>(i)] -= part[i];
+  }
+}
+
+}  // namespace
+
+double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, const IslandWork& d) {
+  if (!work_) work_ = std::make_unique<Work>();
+  Work& w = *work_;
+  take_island(scene, d, w);
+  const double L = largest_lever(work, d, w);
+  double tolerance = scene.tolerance;
+  int most = d.island.nc;
+  if (d.depended > 0)
+    if (const double drift = std::max(kDrift * misplacement(scene, work, d, L), kLeastOfLever * L); drift > tolerance)
+      tolerance = drift, most = d.depended;
+  tolerance = std::min(tolerance, kMostOfLever * L);
+  const KktPattern& p = *d.shape->pattern(Order::kLeafToRoot);
+  if (!find(work, d, p, L, tolerance, most, w)) return 0;
+  for (const auto& cluster : w.rows.clusters) remove(work, d, p, cluster, w);
+  double largest = 0;  // sum |n_j|
+  for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
+    largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
+                                                0.0, [](double sum, double x) { return sum + std::abs(x); }));
+  return largest * tolerance / L;
+}
+
+bool is_inexact(const Scene& scene, const IslandWork& d) {
+  return d.island.nc > 0 && (scene.tolerance > 0 || d.depended > 0);
+}
+
+void keep_dependent(SceneData& data) {
+  for (const auto& d : data.workspace->islands)
+    d->depended = d->answered_by(&d->matrix) && d->matrix.deficient() ? d->island.nc - d->matrix.factor->rank() : 0;
+}
+
+void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
+  data.active = of.active;
+  prepare(scene, data);
+  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
+    data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;
+}
+
+}  // namespace manycontact

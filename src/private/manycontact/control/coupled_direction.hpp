@@ -1,0 +1,81 @@
+#pragma once
+// A part whose nodes are ActionModelParts with couplings: robots that hold each other. The direction of FDDP is the
+// solution (dx, du) of the linear-quadratic problem around the candidate, with the couplings' wrenches as variables
+// (couplings.hpp, lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per
+// robot and a Schur complement of the couplings, or islands through time. It equals SolverFDDP's on nodes of the whole
+// scene, with the same regularisation (rho on the states and on the controls, none on wrenches).
+//
+// The forward pass is FDDP's with other gains. SolverFDDP's K = -du/dx of the whole scene is dense, and never appears;
+// here each robot has the gains K_i of its own recursion, which takes the wrenches on it as given, and
+//
+//     u_i = us_i + s du_i - K_i (x_i (-) xs_i - s dx_i):
+//
+// where x is what the linear model says, both take the step u = us + s du. What the model's error feeds back differs,
+// so that steps differ from SolverFDDP's to second order and so may the number of iterations; limits are the same. Gaps
+// are kept at (1 - s) as in FDDP. A step of length s is expected to reduce the cost by what the linear-quadratic
+// problem says, without the regularisation,
+//
+//     s (d0 + s d1 / 2),    d0 = -(q^T dx + r^T du + r_w^T dw),    d1 = -[dx; du; dw]^T H [dx; du; dw],
+//
+// which is what FDDP's expected improvement is at x = xs (+) s dx. Acceptance, regularisation and stopping are FDDP's.
+
+#include "manycontact/control/direction.hpp"
+#include "manycontact/lq/direction_solver.hpp"
+#include "manycontact/lq/riccati.hpp"
+
+namespace manycontact {
+
+/// get_Vx: the multipliers of the states' equations at the full step; get_k: -du.
+class CoupledDirection : public Direction {
+ public:
+  /// Whether this is for the problem: all its nodes have couplings of the same parts.
+  static bool applies_to(const ShootingProblem& problem);
+  CoupledDirection(ShootingPart part, bool is_whole);
+
+  const char* name() const override { return solver_->name(); }
+  std::vector<int> blocks() const override;
+  /// The clusters' of node t (lq/plan.hpp).
+  std::vector<Gains> gains(std::size_t t) const override;
+  const lq::Problem& problem_of_direction() const { return lq_; }
+  const lq::Point& solution_of_direction() const { return z_; }
+  const lq::Outcome& outcome() const { return outcome_; }
+
+  void resize() override;
+  /// False also where the direction's KKT error exceeds lq::kAccurate, as where couplings depend on each other and
+  /// contradict.
+  bool compute(double preg, double dreg) override;
+  Eigen::Vector2d improvement(bool) override { return improvement_; }
+  double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
+  /// As RiccatiDirection's with the clusters' gains for K, and for diag(Quu) what the couplings make of it.
+  void set_feed_forward(const Vectors& nu) override;
+  void feed_forward_gradient(Vectors& g) override;
+  void precondition_feed_forward(Vectors& g) override;
+
+ private:
+  void step_control(std::size_t t, double steplength) override;
+  template <class Use>
+  void each_cluster(std::size_t t, Use&& use);
+  void add_feedback(std::size_t t, const Eigen::VectorXd& g, Eigen::VectorXd& to);
+  void add_gains_times(std::size_t t, const Eigen::VectorXd& dx, Eigen::VectorXd& to);
+
+  std::vector<ActionPart> blocks_;  // the nodes' parts, without models
+  lq::Problem lq_;
+  lq::Layout layout_;
+  std::unique_ptr<lq::DirectionSolver> solver_;
+  const lq::Riccati* policies_ = nullptr;  // of solver_
+  lq::Point z_;
+  lq::Outcome outcome_;
+  Eigen::Vector2d improvement_ = Eigen::Vector2d::Zero();
+  lq::Point preconditioned_;
+  Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
+};
+
+/// Operations of a direction: of the dense recursion on nodes of the whole, and of the cheapest that couplings allow.
+/// Structure alone: states and controls of each part, and per running node the pairs of parts that couplings join.
+struct CoupledPrediction {
+  double dense = 0, coupled = 0;
+};
+CoupledPrediction predict_coupled(const std::vector<int>& nx, const std::vector<int>& nu,
+                                  const std::vector<std::vector<std::pair<int, int>>>& couplings);
+
+}  // namespace manycontact

@@ -1,0 +1,95 @@
+#pragma once
+// The backward pass of SolverDDP (ddp.hpp) on the nodes' matrices, or on what nodes of IntegratedActionModelEuler keep
+// in their place; and the same with a box QP for each node's controls (box_solvers.hpp). A node of symplectic Euler
+// itself takes half the operations (lq/riccati_step.hpp).
+
+#include "manycontact/control/box_qp.hpp"
+#include "manycontact/control/direction.hpp"
+#include "manycontact/lq/riccati_step.hpp"
+
+namespace manycontact {
+
+class RiccatiDirection : public Direction {
+ public:
+  using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// keeps_values: Vxx, Qxx, Qxu, Quu of all nodes are kept, not of the node at hand alone: twice a node's memory.
+  RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values);
+
+  const char* name() const override { return "Riccati"; }
+  std::vector<Gains> gains(std::size_t t) const override;
+
+  /// One node's step of the pass, from the value function of the next; compute_gains and compute_value_function of the
+  /// node that compute_action_value_function was last of, else std::invalid_argument.
+  void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
+  /// False where Quu is not positive definite.
+  virtual bool compute_gains(std::size_t t);
+  void compute_value_function(std::size_t t);
+
+  const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const { return Qxx_; }
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const { return Qxu_; }
+  const std::vector<Eigen::MatrixXd>& get_Quu() const { return Quu_; }
+  const Vectors& get_Qx() const { return Qx_; }
+  const Vectors& get_Qu() const { return Qu_; }
+  const std::vector<MatrixXdRowMajor>& get_K() const { return K_; }
+
+  void resize() override;
+  bool compute(double preg, double dreg) override;
+  Eigen::Vector2d improvement(bool gaps) override;
+  double gap_improvement() override;
+  double expected_reduction() const override;
+  void feed_forward_gradient(Vectors& g) override;
+  void precondition_feed_forward(Vectors& g) override;
+
+ protected:
+  void step_control(std::size_t t, double steplength) override;
+  /// us_try[t] onto the limits.
+  virtual void limit_control(std::size_t) {}
+  /// Zero in node t's gradient of controls at limits that would leave them; these are held from then on.
+  virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
+
+  std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
+  Vectors Qx_, Qu_;                             // T
+  std::vector<MatrixXdRowMajor> K_;             // T
+
+ private:
+  Eigen::MatrixXd& value(std::size_t t) { return keeps_values_ ? Vxx_[t] : two_values_[t % 2]; }
+  void add_gap(std::size_t t);
+  void add_hessians(const ActionDataAbstract& data);
+  const lq::SymplecticStructure* set_dynamics(const ActionModelAbstract& model, const ActionDataAbstract& data);
+  bool keeps_values_;
+  double preg_ = 0;
+  std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
+  Eigen::MatrixXd two_values_[2];           // in their place: the two last ones of the pass
+  Vectors Vxx_fs_, Quuk_;                   // T + 1: Vxx fs, where the candidate has gaps; T
+  lq::RiccatiStep riccati_;
+  lq::SymplecticStructure steps_;
+  static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
+  std::size_t node_ = kNoNode;  // whose Hessians riccati_ holds
+};
+
+class BoxDirection : public RiccatiDirection {  // with the models' limits
+ public:
+  BoxDirection(ShootingPart part, bool is_whole);
+
+  bool compute_gains(std::size_t t) override;
+  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const { return Quu_inv_; }
+
+  void resize() override;
+  void precondition_feed_forward(Vectors& g) override;
+  void hold_feed_forward(Vectors& nu) override;
+  void set_scale(double scale) override { qp_.set_th_grad(1e-5 * scale); }
+
+ protected:
+  void limit_control(std::size_t t) override;
+  void hold_controls(std::size_t t, Eigen::VectorXd& g) override;
+
+ private:
+  BoxQP qp_;
+  std::vector<Eigen::MatrixXd> Quu_inv_;
+  Eigen::VectorXd du_lb_, du_ub_;        // of the node at hand
+  std::vector<std::vector<bool>> held_;  // controls at limits, of the last feed-forward gradient
+};
+
+}  // namespace manycontact

@@ -1,0 +1,18 @@
+#pragma once
+// Contact rows that depend on each other at the start of a motion, and only there.
+//
+// A mechanism such as Bricard's hangs together by more than it needs: its rows depend on each other on the closed loop,
+// and not beside it, where integration takes it by 1e-9 m. Rows found dependent by the solution at hand are dependent
+// in the solves to come, while contacts are misplaced by no more than a hundredth of the largest lever and as long as
+// the contacts that join their robots stay.
+
+#include "manycontact/dynamics/data.hpp"
+
+namespace manycontact {
+
+/// After solve: from here on rows that depend on each other in its solution do; those that do not, do no longer.
+void keep_dependent(SceneData& data);
+/// The same in other data, of a scene with the same robots and contacts.
+void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
+
+}  // namespace manycontact

@@ -1,0 +1,14 @@
+#pragma once
+// The analyses that a scene's islands rest on (kkt/shape.hpp), to be looked at.
+
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/kkt/choose.hpp"
+
+namespace manycontact {
+
+/// The island's trees and contacts, with the analyses made of them. Throws as views.hpp does.
+const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
+/// Number of shapes analysed so far.
+std::size_t shapes_analysed(const SceneData& data);
+
+}  // namespace manycontact

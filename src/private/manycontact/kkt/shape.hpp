@@ -1,0 +1,74 @@
+#pragma once
+// What islands of the same trees and contacts share: everything that is analysed, and nothing that is measured.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+
+#include "manycontact/kkt/bodies/subtrees.hpp"
+#include "manycontact/kkt/schur.hpp"
+#include "manycontact/sparse/cholmod.hpp"
+
+namespace manycontact {
+
+/// An island reduced to what patterns and orders depend on. Analyses are made when first asked for, by whichever
+/// thread, and kept.
+class IslandShape {
+ public:
+  IslandShape(const Scene& scene, const Island& island);
+
+  const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
+  const Island& island() const { return island_; }  // of scene(): all of it
+  /// Of the joint-space K, as everything below but bodies(). In deep trees these grow with the square of the depth.
+  const IslandSupport& support() const;
+
+  const std::shared_ptr<const KktPattern>& pattern(Order order);
+  const std::shared_ptr<const SchurPattern>& schur();
+  /// CHOLMOD's analysis of K in that order, rows left as they are.
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
+  /// CHOLMOD's analysis of the Schur complement, for its supernodal part.
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod_schur();
+  /// The permutation of Order::kContactsEarly, the only one that depends on where contacts are on their bodies.
+  const std::vector<int>& contacts_early();
+  /// The bodies and rows of the body-space system.
+  const std::shared_ptr<const BodyPattern>& bodies();
+  /// And where these fall apart.
+  const BodySubtrees& body_subtrees();
+
+ private:
+  Scene scene_;
+  Island island_;
+  mutable std::recursive_mutex mutex_;  // of all below: one analysis asks for another
+  mutable std::optional<IslandSupport> support_;
+  std::optional<std::vector<int>> contacts_early_;
+  std::shared_ptr<const BodyPattern> bodies_;
+  std::unique_ptr<const BodySubtrees> body_parts_;
+  std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
+  std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
+  std::shared_ptr<const SchurPattern> schur_;
+  std::shared_ptr<const sparse::CholmodSymbolic> cholmod_schur_;
+};
+
+/// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared
+/// number by number. Two levels, since places of points on bodies reach the patterns through one permutation only:
+/// islands that differ in such places alone have one shape if their permutations agree. (Of trees so deep that the
+/// permutation is not made, these have shapes of their own.)
+class ShapeCache {
+ public:
+  /// Allocates nothing when an island with the same trees and contacts was asked for before.
+  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
+  std::size_t size() const { return shapes_.size(); }
+
+ private:
+  using Key = std::vector<std::uint64_t>;
+  struct Hash {
+    std::size_t operator()(const Key& key) const;
+  };
+  std::unordered_map<Key, std::shared_ptr<IslandShape>, Hash> by_places_, shapes_;
+  Key key_;
+};
+
+}  // namespace manycontact

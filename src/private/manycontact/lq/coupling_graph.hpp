@@ -1,0 +1,48 @@
+#pragma once
+// Which couplings meet at which cluster, in which knot, and where their w and mu stand in the Schur complement of
+// coupling_schur.hpp.
+
+#include "manycontact/lq/block_cholesky.hpp"
+#include "manycontact/lq/plan.hpp"
+
+namespace manycontact::lq {
+
+/// w or mu of one coupling, as part of a cluster's y in a knot.
+struct CouplingPart {
+  int coupling;
+  bool is_w;
+  int at, size;        // in the cluster's y of the knot
+  int vertex, offset;  // in the Schur complement
+};
+
+/// A cluster in a knot.
+struct CouplingNode {
+  int cluster = 0;  // its index in the plan's knot
+  std::vector<CouplingPart> parts;
+  int size = 0;  // of y
+};
+
+/// Where a coupling's w and mu stand: vertex and first row in it.
+struct CouplingPlace {
+  int w, w_offset, mu, mu_offset;
+};
+
+struct CouplingGraph {
+  std::vector<std::vector<CouplingNode>> nodes;    // by cluster (as in knot 0), by knot
+  std::vector<std::vector<CouplingPlace>> places;  // by knot, by coupling
+  /// In the order of elimination. Couplings of all knots that touch the same clusters share two vertices: all their mu
+  /// (the even one, sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of these
+  /// pairs.
+  std::vector<BlockCholesky::Vertex> vertices;
+  std::vector<std::pair<int, int>> edges;
+  std::vector<std::vector<int>>
+      of_cluster;  // by cluster: the vertices its couplings are in, all of whose couplings touch it
+};
+
+/// The plan is one of Join::kNoCouplings.
+CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan);
+
+/// Operations of CouplingSchur::factorize.
+double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph);
+
+}  // namespace manycontact::lq

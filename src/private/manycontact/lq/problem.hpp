@@ -1,0 +1,109 @@
+#pragma once
+// The linear-quadratic problem of a horizon, free of robots: knots k = 0 ... T, blocks i (a robot's share of state and
+// control), and in each knot a partition of the blocks into groups, beyond which nothing couples but couplings.
+//
+//   minimise   sum_k sum_g  1/2 [x]^T [ Q    S ] [x]  + [q]^T [x]
+//                               [v]   [ S^T  R ] [v]    [r]   [v]
+//   subject to x_0 = x0
+//              x_g(k+1) = A x_g + B v_g + f                    each group g of knot k < T
+//              sum over the groups g that coupling b touches of its rows of  C x_g + D v_g + d  = 0     each coupling b
+//
+// x_g: states of g's blocks, one after the other. v_g = [u_g; w_g]: controls of its blocks, then the variables of the
+// couplings that touch it. A coupling is what groups share without being one dense block: its variables w_b (a
+// contact's force and common acceleration) stand in each group it touches, and its equations sum over these. A coupling
+// without variables that touches one group is an equality constraint on it. The terminal knot has no controls and no
+// dynamics.
+//
+// With multipliers lambda_k of x_k's equation and mu_b of a coupling's, the optimum satisfies (Rhs and residual in
+// kkt.hpp)
+//
+//   Q x + S v + q + A^T lambda+ + C^T mu - lambda  = 0      so that lambda_k is the gradient of the value function
+//   S^T x + R v + r + B^T lambda+ + D^T mu         = 0      rows of w summed over the groups that the coupling touches
+//
+// where + means knot k + 1. The structure is that of aligator's gar (a knot with Q S R q r A B f C D d) by groups.
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "manycontact/abi.hpp"
+#include "manycontact/lq/block_diagonal.hpp"
+
+namespace manycontact::lq {
+
+/// Of a group of one block whose state is [y; z], halves of one size, of which y moves by the z that is reached
+/// (symplectic Euler): A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, A_z and B_z being their lower halves. Riccati and
+/// CouplingSchur then take half the operations for products with A.
+struct SymplecticStructure {
+  BlockDiagonal J, G;
+};
+
+/// One group of a knot. Sizes: nx, nu those of its blocks, nw and nc of its couplings, nv = nu + nw. Only entries of
+/// both halves of Q and R are read, which must be symmetric.
+struct Group {
+  std::vector<int> blocks;
+  std::vector<int> couplings;  // of the knot, in the order in which v_g and the rows of C hold them
+
+  Eigen::MatrixXd Q, S, R;                   // nx x nx, nx x nv, nv x nv
+  Eigen::VectorXd q, r;                      // nx, nv
+  Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
+  Eigen::VectorXd f;                         // nx: the gap where the problem is the step of another
+  std::optional<SymplecticStructure> steps;  // where it is known; A and B are whole all the same
+  Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
+  Eigen::VectorXd d;                         // nc
+};
+
+struct Coupling {
+  int size = 0;  // of w_b
+  int rows = 0;  // of its equations
+};
+
+struct Knot {
+  std::vector<Group> groups;        // each block is in one of them
+  std::vector<Coupling> couplings;  // each touches at least one group
+};
+
+struct Problem {            // all knots of a horizon
+  std::vector<int> nx, nu;  // of each block
+  std::vector<Knot> knots;  // T + 1, the last is the terminal one
+  Eigen::VectorXd x0;       // of all blocks
+
+  int horizon() const { return static_cast<int>(knots.size()) - 1; }
+  int blocks() const { return static_cast<int>(nx.size()); }
+};
+
+/// Makes every matrix and vector zero, of the size that nx, nu, the groups' blocks and couplings and the couplings say.
+void set_zero(Problem& problem);
+
+/// Throws std::invalid_argument where sizes, partition or couplings do not fit, naming knot and group.
+void check(const Problem& problem);
+
+/// Where blocks and couplings stand in the vectors of a Point: the first entry of each, and the total behind the last.
+struct Layout {
+  std::vector<int> x, u;                  // by block
+  std::vector<std::vector<int>> w, rows;  // by knot, by coupling
+
+  explicit Layout(const Problem& problem);
+  Layout() = default;
+};
+
+/// A point of the problem, or its gradients: a vector for each knot.
+struct Point {
+  std::vector<Eigen::VectorXd> x;       // T + 1, by block
+  std::vector<Eigen::VectorXd> u;       // T + 1, by block; the terminal knot's is empty
+  std::vector<Eigen::VectorXd> w;       // T + 1, by coupling
+  std::vector<Eigen::VectorXd> lambda;  // T + 1, of x_k's equation
+  std::vector<Eigen::VectorXd> mu;      // T + 1, of the couplings' equations
+
+  Point(const Problem& problem, const Layout& layout);
+  Point() = default;
+};
+
+/// Added to the diagonals of the problem: Q + x I, R + u I for controls (not w), and C x + D v + d - rows mu = 0.
+/// Crocoddyl's preg and dreg; `rows` is the step of a proximal (augmented Lagrangian) method on the couplings'
+/// equations.
+struct Regularisation {
+  double x = 0, u = 0, rows = 0;
+};
+
+}  // namespace manycontact::lq

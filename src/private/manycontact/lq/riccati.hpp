@@ -1,0 +1,77 @@
+#pragma once
+// The Riccati recursion, on one dense block or by clusters of blocks ("islands through time").
+//
+// The value function of knot k, V(x) = 1/2 x^T P x + p^T x + const, is block diagonal over the clusters: blocks that
+// groups or couplings join in knot k or later. Going backward, with t = p+ + P+ f,
+//
+//   Qxx = Q + A^T P+ A     Qxv = S + A^T P+ B     Qvv = R + B^T P+ B     qx = q + A^T t     qv = r + B^T t
+//   [ Qvv    D^T    ] [ K  k  ]     [ Qxv^T  qv ]
+//   [ D   -reg.rows ] [ K' k' ] = - [ C      d  ]        v = K x + k,  mu = K' x + k'
+//   P = Qxx + Qxv K + C^T K'       p = qx + K^T qv + K'^T d
+//
+// by Cholesky where a cluster has no rows, else by LU. Separate blocks cost N T n^3. A terminal knot's hard equations
+// on x alone are beyond it (kSingular without reg.rows).
+
+#include <Eigen/LU>
+
+#include "manycontact/lq/direction_solver.hpp"
+#include "manycontact/lq/plan.hpp"
+#include "manycontact/lq/riccati_step.hpp"
+
+namespace manycontact::lq {
+
+class Riccati : public DirectionSolver {  // the recursion, dense or by islands through time
+ public:
+  /// Of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
+  struct Policy {
+    Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, the first nu rows of it u
+    Eigen::VectorXd k;
+    Eigen::MatrixXd P;  // nx x nx
+    Eigen::VectorXd p;  // value function's gradient at x = 0
+    Eigen::MatrixXd L;  // Qvv = L L^T in its lower triangle; where there are rows: the matrix that lu factorizes
+    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+  };
+
+  /// kAll: the dense recursion, the oracle. kIslands: by clusters. kNoCouplings leaves couplings out, as if w and mu
+  /// were zero.
+  explicit Riccati(Join join) : join_(join) {}
+
+  const char* name() const override;
+  double flops() const override { return flops_; }
+
+  const Plan& plan() const { return plan_; }
+  const Policy& policy(int knot, int cluster) const;
+
+  /// P+ of the next knot in the order of this knot's cluster; in scratch where it is not stored so.
+  Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
+  /// Of a cluster that is one group; nullptr where they are not known.
+  const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;
+
+ protected:
+  void do_analyse(const Problem& problem) override;
+  Outcome do_factorize(const Problem& problem, const Regularisation& reg) override;
+  void do_solve(const Problem& problem, const Point& h, Point& z, bool first) override;
+
+ private:
+  friend class CouplingSchur;
+  void expand(const Problem& problem, int k, int c, const Regularisation& reg);
+  void expand_next_value(const Problem& problem, int k, int c);
+  Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
+  Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
+  /// x, u, lambda (w and mu of couplings within clusters) of the z with H z + h = 0, the policies' k and p left alone.
+  void pass(const Problem& problem, const Point& h, Point& z);
+  void backward(const Problem& problem, const Point& h, int k);
+  void forward(const Problem& problem, const Point& h, int k, Point& z);
+
+  Join join_;
+  Plan plan_;
+  double flops_ = 0;
+  std::vector<std::vector<Policy>> policies_;
+  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the pass at hand: corrections add to the policies'
+  std::vector<int> x_of_block_;
+  RiccatiStep step_;                      // of the cluster at hand
+  std::vector<double> next_, with_rows_;  // scratch, for matrices of it
+  Eigen::VectorXd t_, x_, v_, f_;
+};
+
+}  // namespace manycontact::lq

@@ -1,0 +1,65 @@
+#pragma once
+// One step of the Riccati recursion on dense matrices, by every solver that takes one: with the value function's P+ of
+// the next knot,
+//
+//     [ Qvv  Qvx ]   [ R  S^T ]                                [ qv ]
+//     [ Qxv  Qxx ] = [ S  Q   ] + F^T P+ F,    F = [B  A],     [ qx ] += F^T t
+//
+//     K = Qvv^-1 Qvx by Qvv = L L^T,    P = Qxx - Qxv K
+//
+// Panels are row-major, v first; x begins at a column that is a multiple of eight (sparse/panel_kernels.hpp). Of H only
+// the upper triangle by rows is computed: as Eigen's matrices by columns, the lower one.
+
+#include "manycontact/lq/plan.hpp"
+
+namespace manycontact::lq {
+
+class RiccatiStep {
+ public:
+  using Matrix = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  using ConstMatrix = const Eigen::Ref<const Eigen::MatrixXd>&;
+
+  /// Room for nv columns of v and nx of x. Takes no memory where there was as much before.
+  void lay_out(int nv, int nx);
+
+  /// F = [B A], whole or part by part; by halves (SymplecticStructure) only the lower halves. row, column: the part's
+  /// first.
+  void set_A(ConstMatrix A, int row = 0, int column = 0);
+  void set_B(ConstMatrix B, int row = 0, int column = 0);
+  /// Row i of F: nv numbers of v, and from x_start() on nx of x.
+  double* row(int i) { return F_.data() + static_cast<std::ptrdiff_t>(i) * ld_; }
+  int x_start() const { return u_; }
+
+  /// H = F^T P F.
+  void multiply(ConstMatrix P);
+  /// Where F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v, with F_z the rows that were set: half the operations.
+  void multiply(ConstMatrix P, const SymplecticStructure& steps);
+  /// Where each member's rows of F have entries in its own columns alone.
+  void multiply(ConstMatrix P, const std::vector<Member>& members);
+  /// H = 0: of a terminal knot.
+  void set_zero();
+
+  /// The blocks of H, of Qvv and Qxx the lower triangles.
+  Matrix Qvv() { return {H_.data(), nv_, nv_, Eigen::OuterStride<>(ld_)}; }
+  Matrix Qxv() { return {H_.data() + u_, nx_, nv_, Eigen::OuterStride<>(ld_)}; }
+  Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
+
+  /// qv = B^T t, qx = A^T t, with F as for the last multiply.
+  void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<Eigen::VectorXd> qv,
+                       Eigen::Ref<Eigen::VectorXd> qx);
+
+  /// L L^T = Qvv and K = Qvv^-1 Qvx. False where a pivot keeps less than `least` of its entry.
+  [[nodiscard]] bool eliminate(Eigen::MatrixXd& L, double least);
+  /// K^T: nx x nv, by eliminate or as the caller sets it.
+  Matrix Kt() { return {K_.data(), nx_, nv_, Eigen::OuterStride<>(ld_)}; }
+  /// P = Qxx - Qxv K, both triangles.
+  void value(Eigen::MatrixXd& P);
+
+ private:
+  int nv_ = 0, nx_ = 0, u_ = 0, ld_ = 0;  // u_: where x begins; ld_: columns of a row
+  std::vector<double> F_, PF_, H_, K_;    // nx, nx, u_ + nx and nv rows
+  std::vector<double> Z_, qs_, halves_;   // workspace
+  Eigen::VectorXd g_, j_;
+};
+
+}  // namespace manycontact::lq
