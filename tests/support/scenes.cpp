@@ -84,4 +84,28 @@ void disturb(SceneFile& file, std::mt19937& rng, double size) {
   for (double& u : file.u) u += uniform(rng, -5, 5);
 }
 
+SceneFile tilted_four_bar(double tilt, const std::string& type) {
+  TemporaryFolder folder;
+  const auto bar = [](const char* name) {
+    return "<link name=\"" + std::string(name) +
+           "\"><inertial><origin xyz=\"0.2 0 0\"/><mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" "
+           "iyy=\"0.02\" "
+           "iyz=\"0\" izz=\"0.03\"/></inertial></link>";
+  };
+  const auto joint = [&](const char* name, const char* from, const char* to, const char* x, bool tilts) {
+    return "<joint name=\"" + std::string(name) + "\" type=\"continuous\"><origin xyz=\"" + x + " 0 0\" rpy=\"" +
+           (tilts ? std::to_string(tilt) : "0") + " 0 0\"/><parent link=\"" + from + "\"/><child link=\"" + to +
+           "\"/><axis xyz=\"0 0 1\"/></joint>";
+  };
+  (void)folder.write("bars.urdf", "<robot name=\"b\"><link name=\"base\"/>" + bar("a") + bar("b") + bar("c") +
+                                      joint("j1", "base", "a", "0", false) + joint("j2", "a", "b", "0.5", true) +
+                                      joint("j3", "b", "c", "0.8", false) + "</robot>");
+  return load_scene(folder.write(
+      "scene.xml",
+      "<scene gravity=\"0 -9.81 0\"><robot name=\"r\" urdf=\"bars.urdf\"><joint name=\"j1\" q=\"1.2\" "
+      "u=\"1\"/><joint name=\"j2\" q=\"-1\"/><joint name=\"j3\" q=\"-1.4\"/></robot><contact name=\"pin\" type=\"" +
+          type + "\" frame=\"r/c\" offset=\"0.6 0 0\" reference_frame=\"" + (type == "5d" ? "local" : "world") +
+          "\"/></scene>"));
+}
+
 }  // namespace manycontact::test

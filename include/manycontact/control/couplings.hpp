@@ -1,14 +1,12 @@
 #pragma once
-// Couplings of a node's parts (robots that hold each other): contacts between bodies of different parts are its
-// couplings.
+// Couplings of a node's parts: contacts between bodies of different parts (robots that hold each other).
 //
 // Values are the whole scene's: accelerations a and forces of all contacts. Derivatives keep each coupling's wrench w
 // as a variable of its own, in world axes about a point that stands still (A's origin at the state at hand), so that a
 // part answers to its own state and to the wrenches on it, and to nothing else:
 //
-//     dx_i' = A_i dx_i + B_i [du_i; dw_couplings]        of a node of part i's robots alone (its own contacts solved
-//     there) sum over both ends i of coupling b:  C_i dx_i + D_i [du_i; dw_couplings] = 0       r2 = J a + a0 + delta f
-//     = 0
+//     dx_i' = A_i dx_i + B_i [du_i; dw]           of a node of part i's robots alone (its own contacts solved there)
+//     sum over both ends i of a coupling:  C_i dx_i + D_i [du_i; dw] = 0       r2 = J a + a0 + delta f = 0
 //
 // C_i, D_i: the share of part i in the coupling's rows, relative acceleration of its frames and stabilisation,
 //

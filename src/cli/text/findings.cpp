@@ -127,7 +127,9 @@ std::string only_just(const Findings& f, const NearDependent& n) {
   const double rounding = 1e-9 * std::abs(n.without);
   text += "; without, " + f.velocity_names[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
           number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
-  return text + ". Rounded numbers of a file do this: `inspect` advises lighter contacts";
+  return text +
+         ". Rounded numbers of a file do this: `inspect` advises lighter contacts, tolerance=\"...\" of the scene says "
+         "how exact it is";
 }
 
 // The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept; and

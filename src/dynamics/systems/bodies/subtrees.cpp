@@ -1,6 +1,6 @@
 // An island by sparse-bodies where held bodies cut its trees (kkt/bodies/subtrees.hpp). The rows of a held body say how
 // it accelerates, so no subtree waits for another: each is evaluated, and as soon as so many alike subtrees are as
-// stand side by side, they are solved and judged. What they reaction at held bodies is added at last.
+// stand side by side, they are solved and judged. What they pull at held bodies is added at last.
 
 #include <algorithm>
 
