@@ -1,6 +1,7 @@
 // Nodes of parts that never meet, and FDDP by parts.
 
 #include "control/nodes.hpp"
+#include "manycontact/control/riccati_direction.hpp"
 #include "support/allocations.hpp"
 
 namespace manycontact::test {

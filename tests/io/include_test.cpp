@@ -93,6 +93,8 @@ TEST_F(Include, MistakesNameFileAndLine) {
   expect_problem("one.xml:1: ", "gravity is another one");
   write("one.xml", robot("b"), " damping=\"1e-6\"");
   expect_problem("one.xml:1: ", "damping is another one");
+  write("one.xml", robot("b"), " tolerance=\"1e-6\"");
+  expect_problem("one.xml:1: ", "tolerance is another one");
   write("one.xml", robot("b"), " consistent=\"true\"");
   expect_problem("one.xml:1: ", "consistent is asked for, and not by the scene");
   write("one.xml", robot("b"), " consistent=\"yes\"");

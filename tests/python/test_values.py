@@ -109,6 +109,7 @@ ASSIGNED = [  # these have to change it
     attribute("scene.gravity", [0, 0, -1.62]),
     element("scene.gravity", 2),
     attribute("scene.damping", 1e-3),
+    attribute("scene.tolerance", 1e-5),
     attribute("scene.name", "moon"),
     attribute("scene.contacts.0.alpha", 9.0),
     attribute("scene.contacts.1.beta", 9.0),

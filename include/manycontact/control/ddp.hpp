@@ -24,6 +24,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
+  SolverDDP(SolverDDP&&);
+  SolverDDP& operator=(SolverDDP&&);
   ~SolverDDP() override;
 
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,

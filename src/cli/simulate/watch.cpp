@@ -8,6 +8,7 @@
 #include "../text/table.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/analysis/names.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 
 namespace manycontact::cli {
 
@@ -71,6 +72,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
                  const Eigen::VectorXd& u, const SimulationData& sim) {
   work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
   friction_work_ += sim.h * (friction_power(scene, v) + friction_power(scene, sim.v)) / 2;
+  keep_dependent_as(sim.dynamics, posture_.rest.scene, posture_.dynamics);
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
   if (closest.share < least_share_) least_share_ = closest.share, share_time_ = t - (1 - closest.at) * sim.h;
   if (closest.share < kPassed && singular_time_ < 0) singular_time_ = t - (1 - closest.at) * sim.h;

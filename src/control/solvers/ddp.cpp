@@ -15,6 +15,8 @@ namespace manycontact {
 
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
 
+SolverDDP::SolverDDP(SolverDDP&&) = default;
+SolverDDP& SolverDDP::operator=(SolverDDP&&) = default;
 SolverDDP::~SolverDDP() = default;
 
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)

@@ -230,6 +230,7 @@ void keep_dependent(SceneData& data) {
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
   data.active = of.active;
   prepare(scene, data);
+  if (data.workspace->islands.size() != of.workspace->islands.size()) return;  // by another method
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
     data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;
 }
