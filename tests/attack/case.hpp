@@ -43,8 +43,8 @@ struct Tree {
   int free() const { return floating ? 6 : 0; }  // coordinates of the base, which have no torque
 };
 
-struct Hold {    // a contact
-  int rows = 3;  // 1, 2, 3, 5, 6
+struct Hold {      // a contact
+  int rows = 3;    // 1, 2, 3, 5, 6
   int tree = 0, link = 0;
   Numbers offset = {};
   std::array<double, 4> turned = {0, 0, 0, 1};  // quaternion xyzw
@@ -86,10 +86,10 @@ std::string write_case(const Case& c, const std::string& folder);
 Tree read_tree(const std::string& urdf, bool floating);
 
 /// What can be hostile, each on its own or together.
-inline const std::vector<std::string> kDimensions = {"mass",  "massless",  "armature", "lock",     "fast",    "force",
-                                                     "still", "posture",   "gravity",  "massless", "many",    "pairs",
-                                                     "multi", "gains",     "drift",    "near",     "damping", "units",
-                                                     "mixed", "redundant", "joint",    "chain",    "exact",   "lever"};
+inline const std::vector<std::string> kDimensions = {
+    "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
+    "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",
+    "joint", "chain",    "exact",    "lever"};
 Case random_case(std::uint64_t seed, const std::vector<std::string>& dimensions);
 /// Up to three dimensions of those given, drawn by the seed.
 std::vector<std::string> draw_dimensions(std::uint64_t seed, const std::vector<std::string>& from);

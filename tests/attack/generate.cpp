@@ -212,7 +212,7 @@ Case Makes::make() {
   for (int k = 0; k < trees; ++k) c.trees.push_back(tree(1 + r.below(trees > 1 ? 4 : 5)));
   if (r.chance(0.3)) c.gravity = r.vector(9.81);
   if (has("gravity")) c.gravity = scaled(c.gravity, r.power(2, 8));
-  if (has("massless")) c.gravity = {};
+  if (has("weightless")) c.gravity = {};
   const int holds = has("many") ? 4 + r.below(5) : 1 + r.below(3);
   for (int k = 0; k < holds; ++k) {
     c.holds.push_back(hold(c));
@@ -220,8 +220,7 @@ Case Makes::make() {
   }
   if (has("damping")) c.damping = r.of(std::vector<double>{1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 1});
   drop_refused(c);
-  if (has("units"))
-    rescale(c, r.of(std::vector<double>{1e-3, 1e3, 1e-6, 1e6}), r.of(std::vector<double>{1e-3, 1, 1e3}), false);
+  if (has("units")) rescale(c, r.of(std::vector<double>{1e-3, 1e3, 1e-6, 1e6}), r.of(std::vector<double>{1e-3, 1, 1e3}), false);
   if (has("mixed")) rescale(c, r.of(std::vector<double>{1e-3, 1e-4, 1e3}), 1, true);
   if (!has("drift")) place_where_they_are(c);
   return c;

@@ -112,7 +112,7 @@ TEST_F(Reported, ASmallContradictionCounts) {
 }
 TEST_F(Reported, RoundingIsNoContradictionWithoutGravity) {
   for (Method method : methods_for_dependent_rows()) {
-    const Solved s(load("09-false-inconsistent-massless"), method);
+    const Solved s(load("09-false-inconsistent-weightless"), method);
     EXPECT_EQ(s.report().status, Status::kRedundant) << to_string(method);
     EXPECT_EQ(s.report().rank, 2) << to_string(method);
   }

@@ -127,7 +127,7 @@ TEST_P(DependentRowsOf, AreThosePlanted) {
   const double left = size_of(MatrixXd(s.J.transpose() * N));
   EXPECT_LE(left, 1e-14 * std::max(1.0, largest) * s.J_size());
   EXPECT_LE(f.rows.largest_residual, tolerance::kRowLeft);
-  EXPECT_TRUE(f.rows.believable());
+  EXPECT_TRUE(f.rows.accepted());
 }
 
 TEST_P(DependentRowsOf, ProjectorIsTheDenseOne) {
@@ -290,7 +290,7 @@ TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
     FactorOfRows f(s);
     ASSERT_EQ(f.done, s.n());
     ASSERT_EQ(f.rows.dropped, std::vector<int>{12}) << apart;
-    EXPECT_FALSE(f.rows.believable()) << apart;
+    EXPECT_FALSE(f.rows.accepted()) << apart;
     EXPECT_GE(f.rows.largest_residual, 0.1 * apart) << "refinement may not hide that";
     EXPECT_LE(f.rows.largest_residual, 10 * apart);
   }
@@ -310,7 +310,7 @@ TEST(DependentRows, AreNotBelievedWhereOneOfSeveralOnlyNearlyDepends) {
     const FactorOfRows f(s);
     ASSERT_EQ(f.rows.dropped, (std::vector<int>{12, 13, 14}));
     EXPECT_GE(f.rows.largest_residual, 1e-9) << bad;
-    EXPECT_FALSE(f.rows.believable()) << bad;
+    EXPECT_FALSE(f.rows.accepted()) << bad;
   }
 }
 
@@ -339,7 +339,7 @@ TEST(DependentRows, AreNotBelievedWhereCoefficientsAreLarge) {
     FactorOfRows f(s);
     ASSERT_EQ(f.rows.dropped, std::vector<int>{12});
     EXPECT_NEAR(f.rows.largest_entry, large, 1e-9 * large);
-    EXPECT_EQ(f.rows.believable(), large < tolerance::kLargestEntry);
+    EXPECT_EQ(f.rows.accepted(), large < tolerance::kLargestEntry);
   }
 }
 
