@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "manycontact/control/euler.hpp"
+#include "manycontact/control/riccati_direction.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "manycontact/task/parts.hpp"

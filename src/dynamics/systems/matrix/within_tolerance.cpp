@@ -49,6 +49,8 @@ namespace {
 
 using Work = WithinTolerance::Work;
 
+constexpr double kRounding = 1e-14;     // of the terms of N^T J: depend in truth
+constexpr double kNoise = 1e-10;        // of N, of rows that it has no part in
 constexpr double kMostOfLever = 1e-2;   // more than that of the largest lever is no inaccuracy
 constexpr double kDrift = 10;           // how many misplacements of its contacts J may be off by
 constexpr double kLeastOfLever = 1e-9;  // what depended at the start and has drifted by less
@@ -188,9 +190,12 @@ void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const spa
     if (entries.empty()) continue;
     Eigen::VectorXd J_c(static_cast<Eigen::Index>(entries.size()));
     for (Eigen::Index i = 0; i < J_c.size(); ++i) J_c[i] = *entries[static_cast<std::size_t>(i)];
-    if (J_c.isZero(0)) continue;
     const Eigen::MatrixXd N_c = N(in_N, Eigen::all);
-    const Eigen::VectorXd part = N_c * N_c.completeOrthogonalDecomposition().solve(J_c);
+    const Eigen::VectorXd left = N_c.transpose() * J_c, terms = N_c.cwiseAbs().transpose() * J_c.cwiseAbs();
+    if ((left.cwiseAbs().array() <= kRounding * terms.array()).all()) continue;  // depend in truth
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(N_c.rows(), N_c.cols());
+    decomposition.setThreshold(kNoise);  // columns of N that are of other rows have rounding here
+    const Eigen::VectorXd part = N_c * decomposition.compute(N_c).solve(J_c);
     for (Eigen::Index i = 0; i < J_c.size(); ++i) *entries[static_cast<std::size_t>(i)] -= part[i];
   }
 }
