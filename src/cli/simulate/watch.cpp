@@ -118,6 +118,11 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
       },
       share, [](const LimitPassed& x) { return x.robot; },
       [&](const std::vector<int>& robots) { return robot_names(scene, robots); });
+  const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
+                                 [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
+  const std::string advice = !gains               ? ", --gains recommended keeps loops closed"
+                             : scene.damping == 0 ? ", --damping 1e-8 to 1e-6 carries over"
+                                                  : "";
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
@@ -125,7 +130,7 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
           : rank_time_ >= 0 ? "near a singular posture at t = " + number(rank_time_, 4) + " s: contact rows lose rank"
                             : "near a singular posture at t = " + number(condition_time_, 4) + " s: condition " +
                                   scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
-             "; forces there hang on the step, --damping 1e-8 to 1e-6 carries over",
+             "; forces there hang on the step" + advice,
          2);
   print_energy(out, scene, sim, start, end, most_kinetic);
 }
