@@ -2,21 +2,15 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/model/expect_size.hpp"
 
 namespace manycontact {
 
 namespace {
 
 using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
-
-void check_size(const char* function, const char* what, Eigen::Index given, int expected) {
-  if (given != expected)
-    throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
-                                " numbers, expected " + std::to_string(expected));
-}
 
 }  // namespace
 
@@ -95,9 +89,9 @@ Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generat
 }
 
 void integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, Eigen::Ref<Eigen::VectorXd> out) {
-  check_size("integrate", "q", q.size(), bodies.nq());
-  check_size("integrate", "v", v.size(), bodies.nv());
-  check_size("integrate", "out", out.size(), bodies.nq());
+  expect_size("integrate", "q", q.size(), bodies.nq());
+  expect_size("integrate", "v", v.size(), bodies.nv());
+  expect_size("integrate", "out", out.size(), bodies.nq());
   for (const Robot& r : bodies.robots())
     integrate<double>(*r.model, q.segment(bodies.idx_q(r), r.model->nq), v.segment(bodies.idx_v(r), r.model->nv),
                       out.segment(bodies.idx_q(r), r.model->nq));
@@ -110,9 +104,9 @@ Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstRef& q, const Co
 }
 
 void difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, Eigen::Ref<Eigen::VectorXd> out) {
-  check_size("difference", "q0", q0.size(), bodies.nq());
-  check_size("difference", "q1", q1.size(), bodies.nq());
-  check_size("difference", "out", out.size(), bodies.nv());
+  expect_size("difference", "q0", q0.size(), bodies.nq());
+  expect_size("difference", "q1", q1.size(), bodies.nq());
+  expect_size("difference", "out", out.size(), bodies.nv());
   for (const Robot& r : bodies.robots())
     difference<double>(*r.model, q0.segment(bodies.idx_q(r), r.model->nq), q1.segment(bodies.idx_q(r), r.model->nq),
                        out.segment(bodies.idx_v(r), r.model->nv));
@@ -145,8 +139,8 @@ Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool
 }  // namespace
 
 IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v) {
-  check_size("integrate_derivatives", "q", q.size(), bodies.nq());
-  check_size("integrate_derivatives", "v", v.size(), bodies.nv());
+  expect_size("integrate_derivatives", "q", q.size(), bodies.nq());
+  expect_size("integrate_derivatives", "v", v.size(), bodies.nv());
   return {blocks(bodies, v, true, joint_integrate_derivative), blocks(bodies, v, false, joint_integrate_derivative)};
 }
 

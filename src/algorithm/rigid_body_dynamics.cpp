@@ -10,7 +10,6 @@
 
 namespace manycontact {
 
-using internal::check_size;
 using internal::ConstRef;
 using internal::each_robot;
 using internal::memory_of;
@@ -68,9 +67,9 @@ void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const
 
 void check_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
                  const ConstRef* third = nullptr, const char* what = "a") {
-  check_size(function, "q", q.size(), bodies.nq());
-  if (v) check_size(function, "v", v->size(), bodies.nv());
-  if (third) check_size(function, what, third->size(), bodies.nv());
+  expect_size(function, "q", q.size(), bodies.nq());
+  if (v) expect_size(function, "v", v->size(), bodies.nv());
+  if (third) expect_size(function, what, third->size(), bodies.nv());
 }
 
 void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodies fext) {
@@ -209,7 +208,7 @@ void solve_inertia(const RobotMemory& of, bool regular, Eigen::Ref<Eigen::Matrix
 Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef& q,
                                       const Eigen::Ref<const Eigen::MatrixXd>& X, RigidBodyData& data) {
   internal::check_state("inverse_inertia_times", bodies, q, nullptr);
-  check_size("inverse_inertia_times", "a column of X", X.rows(), bodies.nv());
+  expect_size("inverse_inertia_times", "a column of X", X.rows(), bodies.nv());
   RigidBodyMemory& m = memory_of("inverse_inertia_times", bodies, data);
   internal::take(bodies, q, nullptr, nullptr, m);
   internal::compose(bodies, m);

@@ -7,6 +7,7 @@
 #include "manycontact/algorithm/aba.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/model/expect_size.hpp"
 
 namespace manycontact::internal {
 
@@ -39,12 +40,6 @@ struct RigidBodyMemory {
   TorqueDerivatives torque;
   AccelerationDerivatives acceleration;
 };
-
-inline void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
-  if (given != expected)
-    throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
-                                " numbers, expected " + std::to_string(expected));
-}
 
 /// The memory, which must be these robots'.
 inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {

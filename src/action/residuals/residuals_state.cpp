@@ -1,6 +1,7 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/algorithm/integrate.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
