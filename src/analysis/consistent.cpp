@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -13,29 +14,22 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kMostSteps = 200;
-constexpr double kProgress = 1e-10;                         // of |e|: less is none
-constexpr double kLeastDamping = 1e-8, kMostDamping = 1e4;  // 1/kg
+constexpr int kMostTries = 400;
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
 constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
 
-// Gauss-Newton, and Levenberg and Marquardt's damping where its step does not bring |e| down. Its steps.
+// The steps it took.
 int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
-  Eigen::VectorXd e = rest.errors(q), dq;
-  double damping = 0;
-  int steps = 0;
-  while (steps < kMostSteps && damping <= kMostDamping && e.norm() > kExact * (1 + q.cwiseAbs().maxCoeff())) {
-    if (!rest.least_motion(q, -e, dq, damping)) break;
-    const Eigen::VectorXd next = integrate(scene, q, dq), then = rest.errors(next);
-    if (!(then.norm() < (1 - kProgress) * e.norm())) {
-      damping = std::max(kLeastDamping, 10 * damping);
-      continue;
-    }
-    q = next;
-    e = then;
-    damping = damping > kLeastDamping ? damping / 10 : 0;
-    ++steps;
-  }
-  return steps;
+  return internal::levenberg_marquardt(
+             kClosingDamping, kMostTries, q, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
+             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
+               return rest.least_motion(x, -e, dq, damping);
+             },
+             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); },
+             [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
+               return !(e.norm() > kExact * (1 + x.cwiseAbs().maxCoeff()));
+             })
+      .steps;
 }
 
 }  // namespace

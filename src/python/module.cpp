@@ -74,6 +74,7 @@ PYBIND11_MODULE(_manycontact, m) {
 
   add_models(m);
   add_scenes(m);
+  add_rigid_bodies(m);
   add_options(m);
   add_dynamics(m);
   add_derivatives(m);

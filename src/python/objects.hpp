@@ -52,6 +52,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
+void add_rigid_bodies(py::module_& m);
 void add_options(py::module_& m);
 void add_dynamics(py::module_& m);
 void add_derivatives(py::module_& m);
