@@ -9,6 +9,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/suggestion.hpp"
+#include "moved_most.hpp"
 
 namespace manycontact {
 
@@ -73,14 +74,6 @@ std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, c
   return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
 }
 
-// ", of q most of all r/knee's, by 0.1"; empty where nothing moved by more than files round.
-std::string most_of(const std::string& what, const std::vector<std::string>& names, const Eigen::VectorXd& x) {
-  Eigen::Index k;
-  const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
-  if (!(most >= kPlacementError)) return "";
-  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
-}
-
 }  // namespace
 
 void make_consistent(SceneFile& file) {
@@ -96,7 +89,7 @@ void make_consistent(SceneFile& file) {
   if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);
   const std::string moved =
-      most_of("q", names, difference(scene, file.q, found.q)) + most_of("v", names, found.v - file.v);
+      internal::moved_most("q", names, difference(scene, file.q, found.q)) + internal::moved_most("v", names, found.v - file.v);
   file.q = found.q;
   file.v = found.v;
   if (moved.empty()) return;

@@ -29,7 +29,7 @@ class IncludeReader {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
     root.allow_attributes({"name", "gravity", "damping", "consistent"});
-    root.allow_children({"robot", "contact", "include"});
+    root.allow_children({"robot", "contact", "pose", "include"});
     if (root.number("damping", 0) < 0)
       root.where("damping").fail("damping of <scene> is " + show(root.number("damping", 0)) + ", expected 0 or more");
     (void)consistent(root);  // or refused
@@ -38,7 +38,7 @@ class IncludeReader {
       if (e->name() == "include")
         include(*e, root);
       else
-        (e->name() == "robot" ? out_.robots : out_.contacts).push_back(*e);
+        (e->name() == "robot" ? out_.robots : e->name() == "pose" ? out_.poses : out_.contacts).push_back(*e);
     }
     open_.pop_back();
     return root;
@@ -106,6 +106,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);
+  add_poses(elements.poses, out);
   return out;
 }
 

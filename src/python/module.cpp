@@ -80,6 +80,7 @@ PYBIND11_MODULE(_manycontact, m) {
   add_derivatives(m);
   add_batches(m);
   add_analysis(m);
+  add_place(m);
   add_simulation(m);
   add_action_parts(m);
   add_residual_models(m);

@@ -20,6 +20,7 @@
 #include <array>
 #include <optional>
 
+#include "manycontact/io/scene_file.hpp"
 #include "manycontact/model/rigid_bodies.hpp"
 
 namespace manycontact {
@@ -79,5 +80,11 @@ struct PlacedScene {           // The configuration found, and what it lacks.
 /// std::invalid_argument for a size, a number, a robot, joint or contact that does not fit.
 PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});
+
+/// For a scene file with <pose> elements: finds the q that they ask for, from the file's; where consistent="true" stands
+/// too, with the active contacts in place whose B' the file says. Contacts that leave B' out are held where their frames
+/// are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose, where they cannot
+/// all be met within limits from there.
+void place(SceneFile& file);
 
 }  // namespace manycontact
