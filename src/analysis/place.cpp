@@ -156,7 +156,7 @@ PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
       internal::levenberg_marquardt(
           kGoalDamping, options.iterations, out.q, [&](const Eigen::VectorXd& x) { return rows.errors(x); },
           [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double mu, Eigen::VectorXd& dq) {
-            if (of != x) {
+            if (of.size() != x.size() || of != x) {
               (void)rows.errors(x);
               J = rows.jacobian();
               if (!bounded) bounded.emplace(J);

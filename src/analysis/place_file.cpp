@@ -17,7 +17,8 @@ void place(SceneFile& file) {
   for (const ScenePose& pose : file.poses)
     goals.push_back(pose_goal(pose.frame, {pose.x, pose.y, pose.z}, {pose.roll, pose.pitch, pose.yaw}));
   std::vector<char> open(scene.contacts.size(), 0);
-  for (const OpenReference& reference : file.open_references) open[reference.contact] = 1;
+  for (const OpenReference& reference : file.open_references)
+    if (reference.position || holds_turning(scene.contacts[reference.contact].type)) open[reference.contact] = 1;
   for (std::size_t c = 0; file.consistent_line > 0 && c < scene.contacts.size(); ++c)
     if (scene.contacts[c].active && !open[c]) goals.push_back(contact_goal(scene, scene.contacts[c].name));
 

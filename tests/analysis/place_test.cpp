@@ -149,8 +149,8 @@ TEST(Place, ReachesAsFarAsLimitsAllow) {
     const Nearby near(scene, seed, 0.3);
     const std::vector<Goal> goals = {
         pose_goal(frame_called(scene, "a/tool"), SE3<double>{Mat3<double>::Identity(), {4, 1 - 2.0 * seed, 0.5}}),
-        joint_goal(scene, "h/left_knee", 40),
-        joint_goal(scene, "h/right_knee", -40),
+        joint_goal(scene, "h/left_knee", 4),
+        joint_goal(scene, "h/right_knee", -4),
     };
     PlaceOptions options;
     options.iterations = 1000;
@@ -160,7 +160,7 @@ TEST(Place, ReachesAsFarAsLimitsAllow) {
     const Joint& knee = scene.robots[0].model->joints[scene.robots[0].model->find_joint("left_knee")];
     EXPECT_EQ(found.q[q_index(scene, "h", "left_knee")], knee.upper[0]);
     EXPECT_EQ(found.q[q_index(scene, "h", "right_knee")], knee.lower[0]);
-    EXPECT_NEAR(found.left[1].angle, 40 - knee.upper[0], 1e-12);
+    EXPECT_NEAR(found.left[1].angle, 4 - knee.upper[0], 1e-12);
 
     const auto size = [&](const VectorXd& q) {  // what remains, squared
       PlaceOptions look;
@@ -174,7 +174,7 @@ TEST(Place, ReachesAsFarAsLimitsAllow) {
     std::mt19937 rng(seed);
     for (int k = 0; k < 200; ++k) {  // place brings these within the limits
       const VectorXd step = random_vector(scene.nv, rng, 1e-3);
-      EXPECT_GT(size(integrate(scene, found.q, step)), least - 1e-7);
+      EXPECT_GT(size(integrate(scene, found.q, step)), least * (1 - 1e-8));
     }
   }
 }
@@ -198,7 +198,7 @@ TEST(Place, ContradictingGoalsShareByWeight) {
   EXPECT_NEAR(found.q[0], 2, 1e-6);
   EXPECT_NEAR(found.left[0].position, 1, 1e-6);
   EXPECT_NEAR(found.left[1].position, 3, 1e-6);
-  EXPECT_LE(found.left[2].position, kFound);
+  EXPECT_LE(found.left[2].position, 1e-8);  // the damping leaves a billionth of a step
 }
 
 TEST(Place, SaysWhatIsWrong) {
