@@ -73,11 +73,10 @@ Vec6d frame_acceleration(const RigidBodies& bodies, RigidBodyData& data, const A
 
 Vec6d frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                                    ReferenceFrame axes) {
-  return motion("frame_classical_acceleration", bodies, data, frame,
-                [&](const Robot& robot, const Kinematics<double>& kin) {
-                  return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement,
-                                                              axes_of(axes));
-                });
+  return motion(
+      "frame_classical_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
+        return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+      });
 }
 
 Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame,

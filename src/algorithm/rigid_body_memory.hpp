@@ -15,11 +15,10 @@ using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
 
 /// Memory of one robot.
 struct RobotMemory {
-  explicit RobotMemory(const Model& m)
-      : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
+  explicit RobotMemory(const Model& m) : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
 
   const Model* model;
-  Kinematics<double> kin;          // at the data's state
+  Kinematics<double> kin;           // at the data's state
   std::vector<Inertia<double>> Yc;  // composite inertias, where RigidBodyMemory::composed
   std::vector<Vec6<double>> f;      // forces through the joints, in the tree frame
   std::vector<Vec6<double>> fext;   // in the tree frame
@@ -46,8 +45,7 @@ inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodie
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();
   for (std::size_t r = 0; fits && r < robots.size(); ++r) fits = data.memory->robots[r].model == robots[r].model.get();
-  if (!fits)
-    throw std::invalid_argument(std::string(function) + ": the data are of other robots, make data of these");
+  if (!fits) throw std::invalid_argument(std::string(function) + ": the data are of other robots, make data of these");
   return *data.memory;
 }
 

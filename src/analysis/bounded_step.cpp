@@ -28,7 +28,9 @@ NormalMatrix::NormalMatrix(const Eigen::SparseMatrix<double>& J) {
   pattern_ = sparse::permute(natural, iperm_);
   symbolic_ = sparse::ldl_analyze(pattern_);
   work_.reserve(symbolic_);
-  const auto slot = [&](int i, int k) { return pattern_.slot(std::min(iperm_[i], iperm_[k]), std::max(iperm_[i], iperm_[k])); };
+  const auto slot = [&](int i, int k) {
+    return pattern_.slot(std::min(iperm_[i], iperm_[k]), std::max(iperm_[i], iperm_[k]));
+  };
   each_pair(J, [&](Eigen::Index, int a, int b) { slot_.push_back(slot(row[a], row[b])); });
   for (int i = 0; i < n; ++i) diagonal_.push_back(slot(i, i));
   A_.resize(static_cast<std::size_t>(pattern_.nonzeros()));

@@ -88,8 +88,8 @@ void make_consistent(SceneFile& file) {
   if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced, "out of place"));
   if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);
-  const std::string moved =
-      internal::moved_most("q", names, difference(scene, file.q, found.q)) + internal::moved_most("v", names, found.v - file.v);
+  const std::string moved = internal::moved_most("q", names, difference(scene, file.q, found.q)) +
+                            internal::moved_most("v", names, found.v - file.v);
   file.q = found.q;
   file.v = found.v;
   if (moved.empty()) return;

@@ -107,7 +107,8 @@ void check(const Scene& scene, const Goal& goal) {
   }
 }
 
-// Limits of the coordinates: of q, infinite where there are none; and for steps the coordinate of v that moves it alone.
+// Limits of the coordinates: of q, infinite where there are none; and for steps the coordinate of v that moves it
+// alone.
 struct Limits {
   explicit Limits(const Scene& scene)
       : lower(Eigen::VectorXd::Constant(scene.nq, -kInfinity)), upper(-lower), moved_by(scene.nq, -1), nv(scene.nv) {

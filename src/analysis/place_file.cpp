@@ -35,8 +35,7 @@ void place(SceneFile& file) {
                          in_words(PlacementError{0, left.position, left.angle}) +
                          ", expected poses that can be met together, within the joints' limits, from this q");
   }
-  const std::string moved =
-      internal::moved_most("q", velocity_names(scene), difference(scene, file.q, found.q));
+  const std::string moved = internal::moved_most("q", velocity_names(scene), difference(scene, file.q, found.q));
   file.q = found.q;
   for (const OpenReference& reference : file.open_references)
     resolve_reference(scene, file.q, reference.position, reference.orientation, scene.contacts[reference.contact]);

@@ -17,7 +17,7 @@ std::vector<char> flags(const char* function, const Scene& scene, std::vector<ch
   if (active.empty())
     for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   expect_size(function, "active", static_cast<Eigen::Index>(active.size()),
-             static_cast<Eigen::Index>(scene.contacts.size()));
+              static_cast<Eigen::Index>(scene.contacts.size()));
   return active;
 }
 
@@ -97,7 +97,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
   const char* const name = "contact_forces_on_bodies";
   expect_size(name, "q", q.size(), scene.nq);
   expect_size(name, "f_offset", static_cast<Eigen::Index>(f_offset.size()),
-             static_cast<Eigen::Index>(scene.contacts.size()));
+              static_cast<Eigen::Index>(scene.contacts.size()));
   for (std::size_t c = 0; c < f_offset.size(); ++c)
     if (f_offset[c] + scene.contacts[c].rows() > f.size() && f_offset[c] >= 0)
       throw std::invalid_argument(std::string(name) + ": f does not fit f_offset");

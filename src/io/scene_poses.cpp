@@ -10,8 +10,7 @@ void read_three(const Element& e, const char* together, const std::array<const c
   for (std::size_t k = 0; k < 3; ++k) {
     if (all) *out[k] = (*all)[k];
     if (!e.has(apart[k])) continue;
-    if (all)
-      e.where(apart[k]).fail(e.label(apart[k]) + " stands beside " + together + ", expected one of them");
+    if (all) e.where(apart[k]).fail(e.label(apart[k]) + " stands beside " + together + ", expected one of them");
     *out[k] = e.required_number(apart[k]);
   }
 }
@@ -25,8 +24,7 @@ void add_poses(const std::vector<Element>& elements, SceneFile& out) {
     e.allow_children({});
     const End end = ends.read(e, "frame");
     const std::string written = e.required("frame");
-    if (end.shifted)
-      e.where("frame").fail("frame of <pose> is " + quote(written) + ", expected it without +k or -k");
+    if (end.shifted) e.where("frame").fail("frame of <pose> is " + quote(written) + ", expected it without +k or -k");
     if (end.frame.joint < 0)
       e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
     ScenePose pose;
@@ -35,7 +33,8 @@ void add_poses(const std::vector<Element>& elements, SceneFile& out) {
     read_three(e, "xyz", {"x", "y", "z"}, {&pose.x, &pose.y, &pose.z});
     read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
     if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
-      e.fail("<pose> of " + quote(written) + " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+      e.fail("<pose> of " + quote(written) +
+             " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
     SE3<double> offset;
     if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
     for (int i = 0; i < end.count; ++i) {

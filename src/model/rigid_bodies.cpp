@@ -12,10 +12,8 @@ RigidBodies::RigidBodies(const Scene& scene, const std::string& robot) : scene_(
   first_ = found->second;
 }
 
-RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity)
-    : gravity_(gravity) {
-  if (!is_finalized(model))
-    throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
+RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity) : gravity_(gravity) {
+  if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
   alone_.emplace();
   alone_->name = model.name;
   alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // the caller's

@@ -20,9 +20,9 @@ Partial partial(const char* name, const Given& given) {
 void add_goals(py::module_& m) {
   py::class_<Goal> goal(m, "Goal", "What is wanted of a configuration, by pose_goal and alike; see place().");
   add_copy(goal);
-  goal.def_readonly("name", &Goal::name)
-      .def_readwrite("weight", &Goal::weight)
-      .def("__repr__", [](const Goal& g) { return "<Goal '" + g.name + "'>"; });
+  goal.def_readonly("name", &Goal::name).def_readwrite("weight", &Goal::weight).def("__repr__", [](const Goal& g) {
+    return "<Goal '" + g.name + "'>";
+  });
   m.def(
       "pose_goal",
       [](const Scene& scene, const FrameName& frame, const std::optional<SE3<double>>& placement, const Given& position,
@@ -35,7 +35,8 @@ void add_goals(py::module_& m) {
       },
       py::arg("scene"), py::arg("frame"), py::arg("placement") = py::none(), py::arg("position") = py::none(),
       py::arg("rpy") = py::none(), py::arg("weight") = 1.0,
-      "A frame's place in the world: an SE3; or position x, y, z [m] and rpy, its turns about the world's x, y, z [rad],\n"
+      "A frame's place in the world: an SE3; or position x, y, z [m] and rpy, its turns about the world's x, y, z "
+      "[rad],\n"
       "with None for what is left open: position=(None, None, 0) is z = 0 alone, rpy=(0, 0, None) the frame's z up.\n"
       "frame: 'r/sole', or an Attachment.");
   m.def(
@@ -72,8 +73,10 @@ void add_place(py::module_& m) {
         return place(scene, q, goals, {iterations, tolerance});
       },
       py::arg("scene"), py::arg("q"), py::arg("goals"), py::arg("iterations") = 100, py::arg("tolerance") = 1e-12,
-      "Inverse kinematics: a configuration near q (nq) that meets a list of Goal, within the joints' limits, by damped\n"
-      "Gauss-Newton steps. Goals that contradict each other share what is left by their weights. Returns a PlacedScene,\n"
+      "Inverse kinematics: a configuration near q (nq) that meets a list of Goal, within the joints' limits, by "
+      "damped\n"
+      "Gauss-Newton steps. Goals that contradict each other share what is left by their weights. Returns a "
+      "PlacedScene,\n"
       "which says what is left of each; its q never leaves the limits.");
 }
 

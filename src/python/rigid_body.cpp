@@ -1,10 +1,11 @@
 // Dynamics, kinematics and configurations of robots without contacts; contact Jacobians of a scene: floors model,
 // algorithm and contact.
 
+#include "manycontact/algorithm/rigid_body.hpp"
+
 #include <random>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "rigid_bodies.hpp"
 
@@ -36,7 +37,8 @@ std::vector<Vec6<double>> wrenches(const Forces& fext) {
 void add_bodies(py::module_& m) {
   py::class_<Bodies, std::shared_ptr<Bodies>> c(
       m, "RigidBodies",
-      "One robot of a scene with q and v of its own, or a model somewhere: what rnea and alike take where a Scene (all\n"
+      "One robot of a scene with q and v of its own, or a model somewhere: what rnea and alike take where a Scene "
+      "(all\n"
       "of its robots) and a Model (at the origin, gravity (0, 0, -9.81)) do not say enough.");
   c.def(py::init([](std::shared_ptr<Scene> scene, const std::string& robot) {
           const RigidBodies view(*scene, robot);
@@ -92,8 +94,8 @@ void add_manifold(py::module_& m) {
       py::arg("bodies"), py::arg("seed"), "A velocity (nv) within the joints' limits, else +-1 [m/s, rad/s].");
   m.def("integrate", py::overload_cast<const RigidBodies&, const Input&, const Input&>(&integrate), py::arg("bodies"),
         py::arg("q"), py::arg("v"), "q (+) v (nq): reached from q by the velocity v (nv) held for unit time.");
-  m.def("difference", py::overload_cast<const RigidBodies&, const Input&, const Input&>(&difference),
-        py::arg("bodies"), py::arg("q0"), py::arg("q1"), "q1 (-) q0 (nv): the v with integrate(bodies, q0, v) = q1.");
+  m.def("difference", py::overload_cast<const RigidBodies&, const Input&, const Input&>(&difference), py::arg("bodies"),
+        py::arg("q0"), py::arg("q1"), "q1 (-) q0 (nv): the v with integrate(bodies, q0, v) = q1.");
   m.def("interpolate", &interpolate, py::arg("bodies"), py::arg("q0"), py::arg("q1"), py::arg("share"),
         "q0 (+) share (q1 (-) q0) (nq): q0 at 0, q1 at 1.");
   m.def(
@@ -151,7 +153,8 @@ void add_joint_space(py::module_& m) {
       },
       py::arg("bodies"), py::arg("q"), py::arg("v"), py::arg("tau"), py::arg("data") = py::none(),
       py::arg("fext") = py::none(),
-      "Accelerations a (nv) [m/s^2, rad/s^2] by torques tau (nv), without contacts: undoes rnea. NaN for a robot whose\n"
+      "Accelerations a (nv) [m/s^2, rad/s^2] by torques tau (nv), without contacts: undoes rnea. NaN for a robot "
+      "whose\n"
       "M is singular.");
   m.def(
       "crba",
@@ -242,29 +245,29 @@ void add_body_frames(py::module_& m) {
       },
       py::arg("bodies"), py::arg("data"), py::arg("frame"),
       "SE3 oMf in the world of a frame, a name or an Attachment, at the data's state.");
-  add_motion(m, "frame_velocity", &frame_velocity,
-             "Spatial velocity (6), linear first [m/s, rad/s], at the data's state. Axes: LOCAL: the frame's own, at its\n"
-             "origin; WORLD: the world's, at the world's origin; LOCAL_WORLD_ALIGNED: the world's, at the frame's.");
+  add_motion(
+      m, "frame_velocity", &frame_velocity,
+      "Spatial velocity (6), linear first [m/s, rad/s], at the data's state. Axes: LOCAL: the frame's own, at its\n"
+      "origin; WORLD: the world's, at the world's origin; LOCAL_WORLD_ALIGNED: the world's, at the frame's.");
   add_motion(m, "frame_acceleration", &frame_acceleration, "Spatial acceleration (6) [m/s^2, rad/s^2].");
   add_motion(m, "frame_classical_acceleration", &frame_classical_acceleration,
              "The same with the acceleration of the frame's origin as a point for its linear part.");
-  add_motion(m, "frame_drift", &frame_drift,
-             "(dJ/dt) v (6): frame_velocity's numbers change in time by J a + this.");
+  add_motion(m, "frame_drift", &frame_drift, "(dJ/dt) v (6): frame_velocity's numbers change in time by J a + this.");
   m.def(
       "frame_jacobian",
       [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
         return frame_jacobian(bodies, data, frame.in(bodies), axes);
       },
       py::arg("bodies"), py::arg("data"), py::arg("frame"),
-      py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
-      "J (6, nv): frame_velocity = J v.");
+      py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"), "J (6, nv): frame_velocity = J v.");
   m.def(
       "joint_wrench",
       [](const RigidBodies& bodies, const RigidBodyData& data, const std::string& joint) {
         return joint_wrench(bodies, data, joint_called(bodies, joint));
       },
       py::arg("bodies"), py::arg("data"), py::arg("joint"),
-      "What a joint carries: the wrench (6) on its child body, force [N] and moment [N m] in the child frame, about its\n"
+      "What a joint carries: the wrench (6) on its child body, force [N] and moment [N m] in the child frame, about "
+      "its\n"
       "origin, by the last rnea, nonlinear_effects or gravity_torques. With contacts: rnea with the accelerations of\n"
       "solve and fext=contact_forces_on_bodies(...).");
 }

@@ -107,8 +107,7 @@ TEST_P(RigidBody, TorquesAreMadeOfTheirParts) {
   const MatrixXd M = crba(scene, q, data), C = coriolis_matrix(scene, q, v, data);
   VectorXd friction = zero;
   for (const Robot& robot : scene.robots)
-    if (has_friction(*robot.model))
-      add_friction(*robot.model, v.data() + robot.idx_v, friction.data() + robot.idx_v);
+    if (has_friction(*robot.model)) add_friction(*robot.model, v.data() + robot.idx_v, friction.data() + robot.idx_v);
   EXPECT_GT(friction.norm(), 0.01);
   EXPECT_LE(error_of(VectorXd(M * a + h), all), kClose);
   EXPECT_LE(error_of(VectorXd(C * v + g - friction), h), kClose);
@@ -200,8 +199,7 @@ TEST_P(RigidBody, DerivativesAreDifferences) {
   const auto accelerations = by_differences(model, own_q, own_v, [&](const VectorQ& q_, const VectorQ& v_) {
     VectorQ out(model.nv), driving = own(tau, robot).cast<Quad>();
     add_friction<Quad>(model, v_.data(), driving.data());
-    EXPECT_TRUE(
-        manycontact::aba<Quad>(model, robot.base, q_, v_, driving, scene.gravity, forces, kin, memory, out));
+    EXPECT_TRUE(manycontact::aba<Quad>(model, robot.base, q_, v_, driving, scene.gravity, forces, kin, memory, out));
     return out;
   });
   const double allowed = 1000 * kEps * condition_1(block(of_tau.da)) + kClose;
@@ -241,13 +239,11 @@ TEST_P(RigidBody, DerivativesOnTheManifold) {
   const auto block = [&](const MatrixXd& D) -> MatrixXd {
     return D.block(robot.idx_v, robot.idx_v, model.nv, model.nv);
   };
-  EXPECT_LE(error_of(block(of_sum.dq), differences_of([&](const VectorQ& h) {
-                       return subtract(add(add(from, h), dq), to);
-                     })),
-            kClose);
-  EXPECT_LE(error_of(block(of_sum.dv), differences_of([&](const VectorQ& h) {
-                       return subtract(add(from, VectorQ(dq + h)), to);
-                     })),
+  EXPECT_LE(
+      error_of(block(of_sum.dq), differences_of([&](const VectorQ& h) { return subtract(add(add(from, h), dq), to); })),
+      kClose);
+  EXPECT_LE(error_of(block(of_sum.dv),
+                     differences_of([&](const VectorQ& h) { return subtract(add(from, VectorQ(dq + h)), to); })),
             kClose);
   EXPECT_LE(
       error_of(block(of_difference.dq0), differences_of([&](const VectorQ& h) { return subtract(to, add(from, h)); })),
@@ -439,8 +435,7 @@ TEST_P(RigidBody, OneRobotIsItsPartOfTheScene) {
   EXPECT_EQ(frame.robot, 1);
   EXPECT_EQ(frame_called(scene, "middle/" + link).joint, frame.joint);
   EXPECT_EQ(frame_called(model, link).robot, 0);
-  EXPECT_EQ(frame_jacobian(one, data, frame),
-            frame_jacobian(scene, all, frame).middleCols(robot.idx_v, model.nv));
+  EXPECT_EQ(frame_jacobian(one, data, frame), frame_jacobian(scene, all, frame).middleCols(robot.idx_v, model.nv));
   EXPECT_EQ(joint_wrench(one, data, joint_called(one, "joint0")),
             joint_wrench(scene, all, joint_called(scene, "middle/joint0")));
   EXPECT_EQ(frame_names(one).back(), link);

@@ -55,7 +55,8 @@ struct Nearby {
 SceneFile two_robots() {
   return load_text(
       "<scene><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\"/>"
-      "<robot name=\"a\" urdf=\"arm.urdf\" xyz=\"1 2 0\"/><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/></scene>");
+      "<robot name=\"a\" urdf=\"arm.urdf\" xyz=\"1 2 0\"/><robot name=\"b\" urdf=\"box.urdf\" "
+      "base=\"floating\"/></scene>");
 }
 
 TEST(Place, MeetsGoalsOfEveryKind) {
@@ -191,9 +192,10 @@ TEST(Place, StartsWithinLimits) {
 TEST(Place, ContradictingGoalsShareByWeight) {
   const SceneFile file = load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/></scene>");
   const Attachment crate = frame_called(file.scene, "crate");
-  const PlacedScene found = place(file.scene, neutral(file.scene),
-                                  {pose_goal(crate, Partial{1.0, kOpen, kOpen}, {}, 3),
-                                   pose_goal(crate, Partial{5.0, kOpen, kOpen}, {}, 1), pose_goal(crate, Partial{kOpen, 2.0, kOpen})});
+  const PlacedScene found =
+      place(file.scene, neutral(file.scene),
+            {pose_goal(crate, Partial{1.0, kOpen, kOpen}, {}, 3), pose_goal(crate, Partial{5.0, kOpen, kOpen}, {}, 1),
+             pose_goal(crate, Partial{kOpen, 2.0, kOpen})});
   EXPECT_NEAR(found.q[0], 2, 1e-6);
   EXPECT_NEAR(found.left[0].position, 1, 1e-6);
   EXPECT_NEAR(found.left[1].position, 3, 1e-6);
@@ -235,7 +237,7 @@ TEST(Place, SaysWhatIsWrong) {
 struct Feet {
   const char* scene;
   std::vector<const char*> frames;
-  bool flat;  // soles, else points
+  bool flat;           // soles, else points
   double lower = 0.1;  // the trunk, of the legs' length
 };
 
@@ -259,8 +261,8 @@ const std::vector<Feet>& feet() {
   return all;
 }
 
-// From neutral: the feet on the floor, soles as level as they are at neutral, the trunk lower by a tenth of the legs and
-// leaning.
+// From neutral: the feet on the floor, soles as level as they are at neutral, the trunk lower by a tenth of the legs
+// and leaning.
 TEST(PlacePublicRobots, StandOnTheirSoles) {
   const std::filesystem::path folder = std::filesystem::path(MANYCONTACT_SHARED_DIR) / "public";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: " << folder << " is not here";
@@ -301,8 +303,8 @@ TEST(PlacePublicRobots, StandOnTheirSoles) {
 
 TEST(PlaceRing, HandInHand) {
   for (const int n : {4, 16}) {
-    SceneFile file = load_edited(kModels + "ring_of_humanoids.xml", {{"copies=\"16\"", "copies=\"" + std::to_string(n) + "\""},
-                                                                     {"u=\"gravity\" ", ""}});
+    SceneFile file = load_edited(kModels + "ring_of_humanoids.xml",
+                                 {{"copies=\"16\"", "copies=\"" + std::to_string(n) + "\""}, {"u=\"gravity\" ", ""}});
     const Scene& scene = file.scene;
     std::mt19937 rng(5);
     std::vector<Goal> goals;
@@ -328,7 +330,8 @@ TEST(Poses, ArePutInPlaceWhenLoaded) {
   const std::string trunk = plain.scene.robots[0].model->frames[0].name;
   std::string text = kCrouch;
   text.replace(text.find("h/pelvis"), 8, "h/" + trunk);
-  const SceneFile file = load_text("<scene>" + text + "<contact name=\"left\" type=\"6d\" frame=\"h/left_sole\"/></scene>");
+  const SceneFile file =
+      load_text("<scene>" + text + "<contact name=\"left\" type=\"6d\" frame=\"h/left_sole\"/></scene>");
   ASSERT_EQ(file.poses.size(), 3u);
   RigidBodyData data(file.scene);
   forward_kinematics(file.scene, file.q, data);
@@ -349,9 +352,11 @@ TEST(Poses, ArePutInPlaceWhenLoaded) {
 // Hands in hand and feet on the floor at once: poses with consistent="true".
 TEST(Poses, AreMetTogetherWithContacts) {
   const SceneFile file = load_text(
-      "<scene consistent=\"true\"><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"2\" spacing=\"0.8\" "
+      "<scene consistent=\"true\"><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"2\" "
+      "spacing=\"0.8\" "
       "xyz=\"0 0 0.75\" rpy=\"0 0 1.57\"/>"
-      "<pose frame=\"h/left_sole\" z=\"0\" roll=\"0\" pitch=\"0\"/><pose frame=\"h/right_sole\" z=\"0\" roll=\"0\" pitch=\"0\"/>"
+      "<pose frame=\"h/left_sole\" z=\"0\" roll=\"0\" pitch=\"0\"/><pose frame=\"h/right_sole\" z=\"0\" roll=\"0\" "
+      "pitch=\"0\"/>"
       "<contact name=\"hold\" type=\"3d\" frame=\"h0/right_hand\" to=\"h1/left_hand\" to_offset=\"0 0 0\"/>"
       "<contact name=\"foot\" type=\"6d\" frame=\"h/left_sole\"/></scene>");
   EXPECT_EQ(file.poses.size(), 4u);
@@ -367,7 +372,8 @@ TEST(Poses, AreMetTogetherWithContacts) {
 TEST(Poses, ThatCannotBeMetAreRefusedByTheirLine) {
   try {
     (void)load_text(
-        "<scene>\n<robot name=\"a\" urdf=\"arm.urdf\"/>\n<pose frame=\"a/tool\" z=\"0.4\"/>\n<pose frame=\"a/tool\"\n x=\"9\"/></scene>");
+        "<scene>\n<robot name=\"a\" urdf=\"arm.urdf\"/>\n<pose frame=\"a/tool\" z=\"0.4\"/>\n<pose frame=\"a/tool\"\n "
+        "x=\"9\"/></scene>");
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.line, 4);

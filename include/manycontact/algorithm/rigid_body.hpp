@@ -14,10 +14,10 @@
 // (Model::damping), as in solve. fext: njoints forces on the bodies, robot by robot, each in its joint's child frame,
 // fixed to it when derivatives are taken; or none.
 //
-// Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at those,
-// else at a = 0; what stands under "at the data's state" is of that. Returned references hold until the next call of
-// the same function. Nothing is allocated after the first call but by functions that return a value.
-// All throw std::invalid_argument where sizes do not fit or the data are of other robots.
+// Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at
+// those, else at a = 0; what stands under "at the data's state" is of that. Returned references hold until the next
+// call of the same function. Nothing is allocated after the first call but by functions that return a value. All throw
+// std::invalid_argument where sizes do not fit or the data are of other robots.
 
 #include <span>
 
@@ -29,7 +29,7 @@ namespace internal {
 struct RigidBodyMemory;
 }
 
-struct RigidBodyData {  // State and memory of these functions; one per thread.
+struct RigidBodyData {                                // State and memory of these functions; one per thread.
   explicit RigidBodyData(const RigidBodies& bodies);  // at the neutral configuration, at rest
   ~RigidBodyData();
   RigidBodyData(RigidBodyData&&) noexcept;
@@ -118,11 +118,11 @@ Vec6<double> frame_drift(const RigidBodies& bodies, RigidBodyData& data, const A
 // Of all bodies that move together, in the world's axes; those merged into a fixed base are not part of a model. NaN
 // where there is no mass.
 
-double total_mass(const RigidBodies& bodies);                                                    // kg
-Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);               // m
-Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);            // m/s
-Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);        // m/s^2
-Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);        // 3 x nv
+double total_mass(const RigidBodies& bodies);                                              // kg
+Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);         // m
+Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);      // m/s
+Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);  // m/s^2
+Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);  // 3 x nv
 /// Momentum about the centre of mass: linear [N s], angular [N m s]; the matrix A with momentum = A v (6 x nv), and the
 /// rate dA/dt v + A a [N, N m], which is the sum of all outer forces about it. Rotors (armature) have none.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);

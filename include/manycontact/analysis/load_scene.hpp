@@ -9,8 +9,8 @@ SceneFile load_scene(const std::string& path);
 /// The same of read_scene_text.
 SceneFile load_scene_text(const std::string& text, const std::string& path);
 
-/// Where the file asks for them, the q of its poses (analysis/place.hpp), then consistent q, v (analysis/consistent.hpp).
-/// Throws InputError. For scenes that read_scene or read_task has read.
+/// Where the file asks for them, the q of its poses (analysis/place.hpp), then consistent q, v
+/// (analysis/consistent.hpp). Throws InputError. For scenes that read_scene or read_task has read.
 void fit_state(SceneFile& file);
 
 }  // namespace manycontact

@@ -35,14 +35,14 @@ struct Goal {
   std::string name;  // for reports
   double weight = 1;
 
-  Attachment frame = {};   // kFrame
-  Partial position = {};   // kFrame, kCenterOfMass: x, y, z in the world [m]
-  Partial rpy = {};        // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
+  Attachment frame = {};  // kFrame
+  Partial position = {};  // kFrame, kCenterOfMass: x, y, z in the world [m]
+  Partial rpy = {};       // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all of them, in the world; then without rpy
-  int robot = -1;          // kCenterOfMass: -1: of the whole scene; kJoint
-  int joint = -1;          // kJoint: a revolute or prismatic one
-  double value = 0;        // kJoint [rad, m]
-  int contact = -1;        // kContact: its frames are to stand where it holds them
+  int robot = -1;                         // kCenterOfMass: -1: of the whole scene; kJoint
+  int joint = -1;                         // kJoint: a revolute or prismatic one
+  double value = 0;                       // kJoint [rad, m]
+  int contact = -1;                       // kContact: its frames are to stand where it holds them
 };
 
 /// A frame's place in the world: all of it, or what of x, y, z [m] and roll, pitch, yaw [rad] is given. Roll and pitch
@@ -57,7 +57,7 @@ Goal joint_goal(const Scene& scene, const std::string& joint, double value, doub
 /// A contact of the scene, active or not, is in place.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
 
-struct GoalLeft {      // How far a goal is from being met.
+struct GoalLeft {       // How far a goal is from being met.
   double position = 0;  // m
   double angle = 0;     // rad
 };
@@ -81,10 +81,10 @@ struct PlacedScene {           // The configuration found, and what it lacks.
 PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});
 
-/// For a scene file with <pose> elements: finds the q that they ask for, from the file's; where consistent="true" stands
-/// too, with the active contacts in place whose B' the file says. Contacts that leave B' out are held where their frames
-/// are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose, where they cannot
-/// all be met within limits from there.
+/// For a scene file with <pose> elements: finds the q that they ask for, from the file's; where consistent="true"
+/// stands too, with the active contacts in place whose B' the file says. Contacts that leave B' out are held where
+/// their frames are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose,
+/// where they cannot all be met within limits from there.
 void place(SceneFile& file);
 
 }  // namespace manycontact

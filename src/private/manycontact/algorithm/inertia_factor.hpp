@@ -9,8 +9,8 @@
 
 namespace manycontact {
 
-/// In the place of M. Returns the coordinates, ascending, whose pivot is no more than rounding of M's diagonal; they are
-/// passed over, and what is solved with the factor then means nothing. diagonal: nv numbers, scratch.
+/// In the place of M. Returns the coordinates, ascending, whose pivot is no more than rounding of M's diagonal; they
+/// are passed over, and what is solved with the factor then means nothing. diagonal: nv numbers, scratch.
 std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal);
 
 /// x <- M^-1 x, nv numbers, with a factor without such pivots.
