@@ -253,7 +253,7 @@ const std::vector<Feet>& feet() {
       {"icub_reduced", {"l_sole", "r_sole"}, true},
       {"icubgenova11", {"l_sole", "r_sole"}, true},
       {"mini_cheetah", {"toe_fr", "toe_fl", "toe_hr", "toe_hl"}, false},
-      // its knees bend one way, and to crouch its thighs have to turn by half a circle before: steps downhill do not
+      // upright: a crouch from neutral ends at a minimum with its knees and the turning of its thighs at their limits
       {"r2b_dynamics", {"r2/left_leg_foot", "r2/right_leg_foot"}, true, 0},
       {"romeo_small", {"l_sole", "r_sole"}, true},
       {"valkyrie", {"leftFoot", "rightFoot"}, true},

@@ -37,12 +37,14 @@ Eigen::VectorXd interpolate(const RigidBodies& bodies, const Eigen::Ref<const Ei
 struct IntegrateDerivatives {  // Of q (+) v, nv x nv each, on the tangent spaces at q and q (+) v.
   Eigen::MatrixXd dq, dv;
 };
+/// Both at once.
 IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
                                            const Eigen::Ref<const Eigen::VectorXd>& v);
 
 struct DifferenceDerivatives {  // Of q1 (-) q0, nv x nv each, on the tangent spaces at q0 and q1.
   Eigen::MatrixXd dq0, dq1;
 };
+/// Both at once.
 DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
                                              const Eigen::Ref<const Eigen::VectorXd>& q1);
 

@@ -32,7 +32,7 @@ struct RigidBodyMemory;
 struct RigidBodyData {                                // State and memory of these functions; one per thread.
   explicit RigidBodyData(const RigidBodies& bodies);  // at the neutral configuration, at rest
   ~RigidBodyData();
-  RigidBodyData(RigidBodyData&&) noexcept;
+  RigidBodyData(RigidBodyData&&) noexcept;  // moved from, it is of no robots
   RigidBodyData& operator=(RigidBodyData&&) noexcept;
 
   std::unique_ptr<internal::RigidBodyMemory> memory;
@@ -70,6 +70,7 @@ Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const Eigen::Ref<cons
 struct TorqueDerivatives {  // Of rnea's tau, nv x nv each; by q on the tangent space.
   Eigen::MatrixXd dq, dv, da;
 };
+/// All three, with fext fixed to the bodies.
 const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
                                           const Eigen::Ref<const Eigen::VectorXd>& v,
                                           const Eigen::Ref<const Eigen::VectorXd>& a, RigidBodyData& data,
@@ -77,6 +78,7 @@ const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Eigen
 struct AccelerationDerivatives {  // Of aba's a, nv x nv each; dtau is M^-1.
   Eigen::MatrixXd dq, dv, dtau;
 };
+/// All three, likewise.
 const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
                                                const Eigen::Ref<const Eigen::VectorXd>& v,
                                                const Eigen::Ref<const Eigen::VectorXd>& tau, RigidBodyData& data,
@@ -118,11 +120,16 @@ Vec6<double> frame_drift(const RigidBodies& bodies, RigidBodyData& data, const A
 // Of all bodies that move together, in the world's axes; those merged into a fixed base are not part of a model. NaN
 // where there is no mass.
 
-double total_mass(const RigidBodies& bodies);                                              // kg
-Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);         // m
-Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);      // m/s
-Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);  // m/s^2
-Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);  // 3 x nv
+/// kg
+double total_mass(const RigidBodies& bodies);
+/// m
+Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);
+/// m/s
+Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);
+/// m/s^2
+Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);
+/// 3 x nv: the velocity of the centre of mass is J v.
+Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);
 /// Momentum about the centre of mass: linear [N s], angular [N m s]; the matrix A with momentum = A v (6 x nv), and the
 /// rate dA/dt v + A a [N, N m], which is the sum of all outer forces about it. Rotors (armature) have none.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);

@@ -11,25 +11,25 @@
 
 namespace manycontact {
 
-class RigidBodies {
+class RigidBodies {  // all robots of a scene, one of them, or a model alone
  public:
   /// All robots of a scene.
-  RigidBodies(const Scene& scene) : scene_(&scene) {}  // NOLINT(google-explicit-constructor): a scene will do
+  RigidBodies(const Scene& scene) : scene_(&scene) {}
   /// One of them, with q and v of its own. Throws std::invalid_argument for a name that does not exist.
   RigidBodies(const Scene& scene, const std::string& robot);
-  /// A model alone, its base where it is said. Throws std::invalid_argument for a model that was not finalized.
-  RigidBodies(const Model& model, const SE3<double>& base = {},  // NOLINT(google-explicit-constructor)
-              const Vec3<double>& gravity = {0, 0, -9.81});
+  /// A model alone. model: finalized, or std::invalid_argument is thrown. base: where its base stands. gravity: m/s^2.
+  RigidBodies(const Model& model, const SE3<double>& base = {}, const Vec3<double>& gravity = {0, 0, -9.81});
 
-  std::span<const Robot> robots() const;
+  std::span<const Robot> robots() const;                                               // in their order
   const Vec3<double>& gravity() const { return scene_ ? scene_->gravity : gravity_; }  // m/s^2
-  int nq() const;
-  int nv() const;
-  int njoints() const;
+  int nq() const;                                                                      // numbers in q
+  int nv() const;                                                                      // and in v
+  int njoints() const;  // movable ones, floating bases included
   /// The first robot's number in its scene; 0 of a model alone.
   int first() const { return first_; }
-  /// First coordinates of one of robots() in q and v.
+  /// First coordinate of one of robots() in q.
   int idx_q(const Robot& robot) const { return robot.idx_q - robots().front().idx_q; }
+  /// And in v.
   int idx_v(const Robot& robot) const { return robot.idx_v - robots().front().idx_v; }
 
  private:
