@@ -23,17 +23,18 @@ void place(SceneFile& file) {
     if (scene.contacts[c].active && !open[c]) goals.push_back(contact_goal(scene, scene.contacts[c].name));
 
   const PlacedScene found = place(scene, file.q, goals);
-  std::size_t worst = 0;
-  const auto size = [&](std::size_t g) { return std::max(found.left[g].position, found.left[g].angle); };
-  for (std::size_t g = 1; g < file.poses.size(); ++g)
-    if (size(g) > size(worst)) worst = g;
   if (!found.met(kPlacementError)) {
-    const ScenePose& pose = file.poses[worst];
-    const GoalLeft& left = found.left[worst];
-    throw InputError(pose.file, pose.line,
-                     "the pose of " + quote(pose.name) + " is missed by " +
-                         in_words(PlacementError{0, left.position, left.angle}) +
-                         ", expected poses that can be met together, within the joints' limits, from this q");
+    const auto size = [](const GoalLeft& left) { return std::max(left.position, left.angle); };
+    const auto worst = std::max_element(found.left.begin(), found.left.end(),
+                                        [&](const GoalLeft& x, const GoalLeft& y) { return size(x) < size(y); });
+    const auto g = static_cast<std::size_t>(worst - found.left.begin());
+    const std::string by = in_words(PlacementError{0, worst->position, worst->angle}) +
+                           ", expected poses that can be met together, within the joints' limits, from this q";
+    if (g >= file.poses.size())
+      throw InputError(file.path, file.consistent_line,
+                       "beside the poses contact " + quote(goals[g].name) + " stays out of place by " + by);
+    const ScenePose& pose = file.poses[g];
+    throw InputError(pose.file, pose.line, "the pose of " + quote(pose.name) + " is missed by " + by);
   }
   const std::string moved = internal::moved_most("q", velocity_names(scene), difference(scene, file.q, found.q));
   file.q = found.q;

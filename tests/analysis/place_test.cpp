@@ -382,5 +382,18 @@ TEST(Poses, ThatCannotBeMetAreRefusedByTheirLine) {
   }
 }
 
+TEST(Poses, ThatLeaveContactsOpenAreRefused) {
+  try {
+    (void)load_text(
+        "<scene\n consistent=\"true\"><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>\n"
+        "<pose frame=\"b/crate\" x=\"0\"/><pose frame=\"b/crate\" x=\"0\"/>"
+        "<contact name=\"pin\" type=\"3d\" frame=\"b/crate\" xyz=\"3 0 0\"/></scene>");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.line, 2);
+    EXPECT_NE(e.message.find("contact 'pin' stays out of place by 2 m"), std::string::npos) << e.message;
+  }
+}
+
 }  // namespace
 }  // namespace manycontact::test
