@@ -1,6 +1,7 @@
 #include "manycontact/algorithm/inertia_factor.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 namespace manycontact {
@@ -31,15 +32,27 @@ std::vector<int> factorize_inertia(const Model& model, double* M, double* diagon
   return nothing;
 }
 
-void solve_inertia(const Model& model, const double* factor, double* x) {
-  for (int k = model.nv - 1; k >= 0; --k) {  // x = L^T\x
+namespace {
+
+// x -= l y
+void subtract(int n, double l, const double* __restrict y, double* __restrict x) {
+  for (int c = 0; c < n; ++c) x[c] -= l * y[c];
+}
+
+}  // namespace
+
+void solve_inertia(const Model& model, const double* factor, int n, double* X) {
+  const auto row_of = [&](int k) { return X + static_cast<std::ptrdiff_t>(k) * n; };
+  for (int k = model.nv - 1; k >= 0; --k) {  // X = L^T\X
     const double* row = factor + model.M_begin[k];
-    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a) x[i] -= row[a] * x[k];
+    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a)
+      subtract(n, row[a], row_of(k), row_of(i));
   }
-  for (int k = 0; k < model.nv; ++k) {  // x = L\(D\x)
+  for (int k = 0; k < model.nv; ++k) {  // X = L\(D\X)
     const double* row = factor + model.M_begin[k];
-    x[k] /= row[0];
-    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a) x[k] -= row[a] * x[i];
+    for (int c = 0; c < n; ++c) row_of(k)[c] /= row[0];
+    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a)
+      subtract(n, row[a], row_of(i), row_of(k));
   }
 }
 

@@ -197,10 +197,12 @@ bool factorize(RigidBodyMemory& m, RobotMemory& of) {
   return factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty();
 }
 
-// X <- M^-1 X on one robot's rows.
-void solve_inertia(const RobotMemory& of, bool regular, Eigen::Ref<Eigen::MatrixXd> X) {
-  if (!regular) X.setConstant(std::numeric_limits<double>::quiet_NaN());
-  for (Eigen::Index j = 0; regular && j < X.cols(); ++j) solve_inertia(*of.model, of.M.data(), X.col(j).data());
+// M^-1 times of.panel, in its place.
+void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
+  if (factorize(m, of))
+    solve_inertia(*of.model, of.M.data(), static_cast<int>(of.panel.cols()), of.panel.data());
+  else
+    of.panel.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace
@@ -212,10 +214,11 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
   RigidBodyMemory& m = memory_of("inverse_inertia_times", bodies, data);
   internal::take(bodies, q, nullptr, nullptr, m);
   internal::compose(bodies, m);
-  Eigen::MatrixXd out = X;
+  Eigen::MatrixXd out(X.rows(), X.cols());
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
-    const bool regular = factorize(m, of);
-    solve_inertia(of, regular, out.middleRows(iv, robot.model->nv));
+    of.panel = X.middleRows(iv, robot.model->nv);
+    solve_panel(m, of);
+    out.middleRows(iv, robot.model->nv) = of.panel;
   });
   return out;
 }
@@ -271,13 +274,19 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
   differentiate(bodies, fext, m);
   dense_torques(bodies, v, m);
   AccelerationDerivatives& out = m.acceleration;
-  out.dq = -m.torque.dq;
-  out.dv = -m.torque.dv;
-  out.dtau.setIdentity(m.zero.size(), m.zero.size());
+  const Eigen::Index all = m.zero.size();
+  for (Eigen::MatrixXd* D : {&out.dq, &out.dv, &out.dtau})
+    if (D->rows() != all) D->setZero(all, all);
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
     const int nv = robot.model->nv;
-    const bool regular = factorize(m, of);
-    for (Eigen::MatrixXd* D : {&out.dq, &out.dv, &out.dtau}) solve_inertia(of, regular, D->block(iv, iv, nv, nv));
+    of.panel.resize(nv, 3 * nv);
+    of.panel.leftCols(nv) = -m.torque.dq.block(iv, iv, nv, nv);
+    of.panel.middleCols(nv, nv) = -m.torque.dv.block(iv, iv, nv, nv);
+    of.panel.rightCols(nv).setIdentity();
+    solve_panel(m, of);
+    out.dq.block(iv, iv, nv, nv) = of.panel.leftCols(nv);
+    out.dv.block(iv, iv, nv, nv) = of.panel.middleCols(nv, nv);
+    out.dtau.block(iv, iv, nv, nv) = of.panel.rightCols(nv);
   });
   return out;
 }

@@ -24,6 +24,7 @@ struct RobotMemory {
   std::vector<Vec6<double>> fext;   // in the tree frame
   std::vector<double> M;            // packed; factorized by inverse_inertia_times and aba_derivatives
   Eigen::VectorXd diagonal;         // of M, scratch
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel;  // right-hand sides of M
   std::optional<AbaData<double>> aba;
   std::optional<RneaDerivatives> derivatives;
 };

@@ -13,7 +13,7 @@ namespace manycontact {
 /// are passed over, and what is solved with the factor then means nothing. diagonal: nv numbers, scratch.
 std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal);
 
-/// x <- M^-1 x, nv numbers, with a factor without such pivots.
-void solve_inertia(const Model& model, const double* factor, double* x);
+/// X <- M^-1 X with a factor without such pivots. X: nv rows of `cols` numbers, one after the other.
+void solve_inertia(const Model& model, const double* factor, int cols, double* X);
 
 }  // namespace manycontact
