@@ -3,12 +3,15 @@
 // model and its optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
+#include "manycontact/analysis/place.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
+#include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"

@@ -4,44 +4,10 @@
 #include <random>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/spatial/explog.hpp"
 
 namespace manycontact {
 
 namespace {
-
-using V6 = Vec6<double>;
-using M6 = Mat6<double>;
-
-// SE(2) inside SE(3): coordinates x, y, and the angle about z.
-constexpr int kPlane[3] = {0, 1, 5};
-V6 lift(const ConstVectorRef& m) {
-  V6 out = V6::Zero();
-  for (int i = 0; i < 3; ++i) out[kPlane[i]] = m[i];
-  return out;
-}
-void drop(const M6& J, MatrixRef out) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
-}
-
-// Writes a joint's block given the function of its tangent vector on SE(3).
-template <class Of>
-void joint_block(const Joint& joint, const ConstVectorRef& dq, double straight, Of&& of, MatrixRef J) {
-  if (joint.type == JointType::kFloating)
-    J = of(V6(dq));
-  else if (joint.type == JointType::kPlanar)
-    drop(of(lift(dq)), J);
-  else
-    J(0, 0) = straight;
-}
-
-// d integrate / dx and / d(dx) of one joint.
-void joint_jintegrate(const Joint& joint, const ConstVectorRef& dq, bool of_x, MatrixRef J) {
-  joint_block(
-      joint, dq, 1,
-      [of_x](const V6& m) { return of_x ? M6(exp6<double>(m).inverse().action()) : M6(Jexp6<double>(m)); }, J);
-}
 
 void assign(MatrixRef J, const MatrixRef& block, AssignmentOp op) {
   if (op == setto)
@@ -60,17 +26,6 @@ void each_joint(const Scene& scene, Use&& use) {
 }
 
 }  // namespace
-
-void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, MatrixRef J) {
-  // with xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi))
-  joint_block(
-      joint, dq, of_x0 ? -1 : 1,
-      [of_x0](const V6& xi) {
-        const M6 Jlog = Jlog6<double>(xi);
-        return of_x0 ? M6(-Jlog * exp6<double>(xi).inverse().action()) : Jlog;
-      },
-      J);
-}
 
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
     : StateAbstract(internal::given("StateMultibody", model)->nq + internal::given("StateMultibody", model)->nv,
@@ -151,7 +106,7 @@ void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, M
     J.bottomRightCorner(nv_, nv_).diagonal().setConstant(of_x0 ? -1 : 1);
     each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
       const int n = joint.nv();
-      joint_jdiff(joint, dx.segment(iv, n), of_x0, J.block(iv, iv, n, n));
+      joint_difference_derivative(joint, dx.segment(iv, n), of_x0, J.block(iv, iv, n, n));
     });
   };
   if (which != second) fill(true, Jfirst);
@@ -166,10 +121,10 @@ void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& d
     check_size("StateMultibody::Jintegrate", of_x ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     if (op == setto) J.setZero();
     J.bottomRightCorner(nv_, nv_).diagonal().array() += op == rmfrom ? -1 : 1;
-    M6 block;
+    Mat6<double> block;
     each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
       const int n = joint.nv();
-      joint_jintegrate(joint, dx.segment(iv, n), of_x, block.topLeftCorner(n, n));
+      joint_integrate_derivative(joint, dx.segment(iv, n), of_x, block.topLeftCorner(n, n));
       assign(J.block(iv, iv, n, n), block.topLeftCorner(n, n), op);
     });
   };
@@ -196,11 +151,11 @@ void StateMultibody::JintegrateTransport(const ConstVectorRef& x, const ConstVec
   check_size("StateMultibody::JintegrateTransport", "dx", dx.size(), ndx_);
   check_size("StateMultibody::JintegrateTransport", "a column of Jin", Jin.rows(), ndx_);
   require(which != both, "StateMultibody::JintegrateTransport", "firstsecond is `both`, first or second is expected");
-  M6 block = M6::Identity();
+  Mat6<double> block = Mat6<double>::Identity();
   each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
     const int n = joint.nv();
     if (n == 1) return;
-    joint_jintegrate(joint, dx.segment(iv, n), which == first, block.topLeftCorner(n, n));
+    joint_integrate_derivative(joint, dx.segment(iv, n), which == first, block.topLeftCorner(n, n));
     if (n == 6)
       transport<6>(block, Jin.middleRows<6>(iv));
     else

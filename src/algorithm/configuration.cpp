@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/model/expect_size.hpp"
 
 namespace manycontact {
 
@@ -12,19 +12,13 @@ namespace {
 
 using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
 
-void check_size(const char* function, const char* what, Eigen::Index given, int expected) {
-  if (given != expected)
-    throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
-                                " numbers, the scene expects " + std::to_string(expected));
-}
-
 }  // namespace
 
-Eigen::VectorXd neutral(const Scene& scene) {
-  Eigen::VectorXd q(scene.nq);
-  for (const Robot& robot : scene.robots) {
-    q.segment(robot.idx_q, robot.model->nq) = neutral(*robot.model);
-    if (robot.model->floating_base) q.segment<7>(robot.idx_q) = pose_of_placement(robot.base);
+Eigen::VectorXd neutral(const RigidBodies& bodies) {
+  Eigen::VectorXd q(bodies.nq());
+  for (const Robot& robot : bodies.robots()) {
+    q.segment(bodies.idx_q(robot), robot.model->nq) = neutral(*robot.model);
+    if (robot.model->floating_base) q.segment<7>(bodies.idx_q(robot)) = pose_of_placement(robot.base);
   }
   return q;
 }
@@ -56,11 +50,11 @@ Eigen::Vector4d random_quaternion(std::mt19937& generator) {
 
 }  // namespace
 
-Eigen::VectorXd random_configuration(const Scene& scene, std::mt19937& generator) {
-  Eigen::VectorXd q(scene.nq);
-  for (const Robot& robot : scene.robots)
+Eigen::VectorXd random_configuration(const RigidBodies& bodies, std::mt19937& generator) {
+  Eigen::VectorXd q(bodies.nq());
+  for (const Robot& robot : bodies.robots())
     for (const Joint& joint : robot.model->joints) {
-      auto x = q.segment(robot.idx_q + joint.idx_q, joint.nq());
+      auto x = q.segment(bodies.idx_q(robot) + joint.idx_q, joint.nq());
       switch (joint.type) {
         case JointType::kRevolute:
           x[0] = within_limits(joint, 0, std::numbers::pi, generator);
@@ -81,34 +75,78 @@ Eigen::VectorXd random_configuration(const Scene& scene, std::mt19937& generator
   return q;
 }
 
-void integrate(const Scene& scene, const ConstRef& q, const ConstRef& v, Eigen::Ref<Eigen::VectorXd> out) {
-  check_size("integrate", "q", q.size(), scene.nq);
-  check_size("integrate", "v", v.size(), scene.nv);
-  check_size("integrate", "out", out.size(), scene.nq);
-  for (const Robot& r : scene.robots)
-    integrate<double>(*r.model, q.segment(r.idx_q, r.model->nq), v.segment(r.idx_v, r.model->nv),
-                      out.segment(r.idx_q, r.model->nq));
+Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generator) {
+  Eigen::VectorXd v(bodies.nv());
+  for (const Robot& robot : bodies.robots())
+    for (const Joint& joint : robot.model->joints)
+      for (int k = 0; k < joint.nv(); ++k) {
+        const bool limited = joint.velocity_limit.size() == joint.nv() && joint.velocity_limit[k] > 0 &&
+                             std::isfinite(joint.velocity_limit[k]);  // files write 0 where they know none
+        const double most = limited ? joint.velocity_limit[k] : 1;
+        v[bodies.idx_v(robot) + joint.idx_v + k] = uniform(-most, most, generator);
+      }
+  return v;
 }
 
-Eigen::VectorXd integrate(const Scene& scene, const ConstRef& q, const ConstRef& v) {
-  Eigen::VectorXd out(scene.nq);
-  integrate(scene, q, v, out);
+void integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, Eigen::Ref<Eigen::VectorXd> out) {
+  expect_size("integrate", "q", q.size(), bodies.nq());
+  expect_size("integrate", "v", v.size(), bodies.nv());
+  expect_size("integrate", "out", out.size(), bodies.nq());
+  for (const Robot& r : bodies.robots())
+    integrate<double>(*r.model, q.segment(bodies.idx_q(r), r.model->nq), v.segment(bodies.idx_v(r), r.model->nv),
+                      out.segment(bodies.idx_q(r), r.model->nq));
+}
+
+Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v) {
+  Eigen::VectorXd out(bodies.nq());
+  integrate(bodies, q, v, out);
   return out;
 }
 
-void difference(const Scene& scene, const ConstRef& q0, const ConstRef& q1, Eigen::Ref<Eigen::VectorXd> out) {
-  check_size("difference", "q0", q0.size(), scene.nq);
-  check_size("difference", "q1", q1.size(), scene.nq);
-  check_size("difference", "out", out.size(), scene.nv);
-  for (const Robot& r : scene.robots)
-    difference<double>(*r.model, q0.segment(r.idx_q, r.model->nq), q1.segment(r.idx_q, r.model->nq),
-                       out.segment(r.idx_v, r.model->nv));
+void difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, Eigen::Ref<Eigen::VectorXd> out) {
+  expect_size("difference", "q0", q0.size(), bodies.nq());
+  expect_size("difference", "q1", q1.size(), bodies.nq());
+  expect_size("difference", "out", out.size(), bodies.nv());
+  for (const Robot& r : bodies.robots())
+    difference<double>(*r.model, q0.segment(bodies.idx_q(r), r.model->nq), q1.segment(bodies.idx_q(r), r.model->nq),
+                       out.segment(bodies.idx_v(r), r.model->nv));
 }
 
-Eigen::VectorXd difference(const Scene& scene, const ConstRef& q0, const ConstRef& q1) {
-  Eigen::VectorXd out(scene.nv);
-  difference(scene, q0, q1, out);
+Eigen::VectorXd difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1) {
+  Eigen::VectorXd out(bodies.nv());
+  difference(bodies, q0, q1, out);
   return out;
+}
+
+Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, double share) {
+  return integrate(bodies, q0, share * difference(bodies, q0, q1));
+}
+
+namespace {
+
+// The blocks of all joints; block(joint, its v, of the first argument, J).
+template <class Block>
+Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool first, Block&& block) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(v.size(), v.size());
+  for (const Robot& robot : bodies.robots())
+    for (const Joint& joint : robot.model->joints) {
+      const int at = bodies.idx_v(robot) + joint.idx_v, n = joint.nv();
+      block(joint, v.segment(at, n), first, out.block(at, at, n, n));
+    }
+  return out;
+}
+
+}  // namespace
+
+IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v) {
+  expect_size("integrate_derivatives", "q", q.size(), bodies.nq());
+  expect_size("integrate_derivatives", "v", v.size(), bodies.nv());
+  return {blocks(bodies, v, true, joint_integrate_derivative), blocks(bodies, v, false, joint_integrate_derivative)};
+}
+
+DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1) {
+  const Eigen::VectorXd v = difference(bodies, q0, q1);
+  return {blocks(bodies, v, true, joint_difference_derivative), blocks(bodies, v, false, joint_difference_derivative)};
 }
 
 }  // namespace manycontact

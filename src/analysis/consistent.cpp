@@ -5,37 +5,32 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/suggestion.hpp"
+#include "moved_most.hpp"
 
 namespace manycontact {
 
 namespace {
 
-constexpr int kMostSteps = 200;
-constexpr double kProgress = 1e-10;                         // of |e|: less is none
-constexpr double kLeastDamping = 1e-8, kMostDamping = 1e4;  // 1/kg
+constexpr int kMostTries = 400;
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
 constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
 
-// Gauss-Newton, and Levenberg and Marquardt's damping where its step does not bring |e| down. Its steps.
+// The steps it took.
 int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
-  Eigen::VectorXd e = rest.errors(q), dq;
-  double damping = 0;
-  int steps = 0;
-  while (steps < kMostSteps && damping <= kMostDamping && e.norm() > kExact * (1 + q.cwiseAbs().maxCoeff())) {
-    if (!rest.least_motion(q, -e, dq, damping)) break;
-    const Eigen::VectorXd next = integrate(scene, q, dq), then = rest.errors(next);
-    if (!(then.norm() < (1 - kProgress) * e.norm())) {
-      damping = std::max(kLeastDamping, 10 * damping);
-      continue;
-    }
-    q = next;
-    e = then;
-    damping = damping > kLeastDamping ? damping / 10 : 0;
-    ++steps;
-  }
-  return steps;
+  return internal::levenberg_marquardt(
+             kClosingDamping, kMostTries, q, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
+             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
+               return rest.least_motion(x, -e, dq, damping);
+             },
+             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); },
+             [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
+               return !(e.norm() > kExact * (1 + x.cwiseAbs().maxCoeff()));
+             })
+      .steps;
 }
 
 }  // namespace
@@ -79,14 +74,6 @@ std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, c
   return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
 }
 
-// ", of q most of all r/knee's, by 0.1"; empty where nothing moved by more than files round.
-std::string most_of(const std::string& what, const std::vector<std::string>& names, const Eigen::VectorXd& x) {
-  Eigen::Index k;
-  const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
-  if (!(most >= kPlacementError)) return "";
-  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
-}
-
 }  // namespace
 
 void make_consistent(SceneFile& file) {
@@ -101,8 +88,8 @@ void make_consistent(SceneFile& file) {
   if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced, "out of place"));
   if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);
-  const std::string moved =
-      most_of("q", names, difference(scene, file.q, found.q)) + most_of("v", names, found.v - file.v);
+  const std::string moved = internal::moved_most("q", names, difference(scene, file.q, found.q)) +
+                            internal::moved_most("v", names, found.v - file.v);
   file.q = found.q;
   file.v = found.v;
   if (moved.empty()) return;

@@ -1,14 +1,20 @@
 #include "manycontact/analysis/load_scene.hpp"
 
 #include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/place.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact {
 
+void fit_state(SceneFile& file) {
+  place(file);
+  make_consistent(file);
+}
+
 namespace {
 
 SceneFile completed(SceneFile file) {
-  make_consistent(file);
+  fit_state(file);
   if (file.gravity_robots.empty()) return file;
   const Eigen::VectorXd u = quasi_static(file.scene, file.q);
   for (const int r : file.gravity_robots) {

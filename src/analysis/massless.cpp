@@ -1,37 +1,11 @@
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/dynamics/views.hpp"
 
 namespace manycontact {
-
-namespace {
-
-constexpr double kNothing = 64 * std::numeric_limits<double>::epsilon();  // of the entry a pivot was computed from
-
-// Row k of a packed matrix stands at its own entry, its parent's, ... (algorithm/crba.hpp); leaves first: M = L^T D L.
-std::vector<int> zero_pivots(const Model& model, std::vector<double> M) {
-  std::vector<double> at_first;
-  for (int k = 0; k < model.nv; ++k) at_first.push_back(M[model.M_begin[k]]);
-  std::vector<int> zero;
-  for (int k = model.nv - 1; k >= 0; --k) {
-    const double* row = M.data() + model.M_begin[k];
-    if (!(row[0] > kNothing * at_first[k])) {
-      zero.insert(zero.begin(), k);
-      continue;
-    }
-    for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a) {
-      double* above = M.data() + model.M_begin[i];
-      for (int j = i, b = a; j >= 0; j = model.dof_parent[j], ++b) above[b - a] -= row[a] * row[b] / row[0];
-    }
-  }
-  return zero;
-}
-
-}  // namespace
 
 std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
   const Model& model = *robot.model;
@@ -40,7 +14,8 @@ std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const
   std::vector<double> M(packed_size(model));
   forward_kinematics<double>(model, robot.base, q, kin);
   crba<double>(model, kin, Yc, M.data());
-  return zero_pivots(model, std::move(M));
+  Eigen::VectorXd diagonal(model.nv);
+  return factorize_inertia(model, M.data(), diagonal.data());
 }
 
 namespace {

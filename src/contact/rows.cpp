@@ -80,13 +80,13 @@ void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
 }  // namespace
 
 template <class S>
-Vec6<S> contact_error(const Contact& c, const SE3<S>& G) {
-  if (c.type == ContactType::k6D) return log6(G);
+Vec6<S> contact_error(const Contact& c, const SE3<S>& G, const S& gain) {
+  if (c.type == ContactType::k6D) return gain * log6(G);
   Vec6<S> e = Vec6<S>::Zero();
-  e.template head<3>() = G.R.transpose() * G.p;
+  e.template head<3>() = gain * (G.R.transpose() * G.p);
   if (c.type == ContactType::k5D) {
     const Vec3<S> n = c.axis.cast<S>();
-    e.template tail<3>() = Vec3<S>(G.R.transpose() * n).cross(n);
+    e.template tail<3>() = gain * Vec3<S>(G.R.transpose() * n).cross(n);
   }
   return e;
 }
@@ -98,12 +98,12 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
   if (c.type == ContactType::k6D) {
     d.x = d.nudot + beta * d.nu;
-    if (c.alpha != 0) d.x += alpha * contact_error<S>(c, d.G);
+    if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
   } else {
     const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
     if (c.type == ContactType::k5D) d.x.template tail<3>() = d.nudot.template tail<3>() + beta * ang;
-    if (c.alpha != 0) d.x += alpha * contact_error<S>(c, d.G);
+    if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
   }
   if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
     d.W.setIdentity();
@@ -149,7 +149,8 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const C
 }
 
 template struct ContactData<InstantiatedScalar>;
-template Vec6<InstantiatedScalar> contact_error<InstantiatedScalar>(const Contact&, const SE3<InstantiatedScalar>&);
+template Vec6<InstantiatedScalar> contact_error<InstantiatedScalar>(const Contact&, const SE3<InstantiatedScalar>&,
+                                                                    const InstantiatedScalar&);
 template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<InstantiatedScalar>&);
 template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
                                                const Kinematics<InstantiatedScalar>&,

@@ -133,7 +133,9 @@ class ContactReader {
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
     try {
-      add_contact(out_.scene, std::move(contact));
+      const int number = add_contact(out_.scene, std::move(contact));
+      if (!c.position_given || !c.orientation_given)
+        out_.open_references.push_back({number, !c.position_given, !c.orientation_given});
     } catch (const std::invalid_argument& error) {
       e.fail(error.what());
     }

@@ -29,7 +29,7 @@ class IncludeReader {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
     root.allow_attributes({"name", "gravity", "damping", "tolerance", "consistent"});
-    root.allow_children({"robot", "contact", "include"});
+    root.allow_children({"robot", "contact", "pose", "include"});
     for (const char* name : {"damping", "tolerance"})
       if (root.number(name, 0) < 0)
         root.where(name).fail(std::string(name) + " of <scene> is " + show(root.number(name, 0)) +
@@ -40,7 +40,7 @@ class IncludeReader {
       if (e->name() == "include")
         include(*e, root);
       else
-        (e->name() == "robot" ? out_.robots : out_.contacts).push_back(*e);
+        (e->name() == "robot" ? out_.robots : e->name() == "pose" ? out_.poses : out_.contacts).push_back(*e);
     }
     open_.pop_back();
     return root;
@@ -110,6 +110,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);
+  add_poses(elements.poses, out);
   return out;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of read_scene, in their order: robots (with models, copies, state), then contacts.
+// The steps of read_scene, in their order: robots (with models, copies, state), then contacts and poses.
 
 #include <map>
 #include <memory>
@@ -16,7 +16,7 @@ namespace manycontact::io {
 /// The elements of a scene file and of those it includes, in the order in which they are met.
 struct SceneElements {
   std::vector<std::unique_ptr<XmlFile>> files;
-  std::vector<Element> robots, contacts;
+  std::vector<Element> robots, contacts, poses;
 };
 
 /// "line 3", or "line 3 of other.xml": where a name was given, seen from a place in a file.
@@ -101,6 +101,9 @@ class EndReader {
 
 /// Adds all contacts; out.q must be complete.
 void add_contacts(const std::vector<Element>& elements, SceneFile& out);
+
+/// Adds all poses.
+void add_poses(const std::vector<Element>& elements, SceneFile& out);
 
 /// The quaternion x, y, z, w made unit; refuses one that is not within 1e-6 of it.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);

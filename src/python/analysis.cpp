@@ -68,6 +68,53 @@ void add_errors(py::module_& m) {
       "VelocityError. make_consistent mends them.");
 }
 
+void add_violations(py::module_& m) {
+  add_enumeration<Violating>(m, "Violating", "way to violate", "What a contact does that none can which only pushes.",
+                             {{"PULLS", Violating::kPulls},
+                              {"SLIPS", Violating::kSlips},
+                              {"TIPS", Violating::kTips},
+                              {"TURNS", Violating::kTurns}});
+  py::class_<Violation> violation(m, "Violation", "A contact with a mu whose force no contact that only pushes bears.");
+  add_value(violation)
+      .def_readonly("contact", &Violation::contact, "Its number in the scene.")
+      .def_readonly("kind", &Violation::kind, "Violating")
+      .def_readonly("by", &Violation::by,
+                    "PULLS: the pull [N]; SLIPS: the force beyond the cone [N]; TIPS: from the centre of pressure to the\n"
+                    "box [m]; TURNS: [N m].")
+      .def_readonly("needs", &Violation::needs, "SLIPS: the mu that would do.");
+  m.def(
+      "violations",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const SceneData& d = data.at_rest();
+        if (d.f_offset.size() != scene.contacts.size()) throw py::value_error("violations: the data are of another scene");
+        return violations(scene, q.vector(), d.f, d.f_offset);
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"),
+      "After solve at q (nq): a list of Violation, of the active contacts with a mu that pull, slip, tip or turn.");
+  add_enumeration<Limited>(m, "Limited", "limited quantity", "What a limit is of.",
+                           {{"POSITION", Limited::kPosition},
+                            {"VELOCITY", Limited::kVelocity},
+                            {"EFFORT", Limited::kEffort}});
+  py::class_<LimitPassed> passed(m, "LimitPassed", "A coordinate beyond a limit of its robot's file.");
+  add_value(passed)
+      .def_readonly("robot", &LimitPassed::robot, "Its number.")
+      .def_readonly("dof", &LimitPassed::dof, "Of that robot's velocity coordinates.")
+      .def_readonly("quantity", &LimitPassed::quantity, "Limited")
+      .def_readonly("value", &LimitPassed::value)
+      .def_readonly("limit", &LimitPassed::limit);
+  m.def(
+      "limits_passed",
+      [](const Scene& scene, const Raw& q, const Raw& v, const Raw& u) {
+        fits("q", q, scene.nq);
+        fits("v", v, scene.nv);
+        fits("u", u, scene.nu);
+        return limits_passed(scene, q.vector(), v.vector(), u.vector());
+      },
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"),
+      "A list of LimitPassed: what of q (nq), v (nv), u (nu) is beyond the joints' limits.");
+}
+
 void add_unique_forces(py::module_& m) {
   m.def(
       "unique_forces",
@@ -183,6 +230,7 @@ void add_consistent(py::module_& m) {
 
 void add_analysis(py::module_& m) {
   add_errors(m);
+  add_violations(m);
   add_unique_forces(m);
   add_rank_changes(m);
   add_near_dependent(m);

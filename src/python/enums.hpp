@@ -13,6 +13,7 @@
 
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/state.hpp"
+#include "manycontact/analysis/findings.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/dynamics/report.hpp"
@@ -119,4 +120,6 @@ MANYCONTACT_ENUMERATION(manycontact::StopReason)
 MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
 MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
 MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
+MANYCONTACT_ENUMERATION(manycontact::Violating)
+MANYCONTACT_ENUMERATION(manycontact::Limited)
 #undef MANYCONTACT_ENUMERATION

@@ -74,11 +74,13 @@ PYBIND11_MODULE(_manycontact, m) {
 
   add_models(m);
   add_scenes(m);
+  add_rigid_bodies(m);
   add_options(m);
   add_dynamics(m);
   add_derivatives(m);
   add_batches(m);
   add_analysis(m);
+  add_place(m);
   add_simulation(m);
   add_action_parts(m);
   add_residual_models(m);

@@ -52,11 +52,13 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
+void add_rigid_bodies(py::module_& m);
 void add_options(py::module_& m);
 void add_dynamics(py::module_& m);
 void add_derivatives(py::module_& m);
 void add_batches(py::module_& m);
 void add_analysis(py::module_& m);
+void add_place(py::module_& m);
 void add_simulation(py::module_& m);
 void add_action_parts(py::module_& m);
 void add_residual_models(py::module_& m);

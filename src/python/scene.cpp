@@ -1,6 +1,5 @@
-// Scenes, their contacts and files: floors model, contact (references), algorithm (configurations) and analysis.
+// Scenes, their contacts and files: floors model, contact (references) and analysis.
 
-#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -262,21 +261,6 @@ void add_configurations(py::module_& m) {
   m.def("v_index", &v_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), "First coordinate of a joint in v.");
   m.def("u_index", &u_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), "First torque of a joint in u.");
 
-  using Vector = Eigen::VectorXd;
-  using Input = Eigen::Ref<const Vector>;
-  m.def("neutral", py::overload_cast<const Scene&>(&neutral), py::arg("scene"),
-        "The configuration (nq) with joints at zero and floating bases where Robot.base has them.");
-  m.def(
-      "random_configuration",
-      [](const Scene& scene, unsigned seed) {
-        std::mt19937 generator(seed);
-        return random_configuration(scene, generator);
-      },
-      py::arg("scene"), py::arg("seed"), "A configuration (nq) within the joints' limits, any orientation of bases.");
-  m.def("integrate", py::overload_cast<const Scene&, const Input&, const Input&>(&integrate), py::arg("scene"),
-        py::arg("q"), py::arg("v"), "q (+) v (nq): reached from q by the velocity v (nv) held for unit time.");
-  m.def("difference", py::overload_cast<const Scene&, const Input&, const Input&>(&difference), py::arg("scene"),
-        py::arg("q0"), py::arg("q1"), "q1 (-) q0 (nv): the v with integrate(scene, q0, v) = q1.");
   m.def("resolve_references", &resolve_references, py::arg("scene"), py::arg("q"),
         "Moves B' of every contact onto A at configuration q (nq): there they all hold.");
 }

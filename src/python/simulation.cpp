@@ -6,6 +6,7 @@
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/simulation/switch.hpp"
 
 namespace manycontact::python {
 
@@ -158,6 +159,21 @@ void add_step_functions(py::module_& m) {
       },
       py::arg("scene"), py::arg("data"), py::arg("contact"),
       "What a contact, by its name or number, exerted on A in the last step, in its reference frame [N, N m]; a copy.");
+  py::class_<VelocityJump> jump(m, "VelocityJump", "What an impact did.");
+  add_value(jump)
+      .def_readonly("status", &VelocityJump::status, "Status of its solve; 'failed': only the set of contacts changed.")
+      .def_readonly("energy_lost", &VelocityJump::energy_lost, "[J]")
+      .def_readonly("impulse", &VelocityJump::impulse, "Rows of the active contacts, on A [N s, N m s].");
+  m.def(
+      "switch_contacts",
+      [](const Scene& scene, py::handle active, const Simulation& simulation) {
+        std::vector<char> flags(scene.contacts.size());
+        set_flags("active", active, flags);
+        return simulation.dynamics->use([&](SceneData&) { return switch_contacts(scene, flags, *simulation.data); });
+      },
+      py::arg("scene"), py::arg("active"), py::arg("data"),
+      "Between steps: sets which contacts hold (one bool each). Where one closes, data.v becomes the nearest velocity\n"
+      "that they allow, in the kinetic metric: an impact without restitution. Returns a VelocityJump.");
   m.def(
       "failure",
       [](const Scene& scene, const Simulation& simulation, StepStatus status) {

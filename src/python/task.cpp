@@ -1,7 +1,7 @@
 // Motions of task files: floor task.
 
 #include "action.hpp"
-#include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/task/simulate.hpp"
 
 namespace manycontact::python {
@@ -135,7 +135,7 @@ void add_task(py::module_& m) {
       "read_task",
       [](const std::string& path) {
         const auto task = std::make_shared<TaskFile>(read_task(path));
-        make_consistent(task->scene);
+        fit_state(task->scene);
         return task;
       },
       py::arg("path"), Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");

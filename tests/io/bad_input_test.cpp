@@ -472,5 +472,26 @@ TEST_F(BadInput, DamagedFiles) {
   EXPECT_LT(refused, kTrials);
 }
 
+// ---- poses
+
+TEST_F(BadInput, Poses) {
+  const std::string robot = "<scene><robot name=\"r\" urdf=\"good.urdf\"/>\n";
+  expect_scene_error(robot + "<pose frame=\"r/b\"/></scene>", 2, "asks for nothing, expected xyz, rpy or any of x, y, z");
+  expect_scene_error(robot + "<pose z=\"0\"/></scene>", 2, "frame");
+  expect_scene_error(robot + "<pose frame=\"r/e\" z=\"0\"/></scene>", 2, "robot 'r' has no frame 'e'");
+  expect_scene_error(robot + "<pose frame=\"b\" z=\"0\"/></scene>", 2, "expected robot/link");
+  expect_scene_error(robot + "<pose frame=\"r/a\" z=\"0\"/></scene>", 2, "which cannot move, expected one that does");
+  expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 0 1\"\n z=\"0\"/></scene>", 3,
+                     "stands beside xyz, expected one of them");
+  expect_scene_error(robot + "<pose frame=\"r/b\" yaw=\"1\" rpy=\"0 0 1\"/></scene>", 2, "stands beside rpy");
+  expect_scene_error(robot + "<pose frame=\"r/b\" z=\"low\"/></scene>", 2, "low");
+  expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 1\"/></scene>", 2, "has 2 numbers, expected 3");
+  expect_scene_error(robot + "<pose frame=\"r/b\" z=\"0\" weight=\"1\"/></scene>", 2, "weight");
+  expect_scene_error(
+      "<scene><robot name=\"r\" urdf=\"good.urdf\" base=\"floating\" copies=\"2\"/>\n<pose frame=\"r+1/b\" "
+      "z=\"0\"/></scene>",
+      2, "expected it without +k or -k");
+}
+
 }  // namespace
 }  // namespace manycontact

@@ -130,31 +130,6 @@ Eigen::VectorXd random_configuration(const Model& model, std::mt19937& rng) {
   return q;
 }
 
-Eigen::MatrixXd contact_jacobian(const Scene& scene, const Eigen::VectorXd& q) {
-  std::vector<Kinematics<double>> kin;
-  for (const Robot& robot : scene.robots) {
-    const Model& model = *robot.model;
-    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), kin.emplace_back(model));
-    forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
-  }
-  int rows = 0;
-  for (const Contact& c : scene.contacts)
-    if (c.active) rows += c.rows();
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, scene.nv);
-  int row = 0;
-  for (const Contact& c : scene.contacts) {
-    if (!c.active) continue;
-    const ContactSupport support = contact_support(scene, c);
-    ContactData<double> data(c, support);
-    contact_rows<double>(scene, c, support, kin[c.A.robot], c.B.robot < 0 ? nullptr : &kin[c.B.robot], data);
-    int k = 0;
-    for (int i : support.a) J.col(scene.robots[c.A.robot].idx_v + i).segment(row, c.rows()) = data.J.col(k++);
-    for (int i : support.b) J.col(scene.robots[c.B.robot].idx_v + i).segment(row, c.rows()) = data.J.col(k++);
-    row += c.rows();
-  }
-  return J;
-}
-
 namespace {
 
 // Rows are independent by a wide margin: random numbers make the others rare.

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "manycontact/contact/jacobian.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::test {
@@ -69,8 +70,5 @@ struct RandomScene {
 
 /// Robots 2 m apart in random places. Without redundant and contradicting contacts J has full rank.
 RandomScene random_scene(std::mt19937& rng, const SceneOptions& options = {});
-
-/// The contacts' J at q, all flagged `active` at the start: rows in their order, scene.nv columns.
-Eigen::MatrixXd contact_jacobian(const Scene& scene, const Eigen::VectorXd& q);
 
 }  // namespace manycontact::test

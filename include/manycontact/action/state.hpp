@@ -81,7 +81,4 @@ class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
   std::shared_ptr<const Multibody> model_;
 };
 
-/// The diagonal block of d diff/dx1 (or, `of_x0`, d diff/dx0) of one joint, from dq = diff on that joint: nv x nv.
-void joint_jdiff(const Joint& joint, const ConstVectorRef& dq, bool of_x0, MatrixRef J);
-
 }  // namespace manycontact

@@ -3,10 +3,14 @@
 
 namespace manycontact {
 
-/// read_scene; where it asks for them, consistent q, v (analysis/consistent.hpp); and the torques of robots with
-/// u="gravity" by quasi_static (dynamics/quasi_static.hpp) at that q. Throws InputError.
+/// read_scene; q and v by fit_state; and the torques of robots with u="gravity" by quasi_static
+/// (dynamics/quasi_static.hpp) at that q. Throws InputError.
 SceneFile load_scene(const std::string& path);
 /// The same of read_scene_text.
 SceneFile load_scene_text(const std::string& text, const std::string& path);
+
+/// Where the file asks for them, the q of its poses (analysis/place.hpp), then consistent q, v
+/// (analysis/consistent.hpp). Throws InputError. For scenes that read_scene or read_task has read.
+void fit_state(SceneFile& file);
 
 }  // namespace manycontact

@@ -60,9 +60,9 @@ struct ContactData {
 };
 
 /// How far A is from B', G = B'MA, in A's axes [m, rad]: log6(G) of 6D; else of the points G_R^T G_p, and of hinges the
-/// turn between their axes m = G_R^T n, m x n. W picks the rows of it.
+/// turn between their axes m = G_R^T n, m x n; times a gain. W picks the rows of it.
 template <class S>
-Vec6<S> contact_error(const Contact& contact, const SE3<S>& G);
+Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S(1));
 
 /// nu, nudot, x, W and a0, from aMA, bMA, G, vA, vB, aA and aB.
 template <class S>

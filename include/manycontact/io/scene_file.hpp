@@ -1,6 +1,7 @@
 #pragma once
 // A scene from its XML file (src/doc/scene_file.md): robots with their copies and their state, contacts.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,22 @@ struct ContactGroup {
   int line = 1;
 };
 
+/// A <pose> element, or one copy's: where a frame is to stand in the world [m, rad]; angles as in rpy. What is left out
+/// is open.
+struct ScenePose {
+  std::string name;  // "robot/link"
+  Attachment frame;
+  std::optional<double> x, y, z, roll, pitch, yaw;
+  std::string file;
+  int line = 1;
+};
+
+/// A contact whose B' the file leaves out, at least in part: it is taken from q.
+struct OpenReference {
+  int contact = 0;
+  bool position = false, orientation = false;  // what is left out
+};
+
 struct SceneFile {  // A scene, its state, and which elements of the file its robots and contacts came from.
   std::string path;
   std::vector<std::string> files;  // read for it: `path`, scenes it includes, URDFs, each once
@@ -37,13 +54,15 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
   std::vector<int> robot_group;     // per robot: index into robot_groups
   std::vector<SE3<double>> moved;   // per robot: from where its element places it to where `arrange` does
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
+  std::vector<ScenePose> poses;
+  std::vector<OpenReference> open_references;
   int consistent_line = 0;          // where consistent="true" stands in `path`; 0: it does not
   std::vector<Finding> findings;    // of the robots' files, by the first robot that has the model: "herd/knee"
 };
 
 /// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN, and q, v are as
-/// they stand in the file also where it asks for consistent ones: both take a solver, and load_scene
-/// (analysis/load_scene.hpp) sees to them.
+/// they stand in the file also where it asks for poses or for consistent ones: all that takes a solver, and load_scene
+/// (analysis/load_scene.hpp) sees to it.
 SceneFile read_scene(const std::string& path);
 /// The same of XML text, UTF-8 whatever it declares, as if it stood in the file `path`, which need not exist.
 SceneFile read_scene_text(const std::string& text, const std::string& path);

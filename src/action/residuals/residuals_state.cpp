@@ -1,6 +1,7 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/algorithm/integrate.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
@@ -53,7 +54,7 @@ void ResidualModelState::calcDiff(const std::shared_ptr<ResidualDataAbstract>& d
     for (const Joint& joint : robot.model->joints) {
       if (joint.nv() > 1) {
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> J(joint.nv(), joint.nv());
-        joint_jdiff(joint, data->r.segment(robot.idx_v + joint.idx_v, joint.nv()), false, J);
+        joint_difference_derivative(joint, data->r.segment(robot.idx_v + joint.idx_v, joint.nv()), false, J);
         block->Rx = J;
       }
       block += 1 + joint.nv();

@@ -11,7 +11,7 @@
 #include "../program/command.hpp"
 #include "../text/table.hpp"
 #include "../view/view.hpp"
-#include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::cli {
 
@@ -97,7 +97,7 @@ int run_optimize(const Arguments& arguments) {
   check_files(arguments, {path}, kFiles);
 
   TaskFile task = read_task(path);
-  make_consistent(task.scene);
+  fit_state(task.scene);
   check_files(arguments, task.scene.files, kFiles);
   if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);

@@ -1,0 +1,326 @@
+// Joint space: rnea, aba, crba, the Coriolis matrix, and derivatives.
+
+#include <limits>
+
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/algorithm/rnea.hpp"
+#include "rigid_body_memory.hpp"
+
+namespace manycontact {
+
+using internal::ConstRef;
+using internal::each_robot;
+using internal::memory_of;
+using internal::RigidBodyMemory;
+using internal::RobotMemory;
+
+RigidBodyData::RigidBodyData(const RigidBodies& bodies) : memory(std::make_unique<RigidBodyMemory>()) {
+  RigidBodyMemory& m = *memory;
+  for (const Robot& robot : bodies.robots()) m.robots.emplace_back(*robot.model);
+  m.zero = m.v = m.a = m.tau = m.h = m.g = m.qdd = m.driving = Eigen::VectorXd::Zero(bodies.nv());
+  each_robot(bodies, m, [](const Robot& robot, RobotMemory& of, int, int) {
+    Eigen::VectorXd q = neutral(*robot.model);
+    if (robot.model->floating_base) q.head<7>() = pose_of_placement(robot.base);
+    forward_kinematics<double>(*robot.model, robot.base, q, of.kin);
+  });
+}
+RigidBodyData::~RigidBodyData() = default;
+RigidBodyData::RigidBodyData(RigidBodyData&&) noexcept = default;
+RigidBodyData& RigidBodyData::operator=(RigidBodyData&&) noexcept = default;
+
+namespace internal {
+
+void move(const RigidBodies& bodies, RigidBodyMemory& m) {
+  if (m.moving) return;
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    forward_accelerations<double>(*robot.model, m.zero.segment(iv, robot.model->nv), nullptr, bodies.gravity(), of.kin);
+  });
+  m.moving = true;
+}
+
+void compose(const RigidBodies& bodies, RigidBodyMemory& m) {
+  if (m.composed) return;
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int) {
+    of.M.resize(packed_size(*robot.model));
+    crba<double>(*robot.model, of.kin, of.Yc, of.M.data());
+  });
+  m.composed = true;
+}
+
+namespace {
+
+// Takes kin to q; and to v and a (zero: nullptr) where v is given.
+void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const double* a, RigidBodyMemory& m) {
+  m.composed = m.carries = false;
+  m.moving = v != nullptr;
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int iq, int iv) {
+    const Model& model = *robot.model;
+    forward_kinematics<double>(model, robot.base, q.segment(iq, model.nq), of.kin);
+    if (v)
+      forward_accelerations<double>(model, v->segment(iv, model.nv), a ? a + iv : nullptr, bodies.gravity(), of.kin);
+  });
+  m.v = v ? *v : ConstRef(m.zero);
+  m.a = Eigen::Map<const Eigen::VectorXd>(a ? a : m.zero.data(), m.zero.size());
+}
+
+void check_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
+                 const ConstRef* third = nullptr, const char* what = "a") {
+  expect_size(function, "q", q.size(), bodies.nq());
+  if (v) expect_size(function, "v", v->size(), bodies.nv());
+  if (third) expect_size(function, what, third->size(), bodies.nv());
+}
+
+void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodies fext) {
+  if (!fext.empty() && fext.size() != static_cast<std::size_t>(bodies.njoints()))
+    throw std::invalid_argument(std::string(function) + ": fext has " + std::to_string(fext.size()) +
+                                " forces, expected none or one for each of " + std::to_string(bodies.njoints()) +
+                                " joints");
+}
+
+// The forces on a robot's bodies, from the child frames into the tree frame.
+void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
+  of.fext.clear();
+  if (fext.empty()) return;
+  for (std::size_t i = 0; i < of.f.size(); ++i) of.fext.push_back(of.kin.oMi[i].act_force(fext[i]));
+  fext = fext.subspan(of.f.size());
+}
+
+// ID at the state of kin, less friction.
+void torques(const RigidBodies& bodies, const ConstRef& v, const double* a, ForcesOnBodies fext, RigidBodyMemory& m,
+             Eigen::VectorXd& tau) {
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    take_forces(fext, of);
+    inverse_dynamics<double>(*robot.model, of.kin, a ? a + iv : nullptr, of.fext, of.f,
+                             tau.segment(iv, robot.model->nv));
+    add_friction(*robot.model, v.data() + iv, tau.data() + iv, -1);
+  });
+  m.carries = true;
+}
+
+}  // namespace
+}  // namespace internal
+
+// ---- state ---------------------------------------------------------------------------------------------------------
+
+void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
+  internal::check_state("forward_kinematics", bodies, q, nullptr);
+  internal::take(bodies, q, nullptr, nullptr, memory_of("forward_kinematics", bodies, data));
+}
+
+void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
+  internal::check_state("forward_kinematics", bodies, q, &v);
+  internal::take(bodies, q, &v, nullptr, memory_of("forward_kinematics", bodies, data));
+}
+
+void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const ConstRef& a,
+                        RigidBodyData& data) {
+  internal::check_state("forward_kinematics", bodies, q, &v, &a);
+  internal::take(bodies, q, &v, a.data(), memory_of("forward_kinematics", bodies, data));
+}
+
+// ---- torques and accelerations -------------------------------------------------------------------------------------
+
+const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const ConstRef& a,
+                            RigidBodyData& data, ForcesOnBodies fext) {
+  internal::check_state("rnea", bodies, q, &v, &a);
+  internal::check_forces("rnea", bodies, fext);
+  RigidBodyMemory& m = memory_of("rnea", bodies, data);
+  internal::take(bodies, q, &v, a.data(), m);
+  internal::torques(bodies, v, a.data(), fext, m, m.tau);
+  return m.tau;
+}
+
+const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
+                                         RigidBodyData& data) {
+  internal::check_state("nonlinear_effects", bodies, q, &v);
+  RigidBodyMemory& m = memory_of("nonlinear_effects", bodies, data);
+  internal::take(bodies, q, &v, nullptr, m);
+  internal::torques(bodies, v, nullptr, {}, m, m.h);
+  return m.h;
+}
+
+const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
+  internal::check_state("gravity_torques", bodies, q, nullptr);
+  RigidBodyMemory& m = memory_of("gravity_torques", bodies, data);
+  const ConstRef at_rest = m.zero;
+  internal::take(bodies, q, &at_rest, nullptr, m);
+  internal::torques(bodies, at_rest, nullptr, {}, m, m.g);
+  return m.g;
+}
+
+const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const ConstRef& tau,
+                           RigidBodyData& data, ForcesOnBodies fext) {
+  internal::check_state("aba", bodies, q, &v, &tau, "tau");
+  internal::check_forces("aba", bodies, fext);
+  RigidBodyMemory& m = memory_of("aba", bodies, data);
+  m.driving = tau;
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int iq, int iv) {
+    const Model& model = *robot.model;
+    if (!of.aba) of.aba.emplace(model);
+    add_friction(model, v.data() + iv, m.driving.data() + iv);
+    const ForcesOnBodies own = fext.subspan(0, fext.empty() ? 0 : of.f.size());
+    fext = fext.subspan(own.size());
+    (void)aba<double>(model, robot.base, q.segment(iq, model.nq), v.segment(iv, model.nv),
+                      m.driving.segment(iv, model.nv), bodies.gravity(), own, of.kin, *of.aba,
+                      m.qdd.segment(iv, model.nv));  // NaN where it answers false
+  });
+  m.composed = m.carries = false;
+  m.moving = true;  // with the accelerations of a = 0
+  m.v = v;
+  m.a.setZero();
+  return m.qdd;
+}
+
+// ---- inertia -------------------------------------------------------------------------------------------------------
+
+const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
+  internal::check_state("crba", bodies, q, nullptr);
+  RigidBodyMemory& m = memory_of("crba", bodies, data);
+  internal::take(bodies, q, nullptr, nullptr, m);
+  internal::compose(bodies, m);
+  const Eigen::Index nv = m.zero.size();
+  if (m.M.rows() != nv) m.M.setZero(nv, nv);
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    const Model& model = *robot.model;
+    unpack_inertia<double>(model, of.M.data(), m.M.block(iv, iv, model.nv, model.nv));
+  });
+  return m.M;
+}
+
+namespace {
+
+// M has become L, D. False where there is no inverse.
+bool factorize(RigidBodyMemory& m, RobotMemory& of) {
+  m.composed = false;
+  return factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty();
+}
+
+// M^-1 times of.panel, in its place.
+void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
+  if (factorize(m, of))
+    solve_inertia(*of.model, of.M.data(), static_cast<int>(of.panel.cols()), of.panel.data());
+  else
+    of.panel.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace
+
+Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef& q,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& X, RigidBodyData& data) {
+  internal::check_state("inverse_inertia_times", bodies, q, nullptr);
+  expect_size("inverse_inertia_times", "a column of X", X.rows(), bodies.nv());
+  RigidBodyMemory& m = memory_of("inverse_inertia_times", bodies, data);
+  internal::take(bodies, q, nullptr, nullptr, m);
+  internal::compose(bodies, m);
+  Eigen::MatrixXd out(X.rows(), X.cols());
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    of.panel = X.middleRows(iv, robot.model->nv);
+    solve_panel(m, of);
+    out.middleRows(iv, robot.model->nv) = of.panel;
+  });
+  return out;
+}
+
+// ---- derivatives ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+// RNEA's derivatives of each robot at the state of kin, packed; M packed beside them.
+void differentiate(const RigidBodies& bodies, ForcesOnBodies fext, RigidBodyMemory& m) {
+  internal::compose(bodies, m);
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int) {
+    if (!of.derivatives) of.derivatives.emplace(*robot.model);
+    internal::take_forces(fext, of);
+    rnea_derivatives<double>(*robot.model, of.kin, of.Yc, of.fext, *of.derivatives);
+  });
+}
+
+void dense_torques(const RigidBodies& bodies, const ConstRef& v, RigidBodyMemory& m) {
+  const Eigen::Index nv = m.zero.size();
+  TorqueDerivatives& out = m.torque;
+  for (Eigen::MatrixXd* D : {&out.dq, &out.dv, &out.da})
+    if (D->rows() != nv) D->setZero(nv, nv);
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    const Model& model = *robot.model;
+    const RneaDerivatives& d = *of.derivatives;
+    unpack_tree(model, d.dq_lower, d.dq_upper, out.dq.block(iv, iv, model.nv, model.nv));
+    unpack_tree(model, d.dv_lower, d.dv_upper, out.dv.block(iv, iv, model.nv, model.nv));
+    unpack_inertia<double>(model, of.M.data(), out.da.block(iv, iv, model.nv, model.nv));
+    for (int i = 0; i < model.nv; ++i) out.dv(iv + i, iv + i) += friction_slope(model, i, v[iv + i]);
+  });
+}
+
+}  // namespace
+
+const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
+                                          const ConstRef& a, RigidBodyData& data, ForcesOnBodies fext) {
+  internal::check_state("rnea_derivatives", bodies, q, &v, &a);
+  internal::check_forces("rnea_derivatives", bodies, fext);
+  RigidBodyMemory& m = memory_of("rnea_derivatives", bodies, data);
+  internal::take(bodies, q, &v, a.data(), m);
+  differentiate(bodies, fext, m);
+  dense_torques(bodies, v, m);
+  return m.torque;
+}
+
+// M da = dtau - dID(q, v, a)
+const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
+                                               const ConstRef& tau, RigidBodyData& data, ForcesOnBodies fext) {
+  RigidBodyMemory& m = memory_of("aba_derivatives", bodies, data);
+  const Eigen::VectorXd& a = aba(bodies, q, v, tau, data, fext);
+  internal::take(bodies, q, &v, a.data(), m);
+  differentiate(bodies, fext, m);
+  dense_torques(bodies, v, m);
+  AccelerationDerivatives& out = m.acceleration;
+  const Eigen::Index all = m.zero.size();
+  for (Eigen::MatrixXd* D : {&out.dq, &out.dv, &out.dtau})
+    if (D->rows() != all) D->setZero(all, all);
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    const int nv = robot.model->nv;
+    of.panel.resize(nv, 3 * nv);
+    of.panel.leftCols(nv) = -m.torque.dq.block(iv, iv, nv, nv);
+    of.panel.middleCols(nv, nv) = -m.torque.dv.block(iv, iv, nv, nv);
+    of.panel.rightCols(nv).setIdentity();
+    solve_panel(m, of);
+    out.dq.block(iv, iv, nv, nv) = of.panel.leftCols(nv);
+    out.dv.block(iv, iv, nv, nv) = of.panel.middleCols(nv, nv);
+    out.dtau.block(iv, iv, nv, nv) = of.panel.rightCols(nv);
+  });
+  return out;
+}
+
+// C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i) for an ancestor j of i, B and Yc of i's subtree.
+Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
+  internal::check_state("coriolis_matrix", bodies, q, &v);
+  RigidBodyMemory& m = memory_of("coriolis_matrix", bodies, data);
+  internal::take(bodies, q, &v, nullptr, m);
+  differentiate(bodies, {}, m);
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(m.zero.size(), m.zero.size());
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    const Model& model = *robot.model;
+    const RneaDerivatives& d = *of.derivatives;
+    const auto Sd = [&](int j) -> Vec6<double> { return d.Sv.col(j) - d.Psid.col(j); };
+    for (int i = 0; i < model.nv; ++i) {
+      const int joint = model.dof_joint[i];
+      const Vec3<double>& l = d.l[joint];
+      const Inertia<double>& Yc = of.Yc[joint];
+      const auto rate = [&](const Vec6<double>& s, const Vec6<double>& sd) -> Vec6<double> {  // B s + Yc sd
+        Vec6<double> out = Yc * sd;
+        const Vec3<double> w = s.tail<3>();
+        out.head<3>() -= l.cross(w);
+        out.tail<3>() += 0.5 * (d.C[joint] * w);
+        return out;
+      };
+      const Vec6<double> s = of.kin.J.col(i), own = rate(s, Sd(i));
+      for (int j = i; j >= 0; j = model.dof_parent[j]) {
+        C(iv + j, iv + i) = of.kin.J.col(j).dot(own);
+        C(iv + i, iv + j) = s.dot(rate(of.kin.J.col(j), Sd(j)));
+      }
+    }
+  });
+  return C;
+}
+
+}  // namespace manycontact

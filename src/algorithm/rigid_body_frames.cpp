@@ -1,0 +1,209 @@
+// Frames, the whole, and what joints carry, at the data's state.
+
+#include "manycontact/algorithm/energy.hpp"
+#include "manycontact/algorithm/frames.hpp"
+#include "rigid_body_memory.hpp"
+
+namespace manycontact {
+
+using internal::each_robot;
+using internal::memory_of;
+using internal::RigidBodyMemory;
+using internal::RobotMemory;
+
+namespace {
+
+using Vec6d = Vec6<double>;
+using Vec3d = Vec3<double>;
+
+FrameAxes axes_of(ReferenceFrame frame) {
+  return frame == ReferenceFrame::kLocal   ? FrameAxes::kLocal
+         : frame == ReferenceFrame::kWorld ? FrameAxes::kWorld
+                                           : FrameAxes::kLocalWorldAligned;
+}
+
+// A frame's robot among these; nullptr: the frame is the world's.
+const Robot* robot_of(const char* function, const RigidBodies& bodies, int robot, int joint, int& number) {
+  if (robot < 0) return nullptr;
+  number = robot - bodies.first();
+  const std::span<const Robot> robots = bodies.robots();
+  if (number < 0 || number >= static_cast<int>(robots.size()))
+    throw std::invalid_argument(std::string(function) + ": robot " + std::to_string(robot) + " is not among these");
+  const Robot* out = &robots[static_cast<std::size_t>(number)];
+  if (joint < -1 || joint >= out->model->njoints())
+    throw std::invalid_argument(std::string(function) + ": robot '" + out->name + "' has no joint " +
+                                std::to_string(joint));
+  return out;
+}
+
+// read(robot, kin) of a frame's robot, with velocities; zero for a frame of the world.
+template <class Read>
+Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
+             Read&& read) {
+  RigidBodyMemory& m = memory_of(function, bodies, data);
+  int number = 0;
+  const Robot* robot = robot_of(function, bodies, frame.robot, frame.joint, number);
+  if (!robot) return Vec6d::Zero();
+  internal::move(bodies, m);
+  return read(*robot, m.robots[static_cast<std::size_t>(number)].kin);
+}
+
+}  // namespace
+
+SE3<double> frame_placement(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame) {
+  const RigidBodyMemory& m = memory_of("frame_placement", bodies, data);
+  int number = 0;
+  const Robot* robot = robot_of("frame_placement", bodies, frame.robot, frame.joint, number);
+  if (!robot) return frame.placement;
+  return frame_placement<double>(m.robots[static_cast<std::size_t>(number)].kin, robot->base, frame.joint,
+                                 frame.placement);
+}
+
+Vec6d frame_velocity(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
+  return motion("frame_velocity", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
+    return frame_velocity<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+  });
+}
+
+Vec6d frame_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
+  return motion("frame_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
+    return frame_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+  });
+}
+
+Vec6d frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
+                                   ReferenceFrame axes) {
+  return motion(
+      "frame_classical_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
+        return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+      });
+}
+
+Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame,
+                             ReferenceFrame axes) {
+  const RigidBodyMemory& m = memory_of("frame_jacobian", bodies, data);
+  int number = 0;
+  const Robot* robot = robot_of("frame_jacobian", bodies, frame.robot, frame.joint, number);
+  Mat6X<double> J = Mat6X<double>::Zero(6, bodies.nv());
+  if (robot)
+    frame_jacobian<double>(*robot->model, m.robots[static_cast<std::size_t>(number)].kin, robot->base, frame.joint,
+                           frame.placement, axes_of(axes), J.middleCols(bodies.idx_v(*robot), robot->model->nv));
+  return J;
+}
+
+Vec6d frame_drift(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
+  const Vec6d rate = axes == ReferenceFrame::kLocalWorldAligned
+                         ? frame_classical_acceleration(bodies, data, frame, axes)
+                         : frame_acceleration(bodies, data, frame, axes);
+  const Eigen::VectorXd& a = data.memory->a;
+  return a.isZero(0) ? rate : Vec6d(rate - frame_jacobian(bodies, data, frame, axes) * a);
+}
+
+// ---- the whole -----------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The sum of of(memory, body) over all bodies, forces or momenta in their tree frames, about the centre of mass.
+template <class Of>
+Vec6d about_center(const RigidBodies& bodies, RigidBodyData& data, Of&& of) {
+  internal::move(bodies, *data.memory);
+  const Vec3d c = center_of_mass(bodies, data);
+  Vec6d sum = Vec6d::Zero();
+  for (const RobotMemory& r : data.memory->robots)
+    for (std::size_t i = 0; i < r.kin.Y.size(); ++i) {
+      const Vec6d f = of(r.kin, i);
+      sum += f;
+      sum.tail<3>() -= (c - r.kin.origin(static_cast<int>(i))).cross(Vec3d(f.head<3>()));  // n - c x f
+    }
+  return sum;
+}
+
+}  // namespace
+
+double total_mass(const RigidBodies& bodies) {
+  double mass = 0;
+  for (const Robot& robot : bodies.robots())
+    for (const Joint& joint : robot.model->joints) mass += joint.inertia.m;
+  return mass;
+}
+
+Vec3d center_of_mass(const RigidBodies& bodies, const RigidBodyData& data) {
+  const RigidBodyMemory& m = memory_of("center_of_mass", bodies, data);
+  Vec3d sum = Vec3d::Zero();
+  for (const RobotMemory& of : m.robots)
+    for (std::size_t i = 0; i < of.kin.Y.size(); ++i)
+      sum += of.kin.Y[i].m * of.kin.origin(static_cast<int>(i)) + of.kin.Y[i].h;
+  return sum / total_mass(bodies);
+}
+
+Vec3d center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data) {
+  return centroidal_momentum(bodies, data).head<3>() / total_mass(bodies);
+}
+
+Vec3d center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data) {
+  return centroidal_momentum_rate(bodies, data).head<3>() / total_mass(bodies);
+}
+
+Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data) {
+  return centroidal_momentum_matrix(bodies, data).topRows<3>() / total_mass(bodies);
+}
+
+Vec6d centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data) {
+  (void)memory_of("centroidal_momentum", bodies, data);
+  return about_center(bodies, data, [](const Kinematics<double>& kin, std::size_t i) { return kin.Y[i] * kin.v[i]; });
+}
+
+Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data) {
+  RigidBodyMemory& m = memory_of("centroidal_momentum_matrix", bodies, data);
+  internal::compose(bodies, m);
+  const Vec3d c = center_of_mass(bodies, data);
+  Mat6X<double> A(6, bodies.nv());
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    for (int k = 0; k < robot.model->nv; ++k) {
+      const int joint = robot.model->dof_joint[k];
+      Vec6d h = of.Yc[joint] * of.kin.J.col(k);
+      h.tail<3>() -= (c - of.kin.origin(joint)).cross(Vec3d(h.head<3>()));
+      A.col(iv + k) = h;
+    }
+  });
+  return A;
+}
+
+Vec6d centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data) {
+  (void)memory_of("centroidal_momentum_rate", bodies, data);
+  return about_center(bodies, data, [](const Kinematics<double>& kin, std::size_t i) -> Vec6d {
+    return add_cross_force(kin.Y[i] * Vec6d(kin.a[i] - kin.a_base), kin.v[i], kin.Y[i] * kin.v[i]);  // Y a + v x* Y v
+  });
+}
+
+double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data) {
+  RigidBodyMemory& m = memory_of("kinetic_energy", bodies, data);
+  internal::move(bodies, m);
+  double energy = 0;
+  each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
+    energy += kinetic_energy<double>(*robot.model, of.kin, m.v.segment(iv, robot.model->nv));
+  });
+  return energy;
+}
+
+double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
+  double energy = 0;
+  for (const RobotMemory& of : memory_of("potential_energy", bodies, data).robots)
+    energy += potential_energy<double>(of.kin, bodies.gravity());
+  return energy;
+}
+
+// ---- joints --------------------------------------------------------------------------------------------------------
+
+Vec6d joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint) {
+  const RigidBodyMemory& m = memory_of("joint_wrench", bodies, data);
+  int number = 0;
+  const Robot* robot = robot_of("joint_wrench", bodies, joint.robot, joint.joint, number);
+  if (!robot || joint.joint < 0) throw std::invalid_argument("joint_wrench: the world carries no joint");
+  if (!m.carries)
+    throw std::logic_error("joint_wrench: rnea, nonlinear_effects or gravity_torques has to be called before");
+  const RobotMemory& of = m.robots[static_cast<std::size_t>(number)];
+  return of.kin.oMi[joint.joint].inverse().act_force(of.f[joint.joint]);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,66 @@
+#pragma once
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "manycontact/algorithm/aba.hpp"
+#include "manycontact/algorithm/rigid_body.hpp"
+#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/model/expect_size.hpp"
+
+namespace manycontact::internal {
+
+using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
+
+/// Memory of one robot.
+struct RobotMemory {
+  explicit RobotMemory(const Model& m) : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
+
+  const Model* model;
+  Kinematics<double> kin;           // at the data's state
+  std::vector<Inertia<double>> Yc;  // composite inertias, where RigidBodyMemory::composed
+  std::vector<Vec6<double>> f;      // forces through the joints, in the tree frame
+  std::vector<Vec6<double>> fext;   // in the tree frame
+  std::vector<double> M;            // packed; factorized by inverse_inertia_times and aba_derivatives
+  Eigen::VectorXd diagonal;         // of M, scratch
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel;  // right-hand sides of M
+  std::optional<AbaData<double>> aba;
+  std::optional<RneaDerivatives> derivatives;
+};
+
+struct RigidBodyMemory {
+  std::vector<RobotMemory> robots;
+  Eigen::VectorXd zero, v, a;  // nv; v, a: of the state
+  bool moving = false;         // kin has v and a of the state; else it is at rest, and they are not computed
+  bool composed = false;       // Yc is that of the state
+  bool carries = false;        // f is that of the last inverse dynamics
+  Eigen::VectorXd tau, h, g, qdd, driving;
+  Eigen::MatrixXd M;
+  TorqueDerivatives torque;
+  AccelerationDerivatives acceleration;
+};
+
+/// The memory, which must be these robots'.
+inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {
+  const std::span<const Robot> robots = bodies.robots();
+  bool fits = data.memory && data.memory->robots.size() == robots.size();
+  for (std::size_t r = 0; fits && r < robots.size(); ++r) fits = data.memory->robots[r].model == robots[r].model.get();
+  if (!fits) throw std::invalid_argument(std::string(function) + ": the data are of other robots, make data of these");
+  return *data.memory;
+}
+
+/// act(robot, its memory, first coordinate in q, first in v) for each robot.
+template <class Act>
+void each_robot(const RigidBodies& bodies, RigidBodyMemory& m, Act&& act) {
+  const std::span<const Robot> robots = bodies.robots();
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    act(robots[r], m.robots[r], bodies.idx_q(robots[r]), bodies.idx_v(robots[r]));
+}
+
+/// kin.v and kin.a of the state.
+void move(const RigidBodies& bodies, RigidBodyMemory& m);
+/// Composite inertias Yc of the state, and M, packed.
+void compose(const RigidBodies& bodies, RigidBodyMemory& m);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,42 @@
+#pragma once
+// min |J x + e|^2 + mu |x|^2 over lower <= x <= upper, J sparse, of one pattern however often it is solved.
+
+#include <Eigen/SparseCore>
+
+#include "manycontact/sparse/ldl.hpp"
+
+namespace manycontact::internal {
+
+/// J J^T + mu 1 by sparse LDL in an order of minimum degree, of those columns of J that count.
+class NormalMatrix {
+ public:
+  explicit NormalMatrix(const Eigen::SparseMatrix<double>& J);
+
+  /// Of J's values and the columns with counts[j] != 0.
+  void factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu);
+  /// y <- (J J^T + mu 1)^-1 y
+  void solve(Eigen::VectorXd& y);
+
+ private:
+  std::vector<int> iperm_;
+  sparse::UpperCsc pattern_;
+  sparse::LdlSymbolic symbolic_;
+  sparse::LdlWorkspace work_;
+  std::vector<int> slot_, diagonal_;  // of each pair of entries in a column of J; of each row
+  std::vector<double> A_, L_, D_;
+  Eigen::VectorXd permuted_;
+};
+
+class BoundedStep {
+ public:
+  explicit BoundedStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
+
+  /// mu > 0, and lower <= 0 <= upper, infinite where there are none.
+  void solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu, const Eigen::VectorXd& lower,
+             const Eigen::VectorXd& upper, Eigen::VectorXd& x);
+
+ private:
+  NormalMatrix normal_;
+};
+
+}  // namespace manycontact::internal

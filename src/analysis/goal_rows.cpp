@@ -1,0 +1,257 @@
+#include "goal_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/contact/rows.hpp"
+#include "manycontact/spatial/explog.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+using Vec3d = Vec3<double>;
+using Mat3d = Mat3<double>;
+
+bool all(const Partial& x) { return x[0] && x[1] && x[2]; }
+
+// Rz(yaw) Ry(pitch) Rx(roll)
+Mat3d rotation_of_rpy(double roll, double pitch, double yaw) {
+  return rotation_about<double>(Vec3d::UnitZ(), yaw) * rotation_about<double>(Vec3d::UnitY(), pitch) *
+         rotation_about<double>(Vec3d::UnitX(), roll);
+}
+
+// Jlog3(w): log3(R exp3(d)) = log3(R) + Jlog3 d.
+Mat3d log3_derivative(const Vec3d& w) {
+  Vec6<double> xi = Vec6<double>::Zero();
+  xi.tail<3>() = w;
+  return Jlog6<double>(xi).bottomRightCorner<3, 3>();
+}
+
+// The turning that takes a unit vector to another: its axis times its angle.
+Vec3d turning(const Vec3d& from, const Vec3d& to) {
+  const Vec3d c = from.cross(to);
+  const double sine = c.norm(), angle = std::atan2(sine, from.dot(to));
+  if (sine > 0) return c * (angle / sine);
+  return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
+}
+
+// A turning error: rows of e, and what they are of the frame's own angular velocity.
+struct Turned {
+  Eigen::VectorXd e;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
+  double angle = 0;  // left
+};
+
+// Angles of which one is open or two, but not yaw alone; by their rates, of local angular velocity.
+Turned by_angles(const Mat3d& R, const Partial& rpy) {
+  constexpr double kLeastCosine = 1e-3;  // the angles mean nothing there
+  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
+  const double roll = std::atan2(R(2, 1), R(2, 2)), yaw = std::atan2(R(1, 0), R(0, 0));
+  const double s = std::sin(roll), c = std::cos(roll);
+  const double cp = std::max(std::cos(pitch), kLeastCosine), tp = std::sin(pitch) / cp;
+  const double now[3] = {roll, pitch, yaw};
+  Mat3d rates;
+  rates << 1, s * tp, c * tp, 0, c, -s, 0, s / cp, c / cp;
+  Turned out;
+  for (int k = 0; k < 3; ++k) {
+    if (!rpy[k]) continue;
+    const Eigen::Index n = out.e.size();
+    out.e.conservativeResize(n + 1);
+    out.of_spin.conservativeResize(n + 1, 3);
+    out.e[n] = std::remainder(now[k] - *rpy[k], 2 * M_PI);
+    out.of_spin.row(n) = rates.row(k);
+  }
+  out.angle = out.e.norm();
+  return out;
+}
+
+Turned turned_from(const Mat3d& R, const Goal& goal) {
+  const Partial& rpy = goal.rpy;
+  Turned out;
+  if (goal.axes || all(rpy)) {
+    const Mat3d wanted = goal.axes ? *goal.axes : rotation_of_rpy(*rpy[0], *rpy[1], *rpy[2]);
+    const Vec3d w = log3<double>(wanted.transpose() * R);
+    out.e = w;
+    out.of_spin = log3_derivative(w);
+    out.angle = w.norm();
+  } else if (rpy[0] && rpy[1]) {  // the world's z as the frame sees it; it turns by minus the frame's spin
+    const Vec3d wanted = rotation_of_rpy(*rpy[0], *rpy[1], 0).transpose().col(2);
+    const Vec3d w = turning(R.transpose().col(2), wanted);
+    const Eigen::Matrix<double, 2, 3> T = across(wanted);
+    out.e = T * w;
+    out.of_spin = T;
+    out.angle = w.norm();
+  } else {
+    out = by_angles(R, rpy);
+  }
+  return out;
+}
+
+// All of a scene, or one of its robots.
+RigidBodies bodies_of(const Scene& scene, int robot) {
+  return robot < 0 ? RigidBodies(scene) : RigidBodies(scene, scene.robots[robot].name);
+}
+
+}  // namespace
+
+// The rows being written.
+struct GoalRows::Rows {
+  GoalRows& to;
+  bool with_jacobian;
+  double root;  // of the goal's weight
+  GoalLeft left = {};
+
+  // Appends a row's error; returns its number.
+  int add(double e) {
+    to.e_.push_back(root * e);
+    return static_cast<int>(to.e_.size()) - 1;
+  }
+  void add(int row, int column, double x) { to.J_.emplace_back(row, column, root * x); }
+};
+
+GoalRows::GoalRows(const Scene& scene, const std::vector<Goal>& goals) : scene_(scene), goals_(goals) {
+  kin_.resize(scene.robots.size());
+  const auto need = [&](int robot) {
+    if (robot >= 0 && !kin_[robot]) kin_[robot] = std::make_unique<Kinematics<double>>(*scene.robots[robot].model);
+  };
+  for (const Goal& goal : goals) {
+    if (goal.of == Goal::Of::kFrame) need(goal.frame.robot);
+    if (goal.of == Goal::Of::kCenterOfMass) of_bodies_.try_emplace(goal.robot, bodies_of(scene, goal.robot));
+    if (goal.of != Goal::Of::kContact) continue;
+    need(scene.contacts[goal.contact].A.robot);
+    need(scene.contacts[goal.contact].B.robot);
+  }
+}
+
+Eigen::VectorXd GoalRows::errors(const Eigen::VectorXd& q) {
+  q_ = q;
+  for (std::size_t r = 0; r < kin_.size(); ++r) {
+    const Robot& robot = scene_.robots[r];
+    if (kin_[r])
+      forward_kinematics<double>(*robot.model, robot.base, q.segment(robot.idx_q, robot.model->nq), *kin_[r]);
+  }
+  for (auto& [robot, data] : of_bodies_) {
+    const RigidBodies bodies = bodies_of(scene_, robot);
+    forward_kinematics(bodies, q.segment(robot < 0 ? 0 : scene_.robots[robot].idx_q, bodies.nq()), data);
+  }
+  evaluate(false);
+  return Eigen::Map<const Eigen::VectorXd>(e_.data(), static_cast<Eigen::Index>(e_.size()));
+}
+
+Eigen::SparseMatrix<double> GoalRows::jacobian() {
+  evaluate(true);
+  Eigen::SparseMatrix<double> J(static_cast<Eigen::Index>(e_.size()), scene_.nv);
+  J.setFromTriplets(J_.begin(), J_.end());
+  return J;
+}
+
+void GoalRows::evaluate(bool with_jacobian) {
+  e_.clear();
+  J_.clear();
+  left_.clear();
+  for (const Goal& goal : goals_) {
+    Rows rows{*this, with_jacobian, std::sqrt(goal.weight)};
+    switch (goal.of) {
+      case Goal::Of::kFrame:
+        frame_rows(goal, rows);
+        break;
+      case Goal::Of::kCenterOfMass:
+        center_rows(goal, rows);
+        break;
+      case Goal::Of::kJoint:
+        joint_rows(goal, rows);
+        break;
+      case Goal::Of::kContact:
+        contact_rows_of(goal, rows);
+        break;
+    }
+    left_.push_back(rows.left);
+  }
+}
+
+void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
+  const Robot& robot = scene_.robots[goal.frame.robot];
+  const Model& model = *robot.model;
+  const Kinematics<double>& k = kin(goal.frame.robot);
+  const SE3<double> M = frame_placement<double>(k, robot.base, goal.frame.joint, goal.frame.placement);
+  const Turned turned = turned_from(M.R, goal);
+  std::vector<int> chain;
+  Mat6X<double> J;  // local
+  if (rows.with_jacobian) {
+    chain = dof_chain(model, goal.frame.joint);
+    J.resize(6, model.nv);
+    frame_jacobian<double>(model, k, robot.base, goal.frame.joint, goal.frame.placement, FrameAxes::kLocal, J);
+  }
+  Vec3d off = Vec3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!goal.position[axis]) continue;
+    off[axis] = M.p[axis] - *goal.position[axis];
+    const int row = rows.add(off[axis]);
+    for (const int i : chain) rows.add(row, robot.idx_v + i, M.R.row(axis).dot(J.col(i).head<3>()));
+  }
+  for (Eigen::Index n = 0; n < turned.e.size(); ++n) {
+    const int row = rows.add(turned.e[n]);
+    for (const int i : chain) rows.add(row, robot.idx_v + i, turned.of_spin.row(n).dot(J.col(i).tail<3>()));
+  }
+  rows.left = {off.norm(), turned.angle};
+}
+
+void GoalRows::center_rows(const Goal& goal, Rows& rows) {
+  const RigidBodies bodies = bodies_of(scene_, goal.robot);
+  RigidBodyData& data = of_bodies_.at(goal.robot);
+  const Vec3d c = center_of_mass(bodies, data);
+  const int first = goal.robot < 0 ? 0 : scene_.robots[goal.robot].idx_v;
+  Eigen::Matrix3Xd J;
+  if (rows.with_jacobian) J = center_of_mass_jacobian(bodies, data);
+  Vec3d off = Vec3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!goal.position[axis]) continue;
+    off[axis] = c[axis] - *goal.position[axis];
+    const int row = rows.add(off[axis]);
+    for (Eigen::Index i = 0; i < J.cols(); ++i) rows.add(row, first + static_cast<int>(i), J(axis, i));
+  }
+  rows.left.position = off.norm();
+}
+
+void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
+  const Robot& robot = scene_.robots[goal.robot];
+  const Joint& joint = robot.model->joints[goal.joint];
+  const double off = q_[robot.idx_q + joint.idx_q] - goal.value;
+  const int row = rows.add(off);
+  if (rows.with_jacobian) rows.add(row, robot.idx_v + joint.idx_v, 1);
+  (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
+}
+
+// Rows and axes are the contact's. Of 6D those of the place and of the turning apart, which vanish where log6 does.
+void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
+  const Contact& contact = scene_.contacts[goal.contact];
+  const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();
+  ContactData<double> d(contact, support);
+  contact_rows<double>(scene_, contact, support, kin(contact.A.robot),
+                       contact.B.robot < 0 ? nullptr : &kin(contact.B.robot), d);
+  Vec6<double> x = Vec6<double>::Zero();
+  x.head<3>() = d.G.R.transpose() * d.G.p;
+  Mat3d of_spin = Mat3d::Identity();
+  if (contact.type == ContactType::k6D) {
+    const Vec3d w = log3<double>(d.G.R);
+    x.tail<3>() = w;
+    of_spin = log3_derivative(w);
+  } else if (contact.type == ContactType::k5D) {
+    x.tail<3>() = turning(d.G.R.transpose() * contact.axis, contact.axis);
+  }
+  if (rows.with_jacobian) d.Jl.bottomRows<3>() = (of_spin * d.Jl.bottomRows<3>()).eval();
+  const Eigen::VectorXd e = d.W * x;
+  const Eigen::MatrixXd J = d.W * d.Jl;
+  for (Eigen::Index n = 0; n < e.size(); ++n) {
+    const int row = rows.add(e[n]);
+    Eigen::Index column = 0;
+    for (const int i : support.a) rows.add(row, scene_.robots[contact.A.robot].idx_v + i, J(n, column++));
+    for (const int i : support.b) rows.add(row, scene_.robots[contact.B.robot].idx_v + i, J(n, column++));
+  }
+  const Eigen::Index held = std::min<Eigen::Index>(3, e.size());
+  rows.left = {e.head(held).norm(), e.tail(e.size() - held).norm()};
+}
+
+}  // namespace manycontact::internal

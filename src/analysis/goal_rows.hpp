@@ -1,0 +1,44 @@
+#pragma once
+// Errors and Jacobian of goals (analysis/place.hpp), both times the root of each goal's weight.
+
+#include <Eigen/SparseCore>
+#include <map>
+#include <memory>
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/algorithm/rigid_body.hpp"
+#include "manycontact/analysis/place.hpp"
+
+namespace manycontact::internal {
+
+class GoalRows {
+ public:
+  GoalRows(const Scene& scene, const std::vector<Goal>& goals);
+
+  /// e at q.
+  Eigen::VectorXd errors(const Eigen::VectorXd& q);
+  /// J there, rows x nv, of one pattern wherever it is; after errors at this q.
+  Eigen::SparseMatrix<double> jacobian();
+  /// What is left of each goal, without weights; after errors at this q.
+  const std::vector<GoalLeft>& left() const { return left_; }
+
+ private:
+  struct Rows;
+  void frame_rows(const Goal& goal, Rows& rows);
+  void center_rows(const Goal& goal, Rows& rows);
+  void joint_rows(const Goal& goal, Rows& rows);
+  void contact_rows_of(const Goal& goal, Rows& rows);
+  void evaluate(bool with_jacobian);
+  const Kinematics<double>& kin(int robot) const { return *kin_[static_cast<std::size_t>(robot)]; }
+
+  const Scene& scene_;
+  const std::vector<Goal>& goals_;
+  Eigen::VectorXd q_;
+  std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // of robots that have goals
+  std::map<int, RigidBodyData> of_bodies_;                // for centres of mass: by robot, -1: of the scene
+  std::vector<double> e_;
+  std::vector<Eigen::Triplet<double>> J_;
+  std::vector<GoalLeft> left_;
+};
+
+}  // namespace manycontact::internal

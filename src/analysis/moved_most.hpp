@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/analysis/text.hpp"
+
+namespace manycontact::internal {
+
+/// ", q most of all of r/knee, by 0.1"; empty where nothing moved by more than files round.
+inline std::string moved_most(const std::string& what, const std::vector<std::string>& names,
+                              const Eigen::VectorXd& x) {
+  Eigen::Index k = 0;
+  const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
+  if (!(most >= kPlacementError)) return "";
+  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,49 @@
+#include "scene_parts.hpp"
+
+namespace manycontact::io {
+namespace {
+
+// Three numbers by one attribute, or each by its own.
+void read_three(const Element& e, const char* together, const std::array<const char*, 3>& apart,
+                const std::array<std::optional<double>*, 3>& out) {
+  const auto all = e.numbers<3>(together);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (all) *out[k] = (*all)[k];
+    if (!e.has(apart[k])) continue;
+    if (all) e.where(apart[k]).fail(e.label(apart[k]) + " stands beside " + together + ", expected one of them");
+    *out[k] = e.required_number(apart[k]);
+  }
+}
+
+}  // namespace
+
+void add_poses(const std::vector<Element>& elements, SceneFile& out) {
+  EndReader ends(out);
+  for (const Element& e : elements) {
+    e.allow_attributes({"frame", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
+    e.allow_children({});
+    const End end = ends.read(e, "frame");
+    const std::string written = e.required("frame");
+    if (end.shifted) e.where("frame").fail("frame of <pose> is " + quote(written) + ", expected it without +k or -k");
+    if (end.frame.joint < 0)
+      e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
+    ScenePose pose;
+    pose.file = *e.where().file;
+    pose.line = e.line();
+    read_three(e, "xyz", {"x", "y", "z"}, {&pose.x, &pose.y, &pose.z});
+    read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
+    if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
+      e.fail("<pose> of " + quote(written) +
+             " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+    SE3<double> offset;
+    if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
+    for (int i = 0; i < end.count; ++i) {
+      const int robot = end.first + i;
+      pose.name = out.scene.robots[robot].name + "/" + end.frame.name;
+      pose.frame = {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
+      out.poses.push_back(pose);
+    }
+  }
+}
+
+}  // namespace manycontact::io

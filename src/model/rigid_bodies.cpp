@@ -1,0 +1,119 @@
+#include "manycontact/model/rigid_bodies.hpp"
+
+#include <stdexcept>
+
+#include "manycontact/model/suggestion.hpp"
+
+namespace manycontact {
+
+RigidBodies::RigidBodies(const Scene& scene, const std::string& robot) : scene_(&scene), count_(1) {
+  const auto found = scene.robot_index.find(robot);
+  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
+  first_ = found->second;
+}
+
+RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity) : gravity_(gravity) {
+  if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
+  alone_.emplace();
+  alone_->name = model.name;
+  alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // the caller's
+  alone_->base = base;
+}
+
+std::span<const Robot> RigidBodies::robots() const {
+  if (alone_) return {&*alone_, 1};
+  const std::span<const Robot> all = scene_->robots;
+  return count_ < 0 ? all : all.subspan(static_cast<std::size_t>(first_), static_cast<std::size_t>(count_));
+}
+
+namespace {
+
+int sum(const RigidBodies& bodies, int (*of)(const Model&)) {
+  int total = 0;
+  for (const Robot& robot : bodies.robots()) total += of(*robot.model);
+  return total;
+}
+
+}  // namespace
+
+int RigidBodies::nq() const {
+  return sum(*this, [](const Model& m) { return m.nq; });
+}
+int RigidBodies::nv() const {
+  return sum(*this, [](const Model& m) { return m.nv; });
+}
+int RigidBodies::njoints() const {
+  return sum(*this, [](const Model& m) { return m.njoints(); });
+}
+
+namespace {
+
+// The link that a joint of the file carries, fixed joints too; -1: none.
+int frame_behind(const Model& model, const std::string& joint) {
+  for (std::size_t i = 0; i < model.frames.size(); ++i)
+    if (model.frames[i].parent_joint == joint) return static_cast<int>(i);
+  return -1;
+}
+
+int frame_number(const Model& model, const std::string& name) {
+  const int frame = model.find_frame(name);
+  return frame >= 0 || name.empty() ? frame : frame_behind(model, name);
+}
+
+int joint_number(const Model& model, const std::string& name) { return model.find_joint(name); }
+
+struct Found {
+  int robot = 0, number = 0;
+};
+
+// "name" of the only robot, or "robot/name".
+template <class Number, class None>
+Found find(const RigidBodies& bodies, const std::string& name, Number&& number, None&& none) {
+  const std::span<const Robot> robots = bodies.robots();
+  if (robots.size() == 1)
+    if (const int k = number(*robots[0].model, name); k >= 0) return {0, k};
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string& own = robots[r].name;
+    if (name.size() <= own.size() || name[own.size()] != '/' || !name.starts_with(own)) continue;
+    const std::string inside = name.substr(own.size() + 1);
+    if (const int k = number(*robots[r].model, inside); k >= 0) return {static_cast<int>(r), k};
+    throw std::invalid_argument(none(robots[r], inside));
+  }
+  if (robots.size() == 1) throw std::invalid_argument(none(robots[0], name));
+  std::vector<std::string> known;
+  for (const Robot& robot : robots) known.push_back(robot.name);
+  const std::string robot = name.substr(0, name.find('/'));
+  throw std::invalid_argument(name == robot ? quote(name) + " names no robot, expected robot/name"
+                                            : "there is no robot " + quote(robot) + ", " + suggestion(robot, known));
+}
+
+template <class Named>
+std::vector<std::string> names(const RigidBodies& bodies, std::vector<Named> Model::*list) {
+  const bool alone = bodies.robots().size() == 1;
+  std::vector<std::string> out;
+  for (const Robot& robot : bodies.robots())
+    for (const Named& item : (*robot.model).*list) out.push_back(alone ? item.name : robot.name + "/" + item.name);
+  return out;
+}
+
+}  // namespace
+
+Attachment frame_called(const RigidBodies& bodies, const std::string& name) {
+  const Found found = find(bodies, name, frame_number, [](const Robot& robot, const std::string& frame) {
+    return no_frame(robot.name, *robot.model, frame);
+  });
+  const Frame& frame = bodies.robots()[static_cast<std::size_t>(found.robot)].model->frames[found.number];
+  return {bodies.first() + found.robot, frame.joint, frame.placement, frame.name};
+}
+
+BodyJoint joint_called(const RigidBodies& bodies, const std::string& name) {
+  const Found found = find(bodies, name, joint_number, [](const Robot& robot, const std::string& joint) {
+    return "robot " + quote(robot.name) + ": " + no_joint(*robot.model, joint);
+  });
+  return {bodies.first() + found.robot, found.number};
+}
+
+std::vector<std::string> frame_names(const RigidBodies& bodies) { return names(bodies, &Model::frames); }
+std::vector<std::string> joint_names(const RigidBodies& bodies) { return names(bodies, &Model::joints); }
+
+}  // namespace manycontact

@@ -1,0 +1,75 @@
+#pragma once
+// RigidBodies in Python: a Scene, a Model or an object of that class; frames by name.
+
+#include <variant>
+
+#include "manycontact/model/rigid_bodies.hpp"
+#include "objects.hpp"
+
+namespace manycontact::python {
+
+/// What functions take as their first argument, by the Python object that keeps it.
+struct Bodies {
+  std::shared_ptr<void> keeper;
+  std::optional<RigidBodies> view;
+};
+
+/// A frame by its name or as an Attachment; a joint by its name.
+struct FrameName {
+  std::variant<std::string, Handle<Attachment>> of = std::string();
+  Attachment in(const RigidBodies& bodies) const {
+    const auto* name = std::get_if<std::string>(&of);
+    return name ? frame_called(bodies, *name) : std::get<Handle<Attachment>>(of).get();
+  }
+};
+
+}  // namespace manycontact::python
+
+namespace pybind11::detail {
+
+template <>
+struct type_caster<manycontact::RigidBodies> {
+  static constexpr auto name = const_name("Union[manycontact.Scene, manycontact.Model, manycontact.RigidBodies]");
+  template <class>
+  using cast_op_type = const manycontact::RigidBodies&;
+
+  bool load(handle source, bool convert) {
+    using namespace manycontact;
+    make_caster<std::shared_ptr<python::Bodies>> bodies;
+    make_caster<std::shared_ptr<Scene>> scene;
+    make_caster<std::shared_ptr<Model>> model;
+    if (source.is_none()) return false;
+    if (bodies.load(source, convert)) {
+      view_.emplace(*cast_op<std::shared_ptr<python::Bodies>&>(bodies)->view);
+    } else if (scene.load(source, convert)) {
+      view_.emplace(*cast_op<std::shared_ptr<Scene>&>(scene));
+    } else if (model.load(source, convert)) {
+      view_.emplace(*cast_op<std::shared_ptr<Model>&>(model));
+    } else {
+      return false;
+    }
+    return true;
+  }
+  operator const manycontact::RigidBodies&() { return *view_; }
+
+ private:
+  std::optional<manycontact::RigidBodies> view_;
+};
+
+template <>
+struct type_caster<manycontact::python::FrameName> {
+  PYBIND11_TYPE_CASTER(manycontact::python::FrameName, const_name("Union[str, manycontact.Attachment]"));
+  bool load(handle source, bool convert) {
+    using namespace manycontact;
+    if (isinstance<str>(source)) {
+      value.of = source.cast<std::string>();
+      return true;
+    }
+    make_caster<python::Handle<Attachment>> attachment;
+    if (source.is_none() || !attachment.load(source, convert)) return false;
+    value.of = cast_op<python::Handle<Attachment>&>(attachment);
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

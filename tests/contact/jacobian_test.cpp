@@ -1,0 +1,85 @@
+// J, a0 and the forces of contacts on bodies, by the equations that a solve's answer obeys, and by differences.
+
+#include "manycontact/contact/jacobian.hpp"
+
+#include <gtest/gtest.h>
+
+#include "contact/scene_rows.hpp"
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/algorithm/rigid_body.hpp"
+#include "manycontact/dynamics/solve.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+RandomScene some_scene(unsigned seed) {
+  std::mt19937 rng(seed);
+  SceneOptions options;
+  options.friction = 0.2;
+  return random_scene(rng, options);
+}
+
+TEST(ContactJacobian, SolutionsObeyTheEquations) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    RandomScene s = some_scene(seed);
+    std::vector<char> active(s.scene.contacts.size(), 1);
+    active[0] = 0;
+    SceneData data(s.scene);
+    data.active = active;
+    ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
+    const Eigen::MatrixXd J = contact_jacobian(s.scene, s.q, active);
+    const VectorXd a0 = contact_drift(s.scene, s.q, s.v, active);
+    ASSERT_EQ(J.rows(), data.f.size());
+    EXPECT_LE(size_of(J * data.a + a0), 1e-9 * (1 + size_of(a0)));
+
+    RigidBodyData bodies(s.scene);
+    const Eigen::MatrixXd M = crba(s.scene, s.q, bodies);
+    const VectorXd h = nonlinear_effects(s.scene, s.q, s.v, bodies);
+    VectorXd tau = VectorXd::Zero(s.scene.nv);
+    for (const Robot& robot : s.scene.robots)
+      for (int k = 0; k < robot.model->nu(); ++k) tau[robot.idx_v + robot.model->actuated[k]] = s.u[robot.idx_u + k];
+    const double size = 1 + size_of(h) + size_of(J.transpose() * data.f);
+    EXPECT_LE(size_of(M * data.a + h - J.transpose() * data.f - tau), 1e-9 * size);
+
+    const auto forces = contact_forces_on_bodies(s.scene, s.q, data.f, data.f_offset);
+    EXPECT_LE(difference_of(rnea(s.scene, s.q, s.v, data.a, bodies, forces), tau), 1e-9 * size);
+    EXPECT_GT(size_of(forces[0]) + size_of(forces.back()) + data.f.norm(), 0);
+  }
+}
+
+// J v and its drift are rates: of what A does against B', seen in quadruple precision.
+TEST(ContactJacobian, DriftIsTheRateOfJv) {
+  for (unsigned seed = 21; seed <= 26; ++seed) {
+    RandomScene s = some_scene(seed);
+    for (Contact& contact : s.scene.contacts) contact.alpha = contact.beta = 0;
+    const Eigen::MatrixXd J = contact_jacobian(s.scene, s.q);
+    const VectorXd a0 = contact_drift(s.scene, s.q, s.v);
+    const double h = 1e-6;
+    const auto velocities = [&](double t) -> VectorXd {
+      return contact_jacobian(s.scene, integrate(s.scene, s.q, t * s.v)) * s.v;
+    };
+    const VectorXd rates = (velocities(h) - velocities(-h)) / (2 * h);
+    Eigen::Index row = 0;
+    for (const Contact& contact : s.scene.contacts) {
+      // of rows in A's axes; world-aligned ones turn, and a0 has what A's axes see
+      if (contact.reference_frame == ReferenceFrame::kLocal && contact.type == ContactType::k6D) {
+        EXPECT_LE(difference_of(a0.segment(row, 6), rates.segment(row, 6)), 1e-7 * (1 + size_of(rates)));
+      }
+      row += contact.rows();
+    }
+    EXPECT_EQ(row, J.rows());
+  }
+}
+
+TEST(ContactJacobian, SizesAreLookedAt) {
+  RandomScene s = some_scene(3);
+  EXPECT_THROW((void)contact_jacobian(s.scene, s.q.head(2)), std::invalid_argument);
+  EXPECT_THROW((void)contact_jacobian(s.scene, s.q, {1}), std::invalid_argument);
+  EXPECT_THROW((void)contact_drift(s.scene, s.q, s.v.head(1)), std::invalid_argument);
+  EXPECT_THROW((void)contact_forces_on_bodies(s.scene, s.q, s.v.head(1), {0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace manycontact::test
