@@ -286,6 +286,9 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   if (!small && !(measure_ <= kProgress * last_measure_)) {
     set_penalty(std::min(rho_ * rho_factor_, rho_max_ * scale_));
     curved_ = false;
+  } else if (small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > rho_init_) {
+    // The constraints' own rounding times the penalty is what multipliers are wrong by: those at hand need less of it.
+    set_penalty(std::max(rho_ / rho_factor_, rho_init_));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,
                         tolerance_after(measure_, rho_, th_constraint_));
