@@ -1,0 +1,93 @@
+// manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices, native
+// byte order), to standard output. Exit status 1: the reason why there are none stands there instead, one line. A program
+// of its own because assimp 5 crashes on malicious files, or takes all memory; what it may take is limited here.
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestFile = std::uintmax_t(1) << 28;  // 256 MB, as of other files
+
+// What a mesh names, materials and textures, is neither needed nor opened.
+struct NoFiles : Assimp::IOSystem {
+  bool Exists(const char*) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
+  void Close(Assimp::IOStream*) override {}
+};
+
+void limit(int resource, rlim_t most) {
+  rlimit now{};
+  if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return;
+  now.rlim_cur = std::min(most, now.rlim_max);
+  (void)setrlimit(static_cast<__rlimit_resource>(resource), &now);
+}
+
+int refuse(const std::string& why) {
+  std::fputs(why.c_str(), stdout);
+  return 1;
+}
+
+void write(const aiMesh& part) {
+  for (unsigned k = 0; k < part.mNumFaces; ++k) {
+    const aiFace& face = part.mFaces[k];
+    if (face.mNumIndices != 3) continue;  // a line or a point
+    for (unsigned i = 0; i < 3; ++i) {
+      if (face.mIndices[i] >= part.mNumVertices) std::abort();
+      const aiVector3D& p = part.mVertices[face.mIndices[i]];
+      const std::array<float, 3> vertex{p.x, p.y, p.z};
+      std::fwrite(vertex.data(), sizeof vertex, 1, stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return refuse("usage: manycontact-mesh FILE");
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_CPU, 60);  // seconds
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes of addresses
+  limit(RLIMIT_AS, rlim_t(1) << 32);
+#endif
+
+  const fs::path path = argv[1];
+  std::string format = path.extension().string();
+  std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (format != ".dae" && format != ".obj" && format != ".stl")
+    return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) return refuse("cannot be opened, expected a mesh");
+  if (size > kLargestFile) return refuse("is larger than 256 MB, expected a mesh");
+  if (size == 0) return refuse("is empty, expected a mesh");
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+
+  // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever its
+  // <up_axis>: so does rviz, for which robots are made.
+  Assimp::Importer importer;
+  importer.SetIOHandler(new NoFiles);  // the importer deletes it
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFileFromMemory(
+      bytes.data(), bytes.size(), aiProcess_Triangulate | aiProcess_PreTransformVertices, format.c_str() + 1);
+  if (!scene) return refuse(std::string("cannot be read, expected a mesh; assimp: ") + importer.GetErrorString());
+  for (unsigned k = 0; k < scene->mNumMeshes; ++k) write(*scene->mMeshes[k]);
+  return 0;
+}
