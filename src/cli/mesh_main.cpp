@@ -1,6 +1,7 @@
-// manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices, native
-// byte order), to standard output. Exit status 1: the reason why there are none stands there instead, one line. A program
-// of its own because assimp 5 crashes on malicious files, or takes all memory; what it may take is limited here.
+// manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices,
+// native byte order), to standard output. Exit status 1: the reason why there are none stands there instead.
+// A program of its own because assimp crashes on malicious files (a COLLADA node that holds itself), or takes all
+// memory; its time and memory are limited here.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -13,6 +14,7 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -32,11 +34,11 @@ struct NoFiles : Assimp::IOSystem {
   void Close(Assimp::IOStream*) override {}
 };
 
-void limit(int resource, rlim_t most) {
+void limit(auto resource, rlim_t most) {
   rlimit now{};
-  if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return;
-  now.rlim_cur = std::min(most, now.rlim_max);
-  (void)setrlimit(static_cast<__rlimit_resource>(resource), &now);
+  if (getrlimit(resource, &now) != 0) return;
+  now.rlim_cur = std::min(most, now.rlim_cur);
+  (void)setrlimit(resource, &now);
 }
 
 int refuse(const std::string& why) {
@@ -62,7 +64,7 @@ void write(const aiMesh& part) {
 int main(int argc, char** argv) {
   if (argc != 2) return refuse("usage: manycontact-mesh FILE");
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, 60);  // seconds
+  limit(RLIMIT_CPU, 30);                                             // seconds
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes of addresses
   limit(RLIMIT_AS, rlim_t(1) << 32);
 #endif
@@ -80,13 +82,15 @@ int main(int argc, char** argv) {
   if (size == 0) return refuse("is empty, expected a mesh");
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
 
-  // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever its
-  // <up_axis>: so does rviz, for which robots are made.
+  // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever
+  // its <up_axis>: so does rviz, for which robots are made.
   Assimp::Importer importer;
   importer.SetIOHandler(new NoFiles);  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFileFromMemory(
-      bytes.data(), bytes.size(), aiProcess_Triangulate | aiProcess_PreTransformVertices, format.c_str() + 1);
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str() + 1);
+  if (scene && std::none_of(scene->mMeshes, scene->mMeshes + scene->mNumMeshes, [](auto* m) { return m->HasFaces(); }))
+    return refuse("has no triangles, expected some");
+  if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (!scene) return refuse(std::string("cannot be read, expected a mesh; assimp: ") + importer.GetErrorString());
   for (unsigned k = 0; k < scene->mNumMeshes; ++k) write(*scene->mMeshes[k]);
   return 0;

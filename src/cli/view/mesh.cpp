@@ -26,7 +26,8 @@ Mesh load_mesh(const std::string& path) {
   std::FILE* pipe = popen(("exec " + reader + " " + shell_quoted(path) + " 2>/dev/null").c_str(), "r");
   std::string out;
   std::array<char, 1 << 16> block;
-  for (std::size_t n = 1; pipe && n > 0; out.append(block.data(), n)) n = std::fread(block.data(), 1, block.size(), pipe);
+  for (std::size_t n = 1; pipe && n > 0; out.append(block.data(), n))
+    n = std::fread(block.data(), 1, block.size(), pipe);
   const int status = pipe ? pclose(pipe) : -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 1) throw InputError(path, 1, out);
   if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
