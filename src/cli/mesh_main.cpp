@@ -1,5 +1,5 @@
 // manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices,
-// native byte order), to standard output. Exit status 1: the reason why there are none stands there instead.
+// native byte order), to standard output. Exit status 3: the reason why there are none stands there instead.
 // A program of its own because assimp crashes on malicious files (a COLLADA node that holds itself), or takes all
 // memory; its time and memory are limited here.
 
@@ -7,32 +7,18 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::uintmax_t kLargestFile = std::uintmax_t(1) << 28;  // 256 MB, as of other files
-
-// What a mesh names, materials and textures, is neither needed nor opened.
-struct NoFiles : Assimp::IOSystem {
-  bool Exists(const char*) const override { return false; }
-  char getOsSeparator() const override { return '/'; }
-  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
-  void Close(Assimp::IOStream*) override {}
-};
 
 void limit(auto resource, rlim_t most) {
   rlimit now{};
@@ -43,7 +29,7 @@ void limit(auto resource, rlim_t most) {
 
 int refuse(const std::string& why) {
   std::fputs(why.c_str(), stdout);
-  return 1;
+  return 3;
 }
 
 void write(const aiMesh& part) {
@@ -63,31 +49,22 @@ void write(const aiMesh& part) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return refuse("usage: manycontact-mesh FILE");
+  alarm(60);  // seconds
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, 30);                                             // seconds
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes of addresses
   limit(RLIMIT_AS, rlim_t(1) << 32);
 #endif
 
-  const fs::path path = argv[1];
-  std::string format = path.extension().string();
+  std::string format = std::filesystem::path(argv[1]).extension().string();
   std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
   if (format != ".dae" && format != ".obj" && format != ".stl")
     return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) return refuse("cannot be opened, expected a mesh");
-  if (size > kLargestFile) return refuse("is larger than 256 MB, expected a mesh");
-  if (size == 0) return refuse("is empty, expected a mesh");
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
 
   // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever
   // its <up_axis>: so does rviz, for which robots are made.
   Assimp::Importer importer;
-  importer.SetIOHandler(new NoFiles);  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str() + 1);
+  const aiScene* scene = importer.ReadFile(argv[1], 0);
   if (scene && std::none_of(scene->mMeshes, scene->mMeshes + scene->mNumMeshes, [](auto* m) { return m->HasFaces(); }))
     return refuse("has no triangles, expected some");
   if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);

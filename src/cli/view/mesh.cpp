@@ -29,7 +29,7 @@ Mesh load_mesh(const std::string& path) {
   for (std::size_t n = 1; pipe && n > 0; out.append(block.data(), n))
     n = std::fread(block.data(), 1, block.size(), pipe);
   const int status = pipe ? pclose(pipe) : -1;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 1) throw InputError(path, 1, out);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 3) throw InputError(path, 1, out);
   if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
     throw InputError(path, 1,
                      "is not read, meshes need manycontact-mesh beside this program: install libassimp-dev (Debian's "
