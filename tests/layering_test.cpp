@@ -41,6 +41,7 @@ const std::vector<Guarded> guarded = {
     {"OpenMP belongs to one file, which sees no Eigen", std::regex("omp\\.h"),
      std::regex("src/dynamics/parallel\\.cpp")},
     {"MPI belongs to the program manycontact-mpi", std::regex("mpi\\.h"), std::regex("src/cli/mpi_main\\.cpp")},
+    {"assimp belongs to the program manycontact-mesh", std::regex("assimp/.*"), std::regex("src/cli/mesh_main\\.cpp")},
     {"boost belongs to spatial/scalar.hpp and quad.hpp", std::regex("boost/.*"),
      std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
 };
@@ -262,6 +263,7 @@ TEST(Layering, CheckerRefusesBadIncludes) {
       {"src/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},
       {"src/dynamics/batch.cpp", "<omp.h>"},
       {"src/cli/batch/batch.cpp", "<mpi.h>"},
+      {"src/cli/view/mesh.cpp", "<assimp/scene.h>"},
   };
   for (const auto& [file, header] : bad)
     EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;

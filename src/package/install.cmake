@@ -45,7 +45,7 @@ if(NOT PROJECT_IS_TOP_LEVEL)
 endif()
 
 # ---- the programs ---------------------------------------------------------------------------------------------------
-foreach(program IN ITEMS manycontact_cli manycontact_optimize manycontact_chart manycontact_mpi)
+foreach(program IN ITEMS manycontact_cli manycontact_optimize manycontact_chart manycontact_mesh manycontact_mpi)
   if(TARGET ${program})
     install(TARGETS ${program} COMPONENT program)
   endif()

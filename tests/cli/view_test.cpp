@@ -3,6 +3,7 @@
 #include <cmath>
 #include <regex>
 
+#include "cli/mesh.hpp"
 #include "cli/page.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/io/task_file.hpp"
@@ -254,6 +255,11 @@ TEST_F(View, CapsulesAndMeshes) {
   std::filesystem::create_directories(path("parts/m"));
   std::ofstream(path("parts/m/tip.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1/1 2/1 4/1\n";
   const ViewPage page = view(one);
+  if (!reads_meshes()) {
+    expect_contains(out, "capsules stand for 1 mesh: ");
+    expect_contains(out, "install libassimp-dev");
+    GTEST_SKIP() << "built without assimp";
+  }
   expect_lacks(out, "capsules");
   const auto shape = page.scene["models"][0]["shapes"][0];
   EXPECT_EQ(shape["shape"], "mesh");
@@ -268,6 +274,12 @@ TEST_F(View, CapsulesAndMeshes) {
   expect_contains(over.err, "tip.obj', which is read");
   view(one);
   expect_lacks(out, "capsules");
+
+  // One that assimp follows until its stack overflows.
+  std::ofstream(path("parts/m/cycle.dae")) << collada("", R"(<node id="a"><instance_node url="#a"/></node>)");
+  robot("one.urdf", std::regex_replace(mesh, std::regex("tip.obj"), "cycle.dae"));
+  EXPECT_EQ(view(one).scene["models"][0]["shapes"][1]["shape"], "capsule");
+  expect_contains(out, "cycle.dae:1: cannot be read, assimp failed at it");
 }
 
 // A leaf ends where its farthest frame is, not in the floor below; one whose mass reaches farther ends with that.

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/io/mesh.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/io/urdf.hpp"
@@ -82,7 +81,6 @@ TEST_F(Limits, FilesThatDoNotEnd) {
   EXPECT_TRUE(refused("pipe"));  // nobody writes to it: reading would not return
   const std::string task = write("task.xml", "<task scene=\"pipe\" step=\"1\"/>");
   EXPECT_THROW((void)read_task(task), InputError);
-  EXPECT_THROW((void)load_mesh(pipe), InputError);
 }
 
 // No recursion over links: a chain is as deep as it is long.

@@ -4,11 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 
-#include "manycontact/io/mesh.hpp"
 #include "support/folder.hpp"
 
 namespace manycontact {
@@ -93,55 +90,6 @@ TEST_F(Visuals, MeshesAreFound) {
   setenv("ROS_PACKAGE_PATH", (folder_ / "ros/other").c_str(), 1);
   EXPECT_EQ(find_mesh(urdf, "package://other/meshes/m.stl"), elsewhere);
   unsetenv("ROS_PACKAGE_PATH");
-}
-
-TEST_F(Visuals, Stl) {
-  const Mesh text = load_mesh(write("t.STL",
-                                    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
-                                    "vertex 0 2 0\nendloop\nendfacet\nendsolid\n"));
-  ASSERT_EQ(text.triangles.size(), 1u);
-  EXPECT_EQ(text.vertices[2], (std::array<float, 3>{0, 2, 0}));
-
-  std::string bytes("solid, though binary");
-  bytes.resize(80);
-  const auto append = [&](auto x) {
-    char raw[sizeof x];
-    std::memcpy(raw, &x, sizeof x);
-    bytes.append(raw, sizeof x);
-  };
-  append(std::uint32_t{2});
-  for (int facet = 0; facet < 2; ++facet) {
-    for (int k = 0; k < 12; ++k) append(static_cast<float>(k + 100 * facet));
-    append(std::uint16_t{0});
-  }
-  const Mesh binary = load_mesh(write("b.stl", bytes));
-  ASSERT_EQ(binary.triangles.size(), 2u);
-  EXPECT_EQ(binary.vertices[0], (std::array<float, 3>{3, 4, 5}));
-  EXPECT_EQ(binary.vertices[5], (std::array<float, 3>{109, 110, 111}));
-
-  const auto refused = [&](const std::string& text_of_file) {
-    return error_of([&] { load_mesh(write("bad.stl", text_of_file)); });
-  };
-  EXPECT_TRUE(refused(bytes.substr(0, 150)).starts_with("1: has no triangles"));  // cut short
-  EXPECT_TRUE(refused("").starts_with("1: has no triangles"));
-  EXPECT_TRUE(refused("solid\nvertex 0 0\n").starts_with("2: a vertex has fewer"));
-  EXPECT_TRUE(refused("solid\nvertex 0 0 0\nendloop\n").starts_with("3: a facet has not three"));
-  EXPECT_TRUE(refused("solid\nvertex 0 0 x\n").starts_with("2: "));
-}
-
-TEST_F(Visuals, Obj) {
-  const Mesh mesh = load_mesh(write("m.obj",
-                                    "# a square\no s\nv 0 0 0\nv 1 0 0 1\nv 1 1 0\nvn 0 0 1\nvt 0 0\n"
-                                    "v 0 1 0\nf 1//1 2/1 3/1/1 -1\n"));
-  EXPECT_EQ(mesh.vertices.size(), 4u);
-  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
-  const auto refused = [&](const std::string& text) { return error_of([&] { load_mesh(write("bad.obj", text)); }); };
-  EXPECT_TRUE(refused("v 0 0 0\nf 1 1 2\n").starts_with("2: a face's corner '2' is no vertex"));
-  EXPECT_TRUE(refused("v 0 0 0\nf 1 1 0\n").starts_with("2: a face's corner '0'"));
-  EXPECT_TRUE(refused("v 0 0 0\nf 1 1 -2\n").starts_with("2: a face's corner '-2'"));
-  EXPECT_TRUE(refused("v 0 0 0\nf 1 1 1x\n").starts_with("2: a face's corner '1x'"));
-  EXPECT_TRUE(refused("v 0 0 0\n").starts_with("1: has no triangles"));
-  EXPECT_TRUE(error_of([&] { load_mesh(write("m.dae", "")); }).starts_with("1: is no mesh that can be read"));
 }
 
 }  // namespace

@@ -11,9 +11,13 @@ namespace manycontact::cli {
 
 namespace fs = std::filesystem;
 
+std::string program_beside(const std::string& name) {
+  return (fs::read_symlink("/proc/self/exe").parent_path() / name).string();
+}
+
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                     const std::string& how) {
-  const std::string path = (fs::read_symlink("/proc/self/exe").parent_path() / name).string();
+  const std::string path = program_beside(name);
   std::vector<char*> argv{const_cast<char*>(path.c_str()), const_cast<char*>(command.c_str())};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);

@@ -6,6 +6,9 @@
 
 namespace manycontact::cli {
 
+/// Where the program `name` stands, or would stand: in this program's folder.
+std::string program_beside(const std::string& name);
+
 /// Becomes the program `name` in this program's folder, with `command` and `words` as its arguments. Returns only when
 /// it is not there, or cannot be executed: throws std::runtime_error that says how to get it, `how`.
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,

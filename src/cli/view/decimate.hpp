@@ -1,5 +1,5 @@
 #pragma once
-#include "manycontact/io/mesh.hpp"
+#include "mesh.hpp"
 
 namespace manycontact::cli {
 

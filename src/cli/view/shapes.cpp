@@ -6,8 +6,9 @@
 
 #include "decimate.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/io/mesh.hpp"
+#include "manycontact/io/input_error.hpp"
 #include "manycontact/io/visuals.hpp"
+#include "mesh.hpp"
 #include "page.hpp"
 
 namespace manycontact::cli {
@@ -36,8 +37,8 @@ struct Meshes {
 // The mesh's number in the list; -1 where it cannot be had.
 int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {
   const std::string path = find_mesh(urdf, name);
-  if (path.empty() || !is_mesh_format(path)) {
-    meshes.lost.insert(name + (path.empty() ? " (not found)" : " (neither .stl nor .obj)"));
+  if (path.empty()) {
+    meshes.lost.insert(name + " (not found)");
     return -1;
   }
   const auto [at, is_new] = meshes.index.emplace(path, -1);

@@ -81,8 +81,8 @@ const Command& view_command() {
        {"--friction", "MU", "draws cones at contacts with the world, about their normals"}},
       "Forces are arrows; a trajectory has none without --forces. Contacts are marked, redundant ones with a ring;\n"
       "forces that contacts could share otherwise are pale.\n"
-      "Meshes are read in STL and OBJ; package:// is looked for in the folders above the URDF and in "
-      "ROS_PACKAGE_PATH.\n"
+      "Meshes are read in STL, OBJ and COLLADA (.dae), if assimp was there when this program was built; package:// is\n"
+      "looked for in the folders above the URDF and in ROS_PACKAGE_PATH.\n"
       "Exit status: 0 written; 1 three.js was not there when this program was built; 2 bad usage, bad input or "
       "output.\n",
       run_view};

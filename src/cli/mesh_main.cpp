@@ -1,0 +1,74 @@
+// manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices,
+// native byte order), to standard output. Exit status 3: the reason why there are none stands there instead.
+// A program of its own because assimp crashes on malicious files (a COLLADA node that holds itself), or takes all
+// memory; its time and memory are limited here.
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace {
+
+void limit(auto resource, rlim_t most) {
+  rlimit now{};
+  if (getrlimit(resource, &now) != 0) return;
+  now.rlim_cur = std::min(most, now.rlim_cur);
+  (void)setrlimit(resource, &now);
+}
+
+int refuse(const std::string& why) {
+  std::fputs(why.c_str(), stdout);
+  return 3;
+}
+
+void write(const aiMesh& part) {
+  for (unsigned k = 0; k < part.mNumFaces; ++k) {
+    const aiFace& face = part.mFaces[k];
+    if (face.mNumIndices != 3) continue;  // a line or a point
+    for (unsigned i = 0; i < 3; ++i) {
+      if (face.mIndices[i] >= part.mNumVertices) std::abort();
+      const aiVector3D& p = part.mVertices[face.mIndices[i]];
+      const std::array<float, 3> vertex{p.x, p.y, p.z};
+      std::fwrite(vertex.data(), sizeof vertex, 1, stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return refuse("usage: manycontact-mesh FILE");
+  alarm(60);  // seconds
+  limit(RLIMIT_CORE, 0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes of addresses
+  limit(RLIMIT_AS, rlim_t(1) << 32);
+#endif
+
+  std::string format = std::filesystem::path(argv[1]).extension().string();
+  std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (format != ".dae" && format != ".obj" && format != ".stl")
+    return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
+
+  // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever
+  // its <up_axis>: so does rviz, for which robots are made.
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(argv[1], 0);
+  if (scene && std::none_of(scene->mMeshes, scene->mMeshes + scene->mNumMeshes, [](auto* m) { return m->HasFaces(); }))
+    return refuse("has no triangles, expected some");
+  if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  if (!scene) return refuse(std::string("cannot be read, expected a mesh; assimp: ") + importer.GetErrorString());
+  for (unsigned k = 0; k < scene->mNumMeshes; ++k) write(*scene->mMeshes[k]);
+  return 0;
+}
