@@ -96,6 +96,19 @@ TEST_F(Constraints, AtTheEndOfReachConvergeToo) {
   }
 }
 
+// Bryson and Denham's: no fineness of its nodes leaves multipliers that the penalty's rounding spoils.
+TEST_F(Constraints, OfBrysonAndDenhamConvergeAtAnyFineness) {
+  for (const int nodes : {60, 120, 180}) {
+    TaskFile task = read_task(MANYCONTACT_SOURCE_DIR "/models/published/bryson_denham.xml");
+    task.integrator = TaskIntegrator::kEuler;
+    task.step = 1.0 / nodes;
+    task.phases.front().nodes = nodes;
+    const TaskSolution s = solved(task);
+    EXPECT_TRUE(s.converged) << nodes << " nodes: " << s.reason << " " << s.kkt_residual;
+    EXPECT_NEAR(s.cost, 4, 100.0 / (nodes * nodes)) << nodes;
+  }
+}
+
 TEST_F(Constraints, ThatCannotHoldAreReported) {
   TaskFile task = with("",
                        R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
