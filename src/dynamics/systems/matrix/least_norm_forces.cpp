@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "../../internal.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
@@ -101,14 +104,25 @@ void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, Isl
   const Linearisation& lin = *data.workspace->linearisation;
   IslandDerivatives& rho = w.with_rho;
   if (rho.X.rows() != m.owner.island.size()) lay_out(scene, m.owner.island, {true, false, false, false}, rho);
-  w.with = data.f;
-  for (int c : m.owner.island.contacts)
-    w.with.segment(data.f_offset[c], scene.contacts[c].rows()) += lin.contacts[c].W * lin.contacts[c].x;
+  w.with.setZero(data.f.size());
+  double largest = 0, of_rho = 0;  // of what -dr1 is made of, and of rho
+  for (int c : m.owner.island.contacts) {
+    auto of_contact = w.with.segment(data.f_offset[c], scene.contacts[c].rows());
+    of_contact = lin.contacts[c].W * lin.contacts[c].x;
+    of_rho = std::max(of_rho, of_contact.cwiseAbs().maxCoeff());
+    largest = std::max(largest, data.f.segment(data.f_offset[c], of_contact.size()).cwiseAbs().maxCoeff());
+  }
+  for (int r : m.owner.island.robots) largest = std::max(largest, data.workspace->robots[r].h.cwiseAbs().maxCoeff());
+  // Beside forces of 1e4 N a rho of 1e-6 m/s^2 would be lost in their rounding: it is as large as they are.
+  const double scale =
+      of_rho > 0 && largest > of_rho ? std::exp2(std::min(std::ceil(std::log2(largest / of_rho)), 200.0)) : 1;
+  w.with = data.f + scale * w.with;
   derivative_terms(scene, data, m.owner.island, w.with);
   rho.X.setZero();
   derivative_rhs(scene, lin, data.v, m.owner, rho);
   derivative_terms(scene, data, m.owner.island, data.f);
   rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
+  rho.X.topLeftCorner(rho.nv, rho.nv) /= scale;
   rho.X.bottomRows(rho.nc).setZero();
   solve_panel(scene, m, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
   out.X.block(out.nv, out.q_first, out.nc, out.nv) -= rho.X.block(rho.nv, 0, rho.nc, rho.nv);

@@ -89,7 +89,8 @@ void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, Pa
                       m.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
   const bool refine =
       m.factor->own_refinements() == 0 &&
-      (judged || (m.first_error > tolerance::kRefinePanel && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
+      (judged || m.deficient() ||
+       (m.first_error > tolerance::kRefinePanel && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
   const bool at_once = refine && !judged && m.factor->refines_panels();
   if (refine && !at_once) std::copy_n(out.X.data(), out.X.size(), work.B.data());
   solve_blocks(scene, m, out, at_once, work.nonzero);
