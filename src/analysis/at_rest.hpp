@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manycontact/contact/motion_of.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "motion_of.hpp"
 
 namespace manycontact::internal {
 

@@ -3,8 +3,8 @@
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/text.hpp"
+#include "manycontact/contact/motion_of.hpp"
 #include "manycontact/spatial/explog.hpp"
-#include "motion_of.hpp"
 
 namespace manycontact {
 

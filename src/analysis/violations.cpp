@@ -3,8 +3,8 @@
 
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/contact/motion_of.hpp"
 #include "manycontact/contact/normal.hpp"
-#include "motion_of.hpp"
 
 namespace manycontact {
 

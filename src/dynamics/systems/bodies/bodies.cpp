@@ -180,9 +180,9 @@ const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const At
 }  // namespace internal
 
 bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
-  internal::BodyAnswer in_parts, whole;
-  if (internal::solve_in_parts(scene, data, *this, in_parts)) {
-    internal::report_answer(scene, in_parts, report);
+  internal::BodyAnswer by_subtrees, whole;
+  if (internal::solve_by_subtrees(scene, data, *this, by_subtrees)) {
+    internal::report_answer(scene, by_subtrees, report);
     return true;
   }
   report.method = Method::kSparseBodies;

@@ -78,7 +78,7 @@ struct BodyAnswer {
 };
 
 /// Subtree by subtree; false where the island is one subtree, or one has no sound answer.
-bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
+bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
 /// The pieces of both: a robot's node, a contact's rows, in equations numbered from node `at`, coordinate `dof` and row
 /// `first` on.

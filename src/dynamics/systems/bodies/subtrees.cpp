@@ -26,8 +26,8 @@ void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& us
 }
 
 // The equations of a subtree, its bases moved as the body above is.
-void evaluate_part(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
-                   BodiesSystem::Slot& slot) {
+void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
+                      BodiesSystem::Slot& slot) {
   BodySystem& s = slot.system;
   BodyVectors& b = slot.solution.b;
   slot.subtree = &subtree;
@@ -58,7 +58,7 @@ bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& hel
 }
 
 // Accelerations and forces of a subtree.
-void put_part(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
+void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
   const BodySubtree& subtree = *slot.subtree;
   const BodyPattern& p = *subtree.pattern;
   const BodyVectors& x = slot.solution.x;
@@ -99,7 +99,7 @@ bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, Bod
       if (factorize_and_solve(*system, shape.ldl, *solution, refinement) != Reason::kNone) return false;
       factor_nonzeros = nonzeros(*shape.pattern, shape.ldl);
     }
-    put_part(scene, data, bodies, slot);
+    put_subtree(scene, data, bodies, slot);
     if (const int above = slot.subtree->above; above >= 0) {
       const double left = reaction_of(slot, bodies.held[above].hold, bodies.reaction[above]);
       if (!(left <= tolerance::kConverged)) return false;
@@ -113,14 +113,14 @@ bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, Bod
 
 }  // namespace
 
-bool solve_in_parts(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodyAnswer& answer) {
+bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodyAnswer& answer) {
   if (bodies.shapes.empty() || scene.damping > 0) return false;
   for (BodiesSystem::Shape& shape : bodies.shapes) shape.filled = 0;
   begin_evaluation(scene, data, bodies);
   for (const BodySubtree& subtree : bodies.subtrees->subtrees) {
     BodiesSystem::Shape& shape = bodies.shapes[subtree.shape];
     BodiesSystem::Slot& slot = shape.slots[shape.filled++];
-    evaluate_part(scene, data, bodies, subtree, slot);
+    evaluate_subtree(scene, data, bodies, subtree, slot);
     for (int c = subtree.first_cut; c < subtree.end_cut; ++c)
       if (!hold_body(slot, bodies.subtrees->cuts[c], bodies.held[c])) return false;
     if (shape.filled == shape.slots.size() && !solve_filled(scene, data, bodies, shape, answer)) return false;

@@ -35,11 +35,18 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
   report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
 }
 
-// Whether fewer rows depend on each other than at the start, but for the contacts' drift: now they do.
-bool drifted_apart(const Scene& scene, const SceneData& data, MatrixSystem& m, const IslandReport& report) {
+// solve(), which says whether there is an answer; once more with J changed where fewer rows depend on each other than
+// at the start, but for the contacts' drift.
+template <class Solve>
+bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
+                          Solve&& solve) {
+  const bool answered = solve();
   const int depend = m.factor ? report.nc - report.rank : 0;
-  if (depend >= m.owner.depended || m.tolerated > 0) return false;
-  return (m.tolerated = m.within.make_dependent(scene, *data.workspace, m.owner)) > 0;
+  if (depend >= m.owner.depended || m.tolerated > 0) return answered;
+  m.tolerated = m.within.make_dependent(scene, *data.workspace, m.owner);
+  if (m.tolerated == 0) return answered;
+  internal::reset(report, m.owner.island);
+  return solve();
 }
 
 // Of the state at hand: K, and x by the first factor that is sound.
@@ -48,10 +55,8 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
   m.factor = nullptr;
   if (!internal::joint_space_fits(m.owner)) return false;
   internal::evaluate_at_solution(scene, data, m.owner);
-  const bool answered = internal::solve_by_fallbacks(scene, data, thread.scratch, m, report);
-  if (!drifted_apart(scene, data, m, report)) return answered;
-  internal::reset(report, m.owner.island);
-  return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report);
+  return solve_with_kept_rows(scene, data, m, report,
+                              [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
 }  // namespace
@@ -65,11 +70,9 @@ bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread
 
 bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
   internal::evaluate_at_solution(scene, data, owner);
-  was_dependent = internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
-  if (drifted_apart(scene, data, *this, report)) {
-    internal::reset(report, owner.island);
-    was_dependent = internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
-  }
+  was_dependent = solve_with_kept_rows(scene, data, *this, report, [&] {
+    return internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
+  });
   if (was_dependent) take_answer(scene, data, *this, report);
   return was_dependent;
 }

@@ -21,8 +21,6 @@
 #include <numeric>
 
 #include "../../internal.hpp"
-#include "manycontact/dynamics/keep_dependent.hpp"
-#include "manycontact/dynamics/solve.hpp"
 #include "manycontact/sparse/dependent_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
@@ -78,8 +76,8 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   w.turns.assign(d.island.nv, 0);
   for (std::size_t k = 0; k < d.island.robots.size(); ++k)
     fill_turning(*scene.robots[d.island.robots[k]].model, w.turns.data() + d.island.dof_offset[k]);
-  w.contact.clear(), w.row.clear();
-  w.columns.assign(d.island.nv, {});
+  if (!w.columns.empty()) return;  // the rest is the shape's
+  w.columns.resize(d.island.nv);
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     for (int i = 0; i < scene.contacts[d.island.contacts[k]].rows(); ++i)
       w.contact.push_back(static_cast<int>(k)), w.row.push_back(i);
@@ -225,19 +223,6 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
 
 bool is_inexact(const Scene& scene, const IslandWork& d) {
   return d.island.nc > 0 && (scene.tolerance > 0 || d.depended > 0);
-}
-
-void keep_dependent(SceneData& data) {
-  for (const auto& d : data.workspace->islands)
-    d->depended = d->answered_by(&d->matrix) && d->matrix.deficient() ? d->island.nc - d->matrix.factor->rank() : 0;
-}
-
-void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
-  data.active = of.active;
-  prepare(scene, data);
-  if (data.workspace->islands.size() != of.workspace->islands.size()) return;  // by another method
-  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
-    data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;
 }
 
 }  // namespace manycontact

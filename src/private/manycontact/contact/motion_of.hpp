@@ -37,23 +37,33 @@ class MotionOf {
   Eigen::VectorXd own_v_;
 };
 
-/// look(c, rows) for each contact flagged `active`, with all of its rows at q and v (nullptr: at rest) but J.
-template <class Look>
+/// look(c, support, rows) for each contact flagged `active`, at q and v (nullptr: at rest). support_of(contact): the
+/// columns of J, which has those alone.
+template <class Support, class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                     const double* v, Look&& look) {
+                     const double* v, Support&& support_of, Look&& look) {
   MotionOf on_A(scene, q, v), on_B(scene, q, v);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (!active[c]) continue;
     const Contact& contact = scene.contacts[c];
-    const ContactSupport none;
-    ContactData<double> rows(contact, none);
+    const ContactSupport support = support_of(contact);
+    ContactData<double> rows(contact, support);
     const Kinematics<double>& kinA = on_A.of(contact.A.robot);
     const Kinematics<double>* kinB = contact.B.robot < 0                  ? nullptr
                                      : contact.B.robot == contact.A.robot ? &kinA
                                                                           : &on_B.of(contact.B.robot);
-    contact_rows<double>(scene, contact, none, kinA, kinB, rows);
-    look(static_cast<int>(c), rows);
+    contact_rows<double>(scene, contact, support, kinA, kinB, rows);
+    look(static_cast<int>(c), support, rows);
   }
+}
+
+/// look(c, rows), all of its rows but J.
+template <class Look>
+void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
+                     const double* v, Look&& look) {
+  each_contact_at(
+      scene, active, q, v, [](const Contact&) { return ContactSupport(); },
+      [&](int c, const ContactSupport&, const ContactData<double>& rows) { look(c, rows); });
 }
 
 }  // namespace manycontact::internal

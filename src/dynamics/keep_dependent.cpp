@@ -1,0 +1,20 @@
+#include "manycontact/dynamics/keep_dependent.hpp"
+
+#include "workspace.hpp"
+
+namespace manycontact {
+
+void keep_dependent(SceneData& data) {
+  for (const auto& d : data.workspace->islands)
+    d->depended = d->answered_by(&d->matrix) && d->matrix.deficient() ? d->island.nc - d->matrix.factor->rank() : 0;
+}
+
+void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
+  data.active = of.active;
+  prepare(scene, data);
+  if (data.workspace->islands.size() != of.workspace->islands.size()) return;  // by another method
+  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
+    data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;
+}
+
+}  // namespace manycontact
