@@ -1,7 +1,7 @@
 // Frames, the whole, and what joints carry, at the data's state.
 
 #include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/algorithm/frame_axes.hpp"
 #include "rigid_body_memory.hpp"
 
 namespace manycontact {
@@ -15,12 +15,6 @@ namespace {
 
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
-
-FrameAxes axes_of(ReferenceFrame frame) {
-  return frame == ReferenceFrame::kLocal   ? FrameAxes::kLocal
-         : frame == ReferenceFrame::kWorld ? FrameAxes::kWorld
-                                           : FrameAxes::kLocalWorldAligned;
-}
 
 // A frame's robot among these; nullptr: the frame is the world's.
 const Robot* robot_of(const char* function, const RigidBodies& bodies, int robot, int joint, int& number) {

@@ -6,6 +6,7 @@
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "manycontact/spatial/rpy.hpp"
 
 namespace manycontact::internal {
 
@@ -15,12 +16,6 @@ using Vec3d = Vec3<double>;
 using Mat3d = Mat3<double>;
 
 bool all(const Partial& x) { return x[0] && x[1] && x[2]; }
-
-// Rz(yaw) Ry(pitch) Rx(roll)
-Mat3d rotation_of_rpy(double roll, double pitch, double yaw) {
-  return rotation_about<double>(Vec3d::UnitZ(), yaw) * rotation_about<double>(Vec3d::UnitY(), pitch) *
-         rotation_about<double>(Vec3d::UnitX(), roll);
-}
 
 // Jlog3(w): log3(R exp3(d)) = log3(R) + Jlog3 d.
 Mat3d log3_derivative(const Vec3d& w) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/spatial/rpy.hpp"
 #include "scene_parts.hpp"
 
 namespace manycontact::io {
@@ -24,10 +25,7 @@ bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
 SE3<double> read_base(const Element& robot) {
   SE3<double> base;
   if (const auto xyz = robot.numbers<3>("xyz")) base.p = Vec3<double>(xyz->data());
-  if (const auto rpy = robot.numbers<3>("rpy"))
-    base.R = rotation_about<double>(Vec3<double>::UnitZ(), (*rpy)[2]) *
-             rotation_about<double>(Vec3<double>::UnitY(), (*rpy)[1]) *
-             rotation_about<double>(Vec3<double>::UnitX(), (*rpy)[0]);
+  if (const auto rpy = robot.numbers<3>("rpy")) base.R = rotation_of_rpy((*rpy)[0], (*rpy)[1], (*rpy)[2]);
   return base;
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "manycontact/spatial/rpy.hpp"
 #include "xml.hpp"
 
 namespace manycontact {
@@ -17,8 +18,7 @@ SE3<double> origin_of(const io::Element& visual) {
   const auto xyz = origin->numbers<3>("xyz").value_or(std::array<double, 3>{});
   const auto rpy = origin->numbers<3>("rpy").value_or(std::array<double, 3>{});
   at.p = {xyz[0], xyz[1], xyz[2]};
-  at.R = rotation_about<double>(Vec3<double>::UnitZ(), rpy[2]) * rotation_about<double>(Vec3<double>::UnitY(), rpy[1]) *
-         rotation_about<double>(Vec3<double>::UnitX(), rpy[0]);
+  at.R = rotation_of_rpy(rpy[0], rpy[1], rpy[2]);
   return at;
 }
 

@@ -7,7 +7,7 @@
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/algorithm/frame_axes.hpp"
 
 namespace manycontact::python {
 
@@ -72,12 +72,6 @@ struct PyResidual : ResidualModelAbstract {
     PYBIND11_OVERRIDE_PURE(void, Base, calcDiff, data, x, u);
   }
 };
-
-FrameAxes axes_of(ReferenceFrame type) {
-  return type == ReferenceFrame::kLocal   ? FrameAxes::kLocal
-         : type == ReferenceFrame::kWorld ? FrameAxes::kWorld
-                                          : FrameAxes::kLocalWorldAligned;
-}
 
 // da/dx (nv, ndx) and da/du (nv, nu) of the last calc.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> acceleration_derivatives(const DataCollector& d) {

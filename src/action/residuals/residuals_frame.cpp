@@ -1,7 +1,7 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/frame_residuals.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/algorithm/frame_axes.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "residual_parts.hpp"
 
@@ -154,22 +154,6 @@ ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMult
 ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                        const Vec6<double>& vref, ReferenceFrame type)
     : ResidualModelFrameVelocity(state, id, vref, type, internal::given(state).get_nv()) {}
-
-namespace {
-
-FrameAxes axes_of(ReferenceFrame type) {
-  switch (type) {
-    case ReferenceFrame::kLocal:
-      return FrameAxes::kLocal;
-    case ReferenceFrame::kWorld:
-      return FrameAxes::kWorld;
-    case ReferenceFrame::kLocalWorldAligned:
-      return FrameAxes::kLocalWorldAligned;
-  }
-  return FrameAxes::kLocal;
-}
-
-}  // namespace
 
 void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                       const ConstVectorRef&) {
