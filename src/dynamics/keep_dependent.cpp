@@ -5,8 +5,11 @@
 namespace manycontact {
 
 void keep_dependent(SceneData& data) {
-  for (const auto& d : data.workspace->islands)
-    d->depended = d->answered_by(&d->matrix) && d->matrix.deficient() ? d->island.nc - d->matrix.factor->rank() : 0;
+  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
+    IslandWork& d = *data.workspace->islands[i];
+    const IslandReport& report = data.report.islands[i];
+    d.depended = d.answered_by(&d.matrix) || d.answered_by(&d.alone) ? report.nc - report.rank : 0;
+  }
 }
 
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {

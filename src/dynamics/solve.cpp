@@ -62,7 +62,10 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
 }  // namespace
 
 void reset_warm_starts(SceneData& data) {
-  for (const auto& island : data.workspace->islands) island->matrix.was_dependent = false;
+  for (const auto& island : data.workspace->islands) {
+    island->matrix.was_dependent = false;
+    island->alone.dependent = nullptr;
+  }
 }
 
 void reset(IslandReport& report, const Island& island) {
@@ -83,7 +86,7 @@ void solve_dependent(const Scene& scene, SceneData& data) {
   if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->matrix.was_dependent; })) return;
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
-    if (!d.matrix.was_dependent) return;
+    if (!d.matrix.was_dependent || d.answered) return;
     d.matrix.was_dependent = false;
     if (check_input(scene, w.q, data.v, data.tau, d.island) != Reason::kNone) return;
     reset(data.report.islands[i], d.island);
@@ -118,6 +121,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   ++w.state;  // never given twice, whatever became of the solve that had it
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);
+  solve_alone_as_dependent(scene, data);
   solve_dependent(scene, data);
   solve_alone(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
@@ -130,6 +134,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     solve_island(scene, data, thread, d, data.report.islands[i]);
     if (!d.answered) fail(scene, data, d.island, data.report.islands[i]);
   });
+  solve_alone_as_found(scene, data);
   summarise(data.report);
   w.prescribed = nullptr;
   data.serial = w.current = w.state;

@@ -44,6 +44,7 @@ struct BlockPlan {
   std::shared_ptr<const KktPattern> inner;    // without the border, in the same order
   sparse::LdlSchedule bordered;               // of all columns but the border's, where it has one
   std::vector<ContactSupport> supports;
+  std::vector<int> dropped;  // rows of K that depend on others, ascending: they have no pivot. Not of the border
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
   const sparse::LdlSchedule& schedule() const { return border > 0 ? bordered : pattern->schedule(); }

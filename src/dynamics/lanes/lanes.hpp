@@ -67,6 +67,8 @@ struct Answer {
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once.
   bool panel_is_safe = false, refine_panel = false;
+  // Where the plan drops rows: whether the contacts contradict each other above rounding, and so far that it is told.
+  bool contradiction = false, inconsistent = false;
 };
 
 /// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts

@@ -6,14 +6,18 @@
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 
+#include "../contact_drift.hpp"
 #include "../robot_quantities.hpp"
 #include "arrays.hpp"
 #include "checks.hpp"
+#include "dependent_rows.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
+#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -129,13 +133,20 @@ class RobotBlock {
   void check_rows(const Scene& scene, Robots robots);
   void assemble_rows(double damping);
   void assemble_right_side(const Job& job, Robots robots);
-  void apply_inverse(S* x) const;
+  void factorize(Prefetch prefetch = {});
+  void solve_by_factor(S* x) const;
+  void apply_inverse(S* x);
   Mask correct(Mask open);
   void residual_and_sizes();
   S residual();
   S residual(Mask same_sizes);
   void refine();
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
+  // of rows that depend on each other
+  void size_rows(const Scene& scene, Robots robots);
+  void restore_contradiction();
+  S drift(const Scene& scene, Robots robots) const;
+  void report_dependence(const Job& job, Robots robots, std::span<Answer> answers) const;
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
   // with a border
@@ -218,6 +229,7 @@ class RobotBlock {
   Numbers n_;           // those at work
   std::vector<S> own_;  // of robots alone
   std::vector<S> pivot_terms_, r_, scale_;
+  std::optional<DependentRows<S>> dependent_;  // where the plan drops rows
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
   std::array<int, W> kept_;
@@ -306,6 +318,7 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     columns_.push_back(support.a);
     columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
   }
+  if (!plan_->dropped.empty()) dependent_.emplace(pattern_, model_->nv, rows_, plan_->dropped);
   const sparse::LdlSymbolic& ldl = pattern_.ldl;
   for (int j = rows_; j < ldl.n; ++j)
     for (int i = rows_; i < j; ++i) {
@@ -421,18 +434,39 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   n_ = numbers_in(reinterpret_cast<double*>(own_.data()));
   set_up(job, robots);
   keep(job.serial, robots);
-  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
-                               as_scalar(pivot_terms_.data()));
-  usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_) &
-            accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+  factorize();
+  if (dependent_) {
+    size_rows(job.scene, robots);
+    usable_ = usable_ & dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
+  } else {
+    usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_) &
+              accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+  }
   refine();
   report(job, robots, answers);
+  if (dependent_) report_dependence(job, robots, answers);
 }
 
-/// x <- K^-1 x
+/// L and D, without the rows that depend on others.
 template <class S>
-void RobotBlock<S>::apply_inverse(S* x) const {
+void RobotBlock<S>::factorize(Prefetch prefetch) {
+  if (dependent_) dependent_->damp(n_.K);
+  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
+                               as_scalar(pivot_terms_.data()), prefetch);
+  if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
+}
+
+template <class S>
+void RobotBlock<S>::solve_by_factor(S* x) const {
   sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+}
+
+/// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 (I - P) x.
+template <class S>
+void RobotBlock<S>::apply_inverse(S* x) {
+  if (dependent_) dependent_->project_out(x);
+  solve_by_factor(x);
+  if (dependent_) dependent_->project_out(x);
 }
 
 /// x += K^-1 r in the lanes that are open. Where no entry moves by more than kSameSize of itself: there |K| |x| stays
@@ -474,11 +508,13 @@ S RobotBlock<S>::residual(Mask same_sizes) {
 /// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
 template <class S>
 void RobotBlock<S>::refine() {
+  if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Refinement<S> refined(usable_, residual(), [&](Mask open) { return residual(correct(open)); });
   steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
+  if (dependent_) restore_contradiction();
 }
 
 template <class S>
@@ -504,6 +540,67 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
     answer.residual_dynamics = dynamics.ratio(lane);
     answer.residual_contact = contact.ratio(lane);
     scatter(job.scene, job.f_offset, robots[l], lane, job.a, job.f);
+  }
+}
+
+// ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
+
+/// What rows of J are judged beside.
+template <class S>
+void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const S moved = row_scale<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_scale<S>(c, contacts_[k], 3) : moved;
+    for (int i = 0; i < c.rows(); ++i) dependent_->row_size[rows_of(k)[i]] = i < 3 ? moved : turned;
+  }
+}
+
+/// Rows of b and r with what was taken out of them: what dependent rows contradict each other by.
+template <class S>
+void RobotBlock<S>::restore_contradiction() {
+  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    const S of_null = dependent_->null_component[k];
+    scale_[k] -= abs(n_.b[k]);
+    n_.b[k] += of_null;
+    r_[k] += of_null;
+    scale_[k] += abs(n_.b[k]);
+  }
+  backward_error_ = componentwise_error<S>(r_, scale_.data());
+}
+
+template <class S>
+S RobotBlock<S>::drift(const Scene& scene, Robots robots) const {
+  S largest(0);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const Vec3<S> standing = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
+    largest = larger(internal::contact_drift<S>(c, contacts_[k], *model_, robot_.kin, *model_, robot_.kin, standing),
+                     largest);
+  }
+  return largest;
+}
+
+/// How far the contacts contradict each other.
+template <class S>
+void RobotBlock<S>::report_dependence(const Job& job, Robots robots, std::span<Answer> answers) const {
+  S left(0), Ja(0), a0(0);
+  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    left = larger(abs(dependent_->null_component[k]), left);
+    Ja = larger(scale_[k] - abs(n_.b[k]), Ja);
+    a0 = larger(abs(n_.b[k]), a0);
+  }
+  const S terms = drift(job.scene, robots);
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    const auto contradict = [&](double of_rows) {
+      return !(left[lane] <= of_rows * (Ja[lane] + a0[lane])) &&
+             !(left[lane] <= tolerance::kDriftRounding * terms[lane]);
+    };
+    answers[l].contradiction = contradict(tolerance::kDriftRounding);
+    answers[l].inconsistent = contradict(tolerance::kContradiction);
+    answers[l].panel_is_safe = false;  // the whole K differentiates
   }
 }
 
@@ -581,8 +678,7 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
     for (int i = 0; i < count; ++i) n_.K[*slot++] = joins_[i];
     next += JoinedEnd::size(cols);
   }
-  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
-                               as_scalar(pivot_terms_.data()), prefetch_of(memory));
+  factorize(prefetch_of(memory));
   const std::size_t rows = static_cast<std::size_t>(rows_);
   const Mask good = accept_pivots<S>(model_->nv, {n_.D, rows}, pivot_terms_.data(), diagonal());
   const Growth<S> growth(rows, pivot_terms_.data(), diagonal());
@@ -741,8 +837,7 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
     for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
   if (kept || !alone) return;
   assemble_rows(job.scene.damping);
-  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
-                               as_scalar(pivot_terms_.data()));
+  factorize();
 }
 
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.

@@ -56,23 +56,10 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// The largest term that the contacts' a0 are computed from. Of the bodies' velocities and accelerations as the tree has
-// them, about its base: at the contact they may cancel.
+// The largest term that the contacts' a0 are computed from.
 double drift_size(const Scene& scene, const Workspace& w, const Island& island) {
   double largest = 0;
-  const auto moving = [&](const Attachment& at) {
-    if (at.robot < 0 || at.joint < 0) return;
-    const Kinematics<double>& kin = w.robots[at.robot].kin;
-    const double v = kin.v[at.joint].cwiseAbs().maxCoeff();
-    largest = std::max({largest, kin.a[at.joint].cwiseAbs().maxCoeff(), v * v});
-  };
-  for (int c : island.contacts) {
-    moving(scene.contacts[c].A), moving(scene.contacts[c].B);
-    // A place in the world that was left out, or computed, is as good as its own digits, however far away it is.
-    const Contact& contact = scene.contacts[c];
-    const double far = contact.B.robot < 0 ? contact.B.placement.p.cwiseAbs().maxCoeff() : 0;
-    largest = std::max({largest, row_terms(scene, w, c), std::abs(contact.alpha) * far});
-  }
+  for (int c : island.contacts) largest = std::max(largest, contact_drift(scene, w, c));
   return largest;
 }
 

@@ -79,6 +79,10 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) return factor;
+  if (owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) {  // what rows it is for K to drop
+    internal::evaluate_at_solution(scene, data, owner);
+    if (internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, thread.spare_report)) return true;
+  }
   return solve_at_state(scene, data, thread, *this, thread.spare_report);
 }
 

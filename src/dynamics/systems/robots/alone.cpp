@@ -1,5 +1,7 @@
 // Robots alone in lanes: islands of one robot, as many side by side as there are lanes.
 
+#include <algorithm>
+
 #include "../../internal.hpp"
 #include "../../threads.hpp"
 #include "robots.hpp"
@@ -18,34 +20,55 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
 
 namespace {
 
-void take_answer(const Workspace& w, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   report.method = Method::kSparseLdl;
-  report.order = d.choice.order;
-  report.factor_nonzeros = d.shape->pattern(d.choice.order)->ldl.nonzeros() + d.island.size();
+  report.order = &by == d.alone.group ? d.choice.order : Order::kLeafToRoot;
+  report.factor_nonzeros = by.plan->factor_nonzeros() + d.island.size();
   report.refinement_steps = answer.refinement_steps;
   report.residual_dynamics = answer.residual_dynamics;
   report.residual_contact = answer.residual_contact;
   report.backward_error = answer.backward_error;
   d.answered = &d.alone;
   d.factorizations = 1;
+  d.alone.by = &by;
   d.alone.state = w.state;
   d.alone.panel_is_safe = answer.panel_is_safe;
   d.alone.refine_panel = answer.refine_panel;
 }
 
-// The islands that `wanted` holds for into w.lanes, in batches of as many as stand side by side.
+// The rows of an island that its plan drops, numbered as data.f has them.
+void name_dependent_rows(const SceneData& data, const IslandWork& d, IslandReport& report) {
+  const KktPattern& p = *d.alone.by->plan->pattern;
+  const std::vector<int>& offset = d.island.row_offset;
+  for (int k : d.alone.by->plan->dropped) {
+    const int row = p.perm[k] - p.nv;
+    const auto c = std::upper_bound(offset.begin(), offset.end(), row) - offset.begin() - 1;
+    report.dependent_rows.push_back(data.f_offset[d.island.contacts[c]] + row - offset[c]);
+  }
+  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
+}
+
+void take_dependence(const SceneData& data, const lanes::Answer& answer, const IslandWork& d, IslandReport& report) {
+  report.status = answer.inconsistent ? Status::kInconsistent : Status::kRedundant;
+  report.reason = Reason::kSmallPivot;
+  report.changed_order = d.choice.order != Order::kLeafToRoot;
+  report.rank -= static_cast<int>(d.alone.by->plan->dropped.size());
+  name_dependent_rows(data, d, report);
+}
+
+// The islands that wanted(island, group) holds for into w.lanes, in batches of as many as stand side by side.
 template <class Wanted>
 void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
   InLanes& in = w.lanes;
   in.islands.clear();
   in.robots.clear();
   in.batches.clear();
-  for (const auto& [key, group] : in.groups) {
+  for (auto& [key, group] : in.groups) {
     bool begun = false;
     for (int i : group.islands) {
       const Island& island = w.islands[i]->island;
-      if (!wanted(*w.islands[i])) continue;
+      if (!wanted(*w.islands[i], group)) continue;
       if (!begun || in.batches.back().count == in.level->width ||
           !lanes::alike(scene, w.islands[in.islands[in.batches.back().first]]->island.contacts, island.contacts))
         in.batches.push_back({&group, static_cast<int>(in.robots.size()), 0});
@@ -60,38 +83,98 @@ void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
 using Robots = std::span<lanes::RobotBlocks::Robot>;
 using Numbers = std::span<const int>;
 
-// use(kernel, robots, numbers of their islands, memory of the thread) for each batch.
+// use(group, robots, numbers of their islands, memory of the thread) for each batch.
 template <class Wanted, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
   InLanes& in = w.lanes;
   form_batches(scene, w, wanted);
   each_item(w, in.batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const auto [group, first, count] = in.batches[k];
-    use(*group->kernels[thread.number], Robots(in.robots).subspan(first, count),
-        Numbers(in.islands).subspan(first, count), thread);
+    use(*group, Robots(in.robots).subspan(first, count), Numbers(in.islands).subspan(first, count), thread);
   });
 }
 
 auto served_by(const Workspace& w) {
-  return [&w](const IslandWork& d) { return d.alone.answered(w); };
+  return [&w](const IslandWork& d, const BlockGroup& by) { return d.alone.answered(w) && d.alone.by == &by; };
+}
+
+bool usable_damping(const Scene& scene) { return scene.damping >= 0 && std::isfinite(scene.damping); }
+
+}  // namespace
+
+namespace {
+
+template <class Wanted>
+void solve_in_lanes(const Scene& scene, SceneData& data, Wanted&& wanted) {
+  Workspace& w = *data.workspace;
+  const lanes::Job job = job_at_state(scene, data);
+  each_in_lanes(scene, w, wanted, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+    group.kernels[thread.number]->solve(job, robots, {thread.answers.data(), robots.size()});
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      const lanes::Answer& answer = thread.answers[k];
+      if (!answer.sound) continue;
+      IslandWork& d = *w.islands[numbers[k]];
+      IslandReport& report = data.report.islands[numbers[k]];
+      take_answer(w, group, answer, d, report);
+      if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
+    }
+  });
+}
+
+// The islands whose rows of their own choice of group depend, of those that `wanted` holds for.
+template <class Wanted>
+void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
+  Workspace& w = *data.workspace;
+  for (auto& [key, group] : w.lanes.groups)
+    if (!group.plan->dropped.empty()) group.islands.clear();
+  bool any = false;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandWork& d = *w.islands[i];
+    if (!d.alone.dependent || !wanted(d)) continue;
+    d.alone.tried = w.state;
+    d.alone.dependent->islands.push_back(static_cast<int>(i));
+    any = true;
+  }
+  if (any)
+    solve_in_lanes(scene, data, [](const IslandWork&, const BlockGroup& by) { return !by.plan->dropped.empty(); });
+}
+
+bool may_drop_rows(const Scene& scene, const IslandWork& d) {
+  return scene.damping == 0 && d.alone.group && !is_inexact(scene, d);
 }
 
 }  // namespace
 
 void solve_alone(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return;
-  const lanes::Job job = job_at_state(scene, data);
+  if (!usable_damping(scene)) return;
   // Not those answered already, nor those whose rows are certain to depend on each other.
-  const auto wanted = [&scene](const IslandWork& d) {
-    return !d.answered && !is_inexact(scene, d) && (scene.damping > 0 || d.island.nc <= d.island.nv);
-  };
-  each_in_lanes(scene, w, wanted, [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
-    kernel.solve(job, robots, {thread.answers.data(), robots.size()});
-    for (std::size_t k = 0; k < robots.size(); ++k)
-      if (thread.answers[k].sound)
-        take_answer(w, thread.answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+  solve_in_lanes(scene, data, [&scene](const IslandWork& d, const BlockGroup& by) {
+    return &by == d.alone.group && !d.answered && !is_inexact(scene, d) &&
+           (scene.damping > 0 || d.island.nc <= d.island.nv);
   });
+}
+
+void solve_alone_as_dependent(const Scene& scene, SceneData& data) {
+  solve_as_dependent(scene, data, [&scene](const IslandWork& d) {
+    return may_drop_rows(scene, d) && static_cast<int>(d.alone.dependent->plan->dropped.size()) >= d.depended;
+  });
+}
+
+void solve_alone_as_found(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  const auto found = [&scene](const IslandWork& d) {
+    return may_drop_rows(scene, d) && d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.safe.get() &&
+           d.matrix.deficient() && d.matrix.tolerated == 0;
+  };
+  bool any = false;
+  for (const auto& d : w.islands) {
+    if (!found(*d)) continue;
+    const BlockGroup* before = d->alone.dependent;
+    find_dependent_group(w, *d);
+    if (d->alone.dependent != before) d->alone.tried = 0;
+    any = any || (d->alone.dependent && d->alone.tried != w.state);
+  }
+  if (any) solve_as_dependent(scene, data, [&](const IslandWork& d) { return found(d) && d.alone.tried != w.state; });
 }
 
 void differentiate_alone(const Scene& scene, SceneData& data) {
@@ -99,20 +182,19 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool non_temporal = bytes > kCacheBytes;
-  each_in_lanes(
-      scene, w, served_by(w), [&](lanes::RobotBlocks& kernel, Robots robots, Numbers numbers, ThreadWork& thread) {
-        const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
-        const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
-                                       data.a.data(), data.f.data(), data.f_offset, first.request,
-                                       first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                       non_temporal};
-        thread.panels.clear();
-        for (int i : numbers) {
-          IslandDerivatives& out = w.derivatives.islands[i];
-          thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
-        }
-        kernel.differentiate(job, robots, nullptr, thread.panels);
-      });
+  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+    const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
+    const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
+                                   data.a.data(), data.f.data(), data.f_offset, first.request,
+                                   first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
+                                   non_temporal};
+    thread.panels.clear();
+    for (int i : numbers) {
+      IslandDerivatives& out = w.derivatives.islands[i];
+      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
+    }
+    group.kernels[thread.number]->differentiate(job, robots, nullptr, thread.panels);
+  });
 }
 
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
@@ -120,8 +202,9 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
-  each_in_lanes(scene, w, served_by(w),
-                [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.jvp(job, robots); });
+  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+    group.kernels[thread.number]->jvp(job, robots);
+  });
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -129,8 +212,9 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
-  each_in_lanes(scene, w, served_by(w),
-                [&](lanes::RobotBlocks& kernel, Robots robots, Numbers, ThreadWork&) { kernel.vjp(job, robots); });
+  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+    group.kernels[thread.number]->vjp(job, robots);
+  });
 }
 
 }  // namespace internal

@@ -22,10 +22,12 @@ struct Block {
   int robot;
   std::span<const int> contacts, joins;
   std::shared_ptr<const KktPattern> inner;
+  std::span<const int> dropped = {};  // rows of its K that depend on others
 };
 
 std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order order) {
   auto plan = std::make_shared<lanes::BlockPlan>();
+  plan->dropped.assign(block.dropped.begin(), block.dropped.end());
   plan->scene.robots = {block.scene.robots[block.robot]};
   const auto on_first = [](Attachment at) {
     at.robot = std::min(at.robot, 0);
@@ -56,7 +58,7 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   return plan;
 }
 
-// By what a plan depends on: the model, the contacts' types and joints, the order of elimination.
+// By what a plan depends on: the model, the contacts' types and joints, the order of elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   std::vector<int> key{static_cast<int>(order), static_cast<int>(block.contacts.size())};
@@ -69,6 +71,7 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
     key.insert(key.end(), {static_cast<int>(contact.type), end_on(contact, block.robot).joint});
   }
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
+  key.insert(key.end(), block.dropped.begin(), block.dropped.end());
   BlockGroup& group = w.lanes.groups[{scene.robots[block.robot].model.get(), std::move(key)}];
   if (!group.plan) group.plan = make_plan(block, order);
   return group;
@@ -86,6 +89,22 @@ BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
   if (!pattern->schedule().compiled) return nullptr;
   return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
+}
+
+// Memory that comes and goes with the rows that depend: groups whose rows no island has any more are given back where
+// there are many.
+void forget_groups(Workspace& w) {
+  constexpr std::size_t kMost = 64;
+  auto& groups = w.lanes.groups;
+  if (groups.size() < kMost) return;
+  const auto any_has = [](const std::vector<std::unique_ptr<IslandWork>>& islands, const BlockGroup* group) {
+    return std::any_of(islands.begin(), islands.end(), [&](const auto& d) { return d->alone.dependent == group; });
+  };
+  std::erase_if(groups, [&](const auto& item) {
+    const BlockGroup* group = &item.second;
+    return !group->plan->dropped.empty() && !any_has(w.islands, group) &&
+           std::none_of(w.pools.begin(), w.pools.end(), [&](const auto& pool) { return any_has(pool.second, group); });
+  });
 }
 
 bool can_be_joined(const IslandWork& d, const Options& options) {
@@ -248,6 +267,26 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     make_kernels(w, *d.alone.group, !d.alone.group->islands.empty());
     d.alone.group->islands.push_back(static_cast<int>(i));
   }
+}
+
+void find_dependent_group(Workspace& w, IslandWork& d) {
+  constexpr std::size_t kMostDropped = 64;
+  d.matrix.factor->dependent_rows(d.matrix.dependent);
+  std::vector<int>& dropped = d.matrix.dependent;
+  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);  // of its derivatives
+  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(Order::kLeafToRoot);
+  if (dropped.size() > kMostDropped || !pattern->schedule().compiled) {
+    d.alone.dependent = nullptr;
+    return;
+  }
+  for (int& row : dropped) row = pattern->iperm[pattern->nv + row];
+  std::sort(dropped.begin(), dropped.end());
+  if (d.alone.dependent && d.alone.dependent->plan->dropped == dropped) return;
+  forget_groups(w);
+  const Block block{d.shape->scene(), 0, d.shape->island().contacts, {}, pattern, dropped};
+  d.alone.dependent = &group_of(w, block, Order::kLeafToRoot);
+  make_kernels(w, *d.alone.dependent, w.islands.size() > 1);
+  d.alone.dependent->islands.reserve(w.islands.size());
 }
 
 void make_robots(const Scene& scene, Workspace& w, IslandWork& d) {

@@ -47,7 +47,7 @@ struct InLanes {
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of a call: the islands it is about, those that stand side by side one after the other
   struct Batch {
-    const BlockGroup* group;
+    BlockGroup* group;
     int first, count;  // of islands and robots
   };
   std::vector<int> islands;
@@ -58,8 +58,11 @@ struct InLanes {
 /// An island of one robot that stands in lanes beside others like it: batch by batch, all of a scene's by one call (the
 /// functions of `alone.cpp` below). Asked for one island it has no answer, and the whole K does what batches left.
 struct AloneSystem final : IslandSystem {
-  BlockGroup* group = nullptr;  // nullptr: it does not stand in lanes; by prepare
-  std::uint64_t state = 0;      // of the last answer that came from a lane
+  BlockGroup* group = nullptr;      // nullptr: it does not stand in lanes; by prepare
+  BlockGroup* dependent = nullptr;  // where rows were found to depend: with the last such rows dropped
+  BlockGroup* by = nullptr;         // which of the two gave the last answer
+  std::uint64_t state = 0;          // of the last answer that came from a lane
+  std::uint64_t tried = 0;          // of the last solve that `dependent` was asked in
   bool panel_is_safe = false;   // whether derivatives may come from there too
   bool refine_panel = false;    // and are refined once
 
@@ -141,8 +144,15 @@ void prepare_robots(const Scene& scene, Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands that stand in lanes alone, at w.q, data.v, data.tau, but for those answered already.
+/// Solves the islands that stand in lanes alone, at w.q, data.v, data.tau, but for those answered already. Before it,
+/// those whose rows depended on each other when last solved, should these rows still do; after all other ways, those
+/// that were found to have other such rows, and answered by the whole K: an answer is the same, to the last bit,
+/// whatever was known before.
 void solve_alone(const Scene& scene, SceneData& data);
+void solve_alone_as_dependent(const Scene& scene, SceneData& data);
+void solve_alone_as_found(const Scene& scene, SceneData& data);
+/// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
+void find_dependent_group(Workspace& work, IslandWork& island);
 /// Derivatives of those that AloneSystem::answered into w.derivatives, and products with them. Vectors in the scene's
 /// coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);

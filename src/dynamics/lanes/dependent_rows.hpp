@@ -1,0 +1,232 @@
+#pragma once
+// Contact rows that depend on each other, of robots side by side: sparse/dependent_rows.hpp for all lanes at once, with
+// the rows that are dropped given. Whether these are the rows that ldl_factor_dependent drops each lane is asked for
+// itself (`hold`); where they are not, another way has to answer.
+
+#include <limits>
+#include <vector>
+
+#include "checks.hpp"
+#include "manycontact/kkt/pattern.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class DependentRows {
+ public:
+  using Mask = typename S::Mask;
+  /// dropped: rows of K, which has nv rows of M before those of J, ascending.
+  DependentRows(const KktPattern& pattern, int nv, int rows, const std::vector<int>& dropped)
+      : pattern_(pattern),
+        nv_(nv),
+        rows_(rows),
+        dropped_(dropped),
+        row_size(rows),
+        null_component(rows),
+        left_(nv),
+        x_(rows),
+        column_(dropped.size()),
+        N_(dropped.size() * static_cast<std::size_t>(rows - nv)),
+        gram_(dropped.size() * dropped.size()),
+        t_(dropped.size()) {
+    for (std::vector<int>& column : column_) column.reserve(rows - nv);
+  }
+
+  /// Before K is factorized: the rows dropped as if they were damped beyond all numbers, which leaves the others as
+  /// they are without them ...
+  void damp(S* K) const {
+    for (int k : dropped_) K[diagonal(k)] = S(-1e200);
+  }
+  /// ... and after: K as it was, without pivots of these.
+  void undamp(S* K, S* D, S* pivot_terms) const {
+    for (int k : dropped_) {
+      K[diagonal(k)] = pivot_terms[k] = S(0);
+      D[k] = S(std::numeric_limits<double>::infinity());
+    }
+  }
+
+  /// Where ldl_factor_dependent drops these rows and no others, by a margin, and they depend on the rows kept in truth.
+  /// Makes the null space and its projector. row_size: set before. solve(x): x <- K_kept^-1 x, all rows of K.
+  template <class Solve>
+  Mask hold(const S* K, const S* L, const S* D, const S* pivot_terms, Solve&& solve) {
+    Mask out = same_rows(K, L, D, pivot_terms);
+    for (std::size_t c = 0; c < dropped_.size(); ++c) {
+      null_column(c, L);
+      S error = residual(c, K);
+      for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {
+        const Mask open = out & (error > S(tolerance::kNullColumn));
+        if (!open.any()) break;
+        refine_column(c, open, solve);
+        error = residual(c, K);
+      }
+      out = out & (error <= S(tolerance::kRowLeft));
+      for (int j : column_[c]) out = out & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+    }
+    form_gram();
+    return out;
+  }
+
+  /// x -= P x, of the rows of J; P x into null_component where `keep`.
+  void project_out(S* x, bool keep = false) {
+    for (std::size_t a = 0; a < dropped_.size(); ++a) {
+      S sum(0);
+      for (int j : column_[a]) sum = multiply_add(N(a, j), x[j], sum);
+      t_[a] = sum;
+    }
+    solve_gram();
+    if (keep) std::fill(null_component.begin(), null_component.end(), S(0));
+    for (std::size_t a = 0; a < dropped_.size(); ++a)
+      for (int j : column_[a]) {
+        x[j] = subtract_product(N(a, j), t_[a], x[j]);
+        if (keep) null_component[j] = multiply_add(N(a, j), t_[a], null_component[j]);
+      }
+  }
+
+ private:
+  int diagonal(int k) const { return pattern_.K.p[k + 1] - 1; }
+  S& N(std::size_t c, int row) { return N_[c * static_cast<std::size_t>(rows_ - nv_) + (row - nv_)]; }
+
+  /// Of a row of J, its largest entry.
+  S largest_entry(const S* K, int k) const {
+    S size(0);
+    for (int p = pattern_.K.p[k]; p < pattern_.K.p[k + 1]; ++p)
+      if (pattern_.K.i[p] < nv_) size = larger(abs(K[p]), size);
+    return size;
+  }
+
+  /// As DependentRowsFactor::drops_the_same (kkt/factor/dependent_rows.cpp) has it, which says why.
+  Mask same_rows(const S* K, const S* L, const S* D, const S* pivot_terms) const {
+    constexpr double kMargin = 10;
+    const S largest(std::numeric_limits<double>::max()), zero(0), one(1);
+    Mask good = zero <= one;
+    S least = one, least_of_J = one;  // as PassedOn has them
+    auto next = dropped_.begin();
+    for (int k = 0; k < rows_; ++k) {
+      if (next != dropped_.end() && *next == k) {
+        ++next;
+        S d(0), terms(0);  // of the pivot that K's own row would have
+        const sparse::LdlSymbolic& s = pattern_.ldl;
+        for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
+          const S l = L[s.Rk[p]], term = select(abs(D[s.Rj[p]]) <= largest, l * l * D[s.Rj[p]], zero);
+          d -= term, terms += abs(term);
+        }
+        const S size = largest_entry(K, k);
+        const S left = select(size > S(tolerance::kRank / kMargin) * row_size[k], abs(d), zero);
+        good = good & (terms <= largest) & (left <= S(tolerance::kPivotLeft / kMargin) * terms);
+        continue;
+      }
+      const S terms = pivot_terms[k], size = abs(D[k]), left = size / (S(kMargin) * terms);
+      const bool of_M = k < nv_;
+      good = good & (left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding)) & (terms <= largest) &
+             (size > S(kMargin * tolerance::kPivotLeft) * terms) & (of_M ? D[k] > zero : D[k] < zero);
+      least = -larger(-left, -least);
+      if (of_M) continue;
+      least_of_J = -larger(-left, -least_of_J);
+      good = good & (largest_entry(K, k) > S(kMargin * tolerance::kRank) * row_size[k]);
+    }
+    return good;
+  }
+
+  /// L^T z = l_k over the rows of J, and the column e_k - z of N.
+  void null_column(std::size_t c, const S* L) {
+    const sparse::LdlSymbolic& s = pattern_.ldl;
+    const int k = dropped_[c];
+    std::fill(x_.begin() + nv_, x_.begin() + k, S(0));
+    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
+      if (s.Rj[p] >= nv_) x_[s.Rj[p]] = L[s.Rk[p]];
+    column_[c].assign(1, k);
+    N(c, k) = S(1);
+    for (int j = k - 1; j >= nv_; --j) {
+      const S z = keep_entry(c, j, x_[j]);
+      if ((abs(z) <= S(0)).all()) continue;
+      for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j] && s.Rj[p] >= nv_; --p)
+        x_[s.Rj[p]] = subtract_product(L[s.Rk[p]], z, x_[s.Rj[p]]);
+    }
+  }
+  /// Entry j of the column, -z, where any lane has one; z as it stands there.
+  S keep_entry(std::size_t c, int j, S z) {
+    z = select(abs(z) <= S(tolerance::kNullEntry), S(0), z);
+    if ((abs(z) <= S(0)).all()) return z;
+    column_[c].push_back(j);
+    N(c, j) = -z;
+    return z;
+  }
+
+  /// left <- J_k - sum_j z_j J_j; its largest entry, beside the sizes of the rows. NaN where any is.
+  S residual(std::size_t c, const S* K) {
+    std::fill(left_.begin(), left_.end(), S(0));
+    S size(0), largest(0), sum(0);
+    for (int j : column_[c]) {
+      const S n = N(c, j);
+      size = larger(abs(n) * row_size[j], size);
+      for (int p = pattern_.K.p[j]; p < pattern_.K.p[j + 1] && pattern_.K.i[p] < nv_; ++p)
+        left_[pattern_.K.i[p]] = multiply_add(n, K[p], left_[pattern_.K.i[p]]);
+    }
+    for (const S& r : left_) largest = larger(abs(r), largest), sum += abs(r);
+    return select(largest > S(0), largest / size, sum);
+  }
+
+  /// z += K_kept^-1 of what z leaves, in the lanes that are open: where the pivots kept were too small for l_k to be
+  /// accurate.
+  template <class Solve>
+  void refine_column(std::size_t c, Mask open, Solve&& solve) {
+    std::fill(x_.begin(), x_.end(), S(0));
+    std::copy(left_.begin(), left_.end(), x_.begin());
+    solve(x_.data());
+    const int k = dropped_[c];
+    for (int j = nv_; j < k; ++j) x_[j] = select(open, x_[j], S(0));
+    std::vector<int>& column = column_[c];
+    for (std::size_t i = 1; i < column.size(); ++i) x_[column[i]] -= N(c, column[i]);
+    column.resize(1);
+    for (int j = k - 1; j >= nv_; --j) (void)keep_entry(c, j, x_[j]);
+  }
+
+  /// The factor of N^T N.
+  void form_gram() {
+    const std::size_t n = dropped_.size();
+    for (std::size_t a = 0; a < n; ++a) {
+      std::fill(x_.begin() + nv_, x_.end(), S(0));
+      for (int j : column_[a]) x_[j] = N(a, j);
+      for (std::size_t b = 0; b <= a; ++b) {
+        S sum(0);
+        for (int j : column_[b]) sum = multiply_add(N(b, j), x_[j], sum);
+        gram_[a * n + b] = sum;
+      }
+    }
+    for (std::size_t a = 0; a < n; ++a) {  // L D L^T in its place, the inverse of D on the diagonal
+      S* row = gram_.data() + a * n;
+      for (std::size_t b = 0; b < a; ++b)
+        for (std::size_t c = 0; c < b; ++c) row[b] = subtract_product(row[c], gram_[b * n + c], row[b]);
+      for (std::size_t b = 0; b < a; ++b) {
+        const S ld = row[b];
+        row[b] = ld * gram_[b * n + b];
+        row[a] = subtract_product(row[b], ld, row[a]);
+      }
+      row[a] = S(1) / row[a];
+    }
+  }
+  void solve_gram() {
+    const std::size_t n = dropped_.size();
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < a; ++b) t_[a] = subtract_product(gram_[a * n + b], t_[b], t_[a]);
+    for (std::size_t a = n; a-- > 0;) {
+      t_[a] *= gram_[a * n + a];
+      for (std::size_t b = a + 1; b < n; ++b) t_[a] = subtract_product(gram_[b * n + a], t_[b], t_[a]);
+    }
+  }
+
+  const KktPattern& pattern_;
+  int nv_, rows_;
+  const std::vector<int>& dropped_;
+
+ public:
+  std::vector<S> row_size;        // per row of J, in K's order: what it is judged beside (contact/row_scale.hpp)
+  std::vector<S> null_component;  // of project_out
+
+ private:
+  std::vector<S> left_, x_;
+  std::vector<std::vector<int>> column_;  // of N: rows other than zero in any lane, that dropped first
+  std::vector<S> N_, gram_, t_;
+};
+
+}  // namespace manycontact::lanes
