@@ -118,7 +118,7 @@ int states_side_by_side(const Workspace& w) {
     return !members.empty() && members.size() < static_cast<std::size_t>(width);
   };
   for (const auto& [key, group] : w.lanes.groups)
-    if (leaves_room(group.islands)) return width;
+    if (group.plan->dropped.empty() && leaves_room(group.islands)) return width;
   return 1;
 }
 

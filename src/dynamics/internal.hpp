@@ -16,6 +16,8 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
                    const Island& island);
 /// An island's report as it is before it is solved; keeps the memory of its list.
 void reset(IslandReport& report, const Island& island);
+/// report.dependent_rows, of rows of the island's J that depend on others: numbered as data.f has them.
+void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
 /// What row i of a contact is asked for, as accelerations.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const double* prescribed = data.workspace->prescribed;

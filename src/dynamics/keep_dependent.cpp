@@ -8,7 +8,7 @@ void keep_dependent(SceneData& data) {
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     const IslandReport& report = data.report.islands[i];
-    d.depended = d.answered_by(&d.matrix) || d.answered_by(&d.alone) ? report.nc - report.rank : 0;
+    d.depended = d.answered && !d.answered_by(d.bodies.get()) ? report.nc - report.rank : 0;
   }
 }
 

@@ -65,6 +65,7 @@ void reset_warm_starts(SceneData& data) {
   for (const auto& island : data.workspace->islands) {
     island->matrix.was_dependent = false;
     island->alone.dependent = nullptr;
+    if (island->robots) island->robots->dropped.clear();
   }
 }
 
@@ -75,6 +76,16 @@ void reset(IslandReport& report, const Island& island) {
   report.dependent_rows = std::move(memory);
   report.nv = island.nv;
   report.nc = report.rank = island.nc;
+}
+
+void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report) {
+  const std::vector<int>& offset = island.row_offset;
+  report.dependent_rows.clear();
+  for (int row : rows) {
+    const auto c = std::upper_bound(offset.begin(), offset.end(), row) - offset.begin() - 1;
+    report.dependent_rows.push_back(data.f_offset[island.contacts[c]] + row - offset[c]);
+  }
+  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
 }
 
 namespace {
@@ -92,6 +103,15 @@ void solve_dependent(const Scene& scene, SceneData& data) {
     reset(data.report.islands[i], d.island);
     if (d.matrix.solve_as_dependent(scene, data, thread, data.report.islands[i])) d.answered = &d.matrix;
   });
+}
+
+// solve(robots, report) of the islands of several robots in lanes: these have their own use for all threads.
+template <class Solve>
+void solve_joined(const Scene& scene, SceneData& data, Solve&& solve) {
+  Workspace& w = *data.workspace;
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    if (IslandWork& d = *w.islands[i]; d.robots && !is_inexact(scene, d) && solve(*d.robots, data.report.islands[i]))
+      d.answered = d.robots.get();
 }
 
 // Checks what every solve is given, u or tau by its name and size, and prepares.
@@ -122,12 +142,14 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);
   solve_alone_as_dependent(scene, data);
+  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
+    return !robots.owner.answered && robots.solve_as_dependent(scene, data, report);
+  });
   solve_dependent(scene, data);
   solve_alone(scene, data);
-  for (std::size_t i = 0; i < w.islands.size(); ++i)  // these have their own use for all threads
-    if (const auto& d = w.islands[i]; d->robots && !d->answered && !is_inexact(scene, *d) &&
-                                      d->robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
-      d->answered = d->robots.get();
+  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
+    return !robots.owner.answered && robots.solve(scene, data, w.threads.front(), report);
+  });
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     if (d.answered) return;
@@ -135,6 +157,9 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     if (!d.answered) fail(scene, data, d.island, data.report.islands[i]);
   });
   solve_alone_as_found(scene, data);
+  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
+    return robots.owner.matrix.dropped_rows() && robots.solve_as_found(scene, data, report);
+  });
   summarise(data.report);
   w.prescribed = nullptr;
   data.serial = w.current = w.state;

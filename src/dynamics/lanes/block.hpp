@@ -63,9 +63,15 @@ struct BlockPlan {
   /// Numbers of a robot from step to step: K and b; behind them its joins, and from `factor` on L, D, x, w in their
   /// place.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
-  std::size_t memory_size() const {
+  std::size_t memory_size() const { return dependence_at() + dependence_size(); }
+  /// Behind all these, where rows are dropped: DependentRows' numbers.
+  std::size_t dependence_at() const {
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
+  }
+  std::size_t dependence_size() const {
+    const auto of_J = static_cast<std::size_t>(rows() - pattern->nv), count = dropped.size();
+    return count == 0 ? 0 : 1 + (2 + count) * of_J + count * count + count * (of_J + 1) / 2 + 1;
   }
   int rows() const { return pattern->size() - border; }            // that are eliminated
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // of L, without its diagonal

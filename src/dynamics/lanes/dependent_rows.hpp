@@ -4,10 +4,11 @@
 // itself (`hold`); where they are not, another way has to answer.
 
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "block.hpp"
 #include "checks.hpp"
-#include "manycontact/kkt/pattern.hpp"
 
 namespace manycontact::lanes {
 
@@ -15,22 +16,31 @@ template <class S>
 class DependentRows {
  public:
   using Mask = typename S::Mask;
-  /// dropped: rows of K, which has nv rows of M before those of J, ascending.
-  DependentRows(const KktPattern& pattern, int nv, int rows, const std::vector<int>& dropped)
-      : pattern_(pattern),
-        nv_(nv),
-        rows_(rows),
-        dropped_(dropped),
-        row_size(rows),
-        null_component(rows),
-        left_(nv),
-        x_(rows),
-        column_(dropped.size()),
-        N_(dropped.size() * static_cast<std::size_t>(rows - nv)),
-        gram_(dropped.size() * dropped.size()),
-        t_(dropped.size()) {
-    for (std::vector<int>& column : column_) column.reserve(rows - nv);
+  explicit DependentRows(const BlockPlan& plan)
+      : pattern_(*plan.pattern),
+        dropped_(plan.dropped),
+        nv_(plan.pattern->nv),
+        rows_(plan.rows()),
+        left_(nv_),
+        x_(plan.pattern->size()),
+        t_(dropped_.size()) {}
+
+  /// Where the numbers of the robots at hand are: BlockPlan::dependence_size of each.
+  void use(double* memory) {
+    const std::size_t rows = rows_ - nv_, count = dropped_.size();
+    drift_ = reinterpret_cast<S*>(memory);
+    row_size_ = drift_ + 1 - nv_;
+    null_component_ = row_size_ + rows;
+    N_ = null_component_ + rows;
+    gram_ = N_ + nv_ + count * rows;
+    columns_ = reinterpret_cast<int*>(gram_ + count * count);
   }
+  /// What row k of J, in K's order, is judged beside (contact/row_scale.hpp); to be set before `hold`.
+  S& row_size(int k) { return row_size_[k]; }
+  /// The largest term that a0 is computed from (contact_drift), which they are judged beside.
+  S& drift() { return *drift_; }
+  /// Of row k, what project_out kept.
+  const S& null_component(int k) const { return null_component_[k]; }
 
   /// Before K is factorized: the rows dropped as if they were damped beyond all numbers, which leaves the others as
   /// they are without them ...
@@ -46,7 +56,8 @@ class DependentRows {
   }
 
   /// Where ldl_factor_dependent drops these rows and no others, by a margin, and they depend on the rows kept in truth.
-  /// Makes the null space and its projector. row_size: set before. solve(x): x <- K_kept^-1 x, all rows of K.
+  /// Makes the null space and its projector. solve(x): x <- K_kept^-1 x, of all the
+  /// pattern's rows.
   template <class Solve>
   Mask hold(const S* K, const S* L, const S* D, const S* pivot_terms, Solve&& solve) {
     Mask out = same_rows(K, L, D, pivot_terms);
@@ -60,7 +71,7 @@ class DependentRows {
         error = residual(c, K);
       }
       out = out & (error <= S(tolerance::kRowLeft));
-      for (int j : column_[c]) out = out & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+      for (int j : column(c)) out = out & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
     }
     form_gram();
     return out;
@@ -70,21 +81,25 @@ class DependentRows {
   void project_out(S* x, bool keep = false) {
     for (std::size_t a = 0; a < dropped_.size(); ++a) {
       S sum(0);
-      for (int j : column_[a]) sum = multiply_add(N(a, j), x[j], sum);
+      for (int j : column(a)) sum = multiply_add(N(a, j), x[j], sum);
       t_[a] = sum;
     }
     solve_gram();
-    if (keep) std::fill(null_component.begin(), null_component.end(), S(0));
+    if (keep) std::fill(null_component_ + nv_, null_component_ + rows_, S(0));
     for (std::size_t a = 0; a < dropped_.size(); ++a)
-      for (int j : column_[a]) {
+      for (int j : column(a)) {
         x[j] = subtract_product(N(a, j), t_[a], x[j]);
-        if (keep) null_component[j] = multiply_add(N(a, j), t_[a], null_component[j]);
+        if (keep) null_component_[j] = multiply_add(N(a, j), t_[a], null_component_[j]);
       }
   }
 
  private:
   int diagonal(int k) const { return pattern_.K.p[k + 1] - 1; }
-  S& N(std::size_t c, int row) { return N_[c * static_cast<std::size_t>(rows_ - nv_) + (row - nv_)]; }
+  S& N(std::size_t c, int row) { return N_[c * static_cast<std::size_t>(rows_ - nv_) + row]; }
+  /// Rows of column c of N that are other than zero in any lane, that dropped first; their number before them.
+  int* counted(std::size_t c) { return columns_ + c * static_cast<std::size_t>(rows_ - nv_ + 1); }
+  std::span<const int> column(std::size_t c) { return {counted(c) + 1, static_cast<std::size_t>(*counted(c))}; }
+  void begin_column(std::size_t c) { counted(c)[0] = 1, counted(c)[1] = dropped_[c]; }
 
   /// Of a row of J, its largest entry.
   S largest_entry(const S* K, int k) const {
@@ -111,7 +126,7 @@ class DependentRows {
           d -= term, terms += abs(term);
         }
         const S size = largest_entry(K, k);
-        const S left = select(size > S(tolerance::kRank / kMargin) * row_size[k], abs(d), zero);
+        const S left = select(size > S(tolerance::kRank / kMargin) * row_size_[k], abs(d), zero);
         good = good & (terms <= largest) & (left <= S(tolerance::kPivotLeft / kMargin) * terms);
         continue;
       }
@@ -122,7 +137,7 @@ class DependentRows {
       least = -larger(-left, -least);
       if (of_M) continue;
       least_of_J = -larger(-left, -least_of_J);
-      good = good & (largest_entry(K, k) > S(kMargin * tolerance::kRank) * row_size[k]);
+      good = good & (largest_entry(K, k) > S(kMargin * tolerance::kRank) * row_size_[k]);
     }
     return good;
   }
@@ -134,7 +149,7 @@ class DependentRows {
     std::fill(x_.begin() + nv_, x_.begin() + k, S(0));
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
       if (s.Rj[p] >= nv_) x_[s.Rj[p]] = L[s.Rk[p]];
-    column_[c].assign(1, k);
+    begin_column(c);
     N(c, k) = S(1);
     for (int j = k - 1; j >= nv_; --j) {
       const S z = keep_entry(c, j, x_[j]);
@@ -147,7 +162,8 @@ class DependentRows {
   S keep_entry(std::size_t c, int j, S z) {
     z = select(abs(z) <= S(tolerance::kNullEntry), S(0), z);
     if ((abs(z) <= S(0)).all()) return z;
-    column_[c].push_back(j);
+    int* rows = counted(c);
+    rows[++rows[0]] = j;
     N(c, j) = -z;
     return z;
   }
@@ -156,9 +172,9 @@ class DependentRows {
   S residual(std::size_t c, const S* K) {
     std::fill(left_.begin(), left_.end(), S(0));
     S size(0), largest(0), sum(0);
-    for (int j : column_[c]) {
+    for (int j : column(c)) {
       const S n = N(c, j);
-      size = larger(abs(n) * row_size[j], size);
+      size = larger(abs(n) * row_size_[j], size);
       for (int p = pattern_.K.p[j]; p < pattern_.K.p[j + 1] && pattern_.K.i[p] < nv_; ++p)
         left_[pattern_.K.i[p]] = multiply_add(n, K[p], left_[pattern_.K.i[p]]);
     }
@@ -175,9 +191,8 @@ class DependentRows {
     solve(x_.data());
     const int k = dropped_[c];
     for (int j = nv_; j < k; ++j) x_[j] = select(open, x_[j], S(0));
-    std::vector<int>& column = column_[c];
-    for (std::size_t i = 1; i < column.size(); ++i) x_[column[i]] -= N(c, column[i]);
-    column.resize(1);
+    for (int j : column(c).subspan(1)) x_[j] -= N(c, j);
+    begin_column(c);
     for (int j = k - 1; j >= nv_; --j) (void)keep_entry(c, j, x_[j]);
   }
 
@@ -185,16 +200,16 @@ class DependentRows {
   void form_gram() {
     const std::size_t n = dropped_.size();
     for (std::size_t a = 0; a < n; ++a) {
-      std::fill(x_.begin() + nv_, x_.end(), S(0));
-      for (int j : column_[a]) x_[j] = N(a, j);
+      std::fill(x_.begin() + nv_, x_.begin() + rows_, S(0));
+      for (int j : column(a)) x_[j] = N(a, j);
       for (std::size_t b = 0; b <= a; ++b) {
         S sum(0);
-        for (int j : column_[b]) sum = multiply_add(N(b, j), x_[j], sum);
+        for (int j : column(b)) sum = multiply_add(N(b, j), x_[j], sum);
         gram_[a * n + b] = sum;
       }
     }
     for (std::size_t a = 0; a < n; ++a) {  // L D L^T in its place, the inverse of D on the diagonal
-      S* row = gram_.data() + a * n;
+      S* row = gram_ + a * n;
       for (std::size_t b = 0; b < a; ++b)
         for (std::size_t c = 0; c < b; ++c) row[b] = subtract_product(row[c], gram_[b * n + c], row[b]);
       for (std::size_t b = 0; b < a; ++b) {
@@ -216,17 +231,13 @@ class DependentRows {
   }
 
   const KktPattern& pattern_;
-  int nv_, rows_;
   const std::vector<int>& dropped_;
-
- public:
-  std::vector<S> row_size;        // per row of J, in K's order: what it is judged beside (contact/row_scale.hpp)
-  std::vector<S> null_component;  // of project_out
-
- private:
-  std::vector<S> left_, x_;
-  std::vector<std::vector<int>> column_;  // of N: rows other than zero in any lane, that dropped first
-  std::vector<S> N_, gram_, t_;
+  int nv_, rows_;
+  S* drift_;
+  S *row_size_, *null_component_;  // per row of K, from nv on
+  S *N_, *gram_;                   // N by columns, as these; of the factor of N^T N
+  int* columns_;
+  std::vector<S> left_, x_, t_;
 };
 
 }  // namespace manycontact::lanes

@@ -10,6 +10,7 @@
 #include "block.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
 
@@ -59,6 +60,16 @@ struct ProductJob {
   double* out[3];
 };
 
+/// What rows that depend on each other contradict each other by (fallbacks.cpp): the largest entries of what is left of
+/// J a + a0, of J a and of a0, and the largest term that a0 is computed from.
+struct Contradiction {
+  double left = 0, Ja = 0, a0 = 0, drift = 0;
+  /// Whether it is above rounding, and more than that part of J a and a0.
+  bool exceeds(double of_rows) const {
+    return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+  }
+};
+
 /// Of one island. Where it is not sound, nothing else is known: another way has to answer.
 struct Answer {
   bool sound = false;
@@ -67,8 +78,7 @@ struct Answer {
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once.
   bool panel_is_safe = false, refine_panel = false;
-  // Where the plan drops rows: whether the contacts contradict each other above rounding, and so far that it is told.
-  bool contradiction = false, inconsistent = false;
+  Contradiction contradiction;  // where the plan drops rows
 };
 
 /// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
@@ -90,6 +100,7 @@ class RobotBlocks {
     double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
     double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
     double error = 0;                 // correct, check: componentwise backward error; NaN where any is
+    Contradiction contradiction = {};  // finish
   };
   /// Of robots side by side. next: of those whose turn it is after these, which is asked for meanwhile.
   struct Memory {
@@ -125,6 +136,9 @@ class RobotBlocks {
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// r = b - K x of columns given with the border's answer y; what load and correct had there is lost.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
+  /// After the last correction, where any robot's rows depend on each other: r and scale with what these contradict
+  /// each other by.
+  virtual void finish(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// MovingEnd of each contact that joins the robots, at the solution.

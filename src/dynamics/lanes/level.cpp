@@ -73,6 +73,9 @@ class LevelBlocks final : public RobotBlocks {
   void check(std::span<Robot> robots, Memory memory) override {
     work_.of(robots.size(), [&](auto& work) { work.check(robots, memory); });
   }
+  void finish(std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.finish(robots, memory); });
+  }
   void store(const Job& job, std::span<Robot> robots, double* memory) override {
     work_.of(robots.size(), [&](auto& work) { work.store(job, robots, memory); });
   }

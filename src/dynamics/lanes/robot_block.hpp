@@ -56,6 +56,7 @@ class RobotBlock {
   void load(const Job& job, Robots robots, double* memory);
   void correct(Robots robots, Memory memory);
   void check(Robots robots, Memory memory);
+  void finish(Robots robots, Memory memory);
   void store(const Job& job, Robots robots, double* memory);
   void move_ends(const DerivativeJob& job, Robots robots);
 
@@ -74,15 +75,15 @@ class RobotBlock {
     else
       return {(memory.next - memory.at) / W};
   }
-  Numbers numbers_in(double* memory) const {
-    Numbers n;
+  void use(double* memory) {
+    Numbers& n = n_;
     n.K = reinterpret_cast<S*>(memory);
     n.b = n.K + pattern_.K.nonzeros();
     n.L = n.b + pattern_.size();
     n.D = n.L + pattern_.ldl.nonzeros();
     n.x = n.D + pattern_.size();
     n.w = n.x + pattern_.size();
-    return n;
+    if (dependent_) dependent_->use(memory + plan_->dependence_at() * W);
   }
 
   /// Of a panel: columns at a time; those of them in registers, four rows of each; and those of a part, which stand
@@ -111,6 +112,9 @@ class RobotBlock {
     std::size_t at;
     int stride;
   };
+  struct Contradicted {  // what J a + a0 keeps of the rows that depend; the largest of J a and of a0
+    S left = S(0), Ja = S(0), a0 = S(0);
+  };
   struct Slot {
     int i, j;
     bool of_tree;  // what robot_columns writes
@@ -134,6 +138,7 @@ class RobotBlock {
   void assemble_rows(double damping);
   void assemble_right_side(const Job& job, Robots robots);
   void factorize(Prefetch prefetch = {});
+  Mask sound_pivots();
   void solve_by_factor(S* x) const;
   void apply_inverse(S* x);
   Mask correct(Mask open);
@@ -145,8 +150,8 @@ class RobotBlock {
   // of rows that depend on each other
   void size_rows(const Scene& scene, Robots robots);
   void restore_contradiction();
-  S drift(const Scene& scene, Robots robots) const;
-  void report_dependence(const Job& job, Robots robots, std::span<Answer> answers) const;
+  Contradicted contradicted() const;
+  void report_dependence(Robots robots, std::span<Answer> answers);
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
   // with a border
@@ -318,7 +323,7 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     columns_.push_back(support.a);
     columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
   }
-  if (!plan_->dropped.empty()) dependent_.emplace(pattern_, model_->nv, rows_, plan_->dropped);
+  if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
   const sparse::LdlSymbolic& ldl = pattern_.ldl;
   for (int j = rows_; j < ldl.n; ++j)
     for (int i = rows_; i < j; ++i) {
@@ -368,6 +373,7 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
   evaluate_rows(job.scene, robots);
   check_rows(job.scene, robots);
+  if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
@@ -431,20 +437,15 @@ void RobotBlock<S>::residual_and_sizes() {
 
 template <class S>
 void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
-  n_ = numbers_in(reinterpret_cast<double*>(own_.data()));
+  use(reinterpret_cast<double*>(own_.data()));
   set_up(job, robots);
   keep(job.serial, robots);
   factorize();
-  if (dependent_) {
-    size_rows(job.scene, robots);
-    usable_ = usable_ & dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
-  } else {
-    usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_) &
-              accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
-  }
+  usable_ = usable_ & sound_pivots();
+  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_);
   refine();
   report(job, robots, answers);
-  if (dependent_) report_dependence(job, robots, answers);
+  if (dependent_) report_dependence(robots, answers);
 }
 
 /// L and D, without the rows that depend on others.
@@ -456,9 +457,20 @@ void RobotBlock<S>::factorize(Prefetch prefetch) {
   if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
 }
 
+/// Whether the pivots can be believed; where rows are dropped, that it is these.
+template <class S>
+typename S::Mask RobotBlock<S>::sound_pivots() {
+  if (dependent_) return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
+  return accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+}
+
+/// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
-  sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
+  std::fill_n(x + rows_, plan_->border, S(0));
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
 /// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 (I - P) x.
@@ -545,13 +557,17 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
 
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
 
-/// What rows of J are judged beside.
+/// What rows of J are judged beside, and what their contradictions are.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
+  S& drift = dependent_->drift() = S(0);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const S moved = row_scale<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_scale<S>(c, contacts_[k], 3) : moved;
-    for (int i = 0; i < c.rows(); ++i) dependent_->row_size[rows_of(k)[i]] = i < 3 ? moved : turned;
+    for (int i = 0; i < c.rows(); ++i) dependent_->row_size(rows_of(k)[i]) = i < 3 ? moved : turned;
+    const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
+    const auto& kin = robot_.kin;
+    drift = larger(internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place), drift);
   }
 }
 
@@ -560,7 +576,7 @@ template <class S>
 void RobotBlock<S>::restore_contradiction() {
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
-    const S of_null = dependent_->null_component[k];
+    const S of_null = dependent_->null_component(k);
     scale_[k] -= abs(n_.b[k]);
     n_.b[k] += of_null;
     r_[k] += of_null;
@@ -570,36 +586,23 @@ void RobotBlock<S>::restore_contradiction() {
 }
 
 template <class S>
-S RobotBlock<S>::drift(const Scene& scene, Robots robots) const {
-  S largest(0);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Contact& c = scene.contacts[robots.front().contacts[k]];
-    const Vec3<S> standing = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
-    largest = larger(internal::contact_drift<S>(c, contacts_[k], *model_, robot_.kin, *model_, robot_.kin, standing),
-                     largest);
-  }
-  return largest;
-}
-
-/// How far the contacts contradict each other.
-template <class S>
-void RobotBlock<S>::report_dependence(const Job& job, Robots robots, std::span<Answer> answers) const {
-  S left(0), Ja(0), a0(0);
+typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
+  Contradicted out;
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
-    left = larger(abs(dependent_->null_component[k]), left);
-    Ja = larger(scale_[k] - abs(n_.b[k]), Ja);
-    a0 = larger(abs(n_.b[k]), a0);
+    if (dependent_) out.left = larger(abs(dependent_->null_component(k)), out.left);
+    out.Ja = larger(scale_[k] - abs(n_.b[k]), out.Ja);
+    out.a0 = larger(abs(n_.b[k]), out.a0);
   }
-  const S terms = drift(job.scene, robots);
+  return out;
+}
+
+template <class S>
+void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
+  const Contradicted of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
-    const auto contradict = [&](double of_rows) {
-      return !(left[lane] <= of_rows * (Ja[lane] + a0[lane])) &&
-             !(left[lane] <= tolerance::kDriftRounding * terms[lane]);
-    };
-    answers[l].contradiction = contradict(tolerance::kDriftRounding);
-    answers[l].inconsistent = contradict(tolerance::kContradiction);
+    answers[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_->drift()[lane]};
     answers[l].panel_is_safe = false;  // the whole K differentiates
   }
 }
@@ -628,14 +631,14 @@ void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
 
 template <class S>
 void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
-  n_ = numbers_in(memory.at);
+  use(memory.at);
   prefetch_cached(prefetch_of(memory));
   set_up(job, robots);
   store_ends(robots);
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = usable_[lane];
-    robots[l].smallest_row = smallest_row_[lane];
+    robots[l].smallest_row = dependent_ ? std::numeric_limits<double>::infinity() : smallest_row_[lane];
     robots[l].motion = motion_[lane];
   }
 }
@@ -667,7 +670,7 @@ void RobotBlock<S>::store_ends(Robots robots) {
 
 template <class S>
 void RobotBlock<S>::factor(Robots robots, Memory memory) {
-  n_ = numbers_in(memory.at);
+  use(memory.at);
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_) slot += rows.J.size();
   const double* from[8];
@@ -679,9 +682,8 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
     next += JoinedEnd::size(cols);
   }
   factorize(prefetch_of(memory));
-  const std::size_t rows = static_cast<std::size_t>(rows_);
-  const Mask good = accept_pivots<S>(model_->nv, {n_.D, rows}, pivot_terms_.data(), diagonal());
-  const Growth<S> growth(rows, pivot_terms_.data(), diagonal());
+  const Mask good = sound_pivots();
+  const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = robots[l].sound && good[lane];
@@ -708,7 +710,7 @@ void RobotBlock<S>::store_schur_complement(Robots robots) {
 
 template <class S>
 void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
-  n_ = numbers_in(memory);
+  use(memory);
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.a + r.idx_v; });
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = a_[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -725,6 +727,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
+  if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
@@ -734,17 +737,19 @@ template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
   std::fill_n(n_.w + rows_, plan_->border, S(0));
+  if (dependent_) dependent_->project_out(n_.w);
   if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
   store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
 }
 
 template <class S>
 void RobotBlock<S>::correct(Robots robots, Memory memory) {
-  n_ = numbers_in(memory.at);
+  use(memory.at);
   const Prefetch prefetch = prefetch_of(memory);
   const double* from[8];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
+  if (dependent_) dependent_->project_out(n_.w);
   for (int k = 0; k < pattern_.size(); ++k) {
     for (const S* x : {n_.x, n_.w, n_.b, n_.D}) prefetch.fetch(x + k);
     n_.x[k] += n_.w[k];
@@ -754,7 +759,7 @@ void RobotBlock<S>::correct(Robots robots, Memory memory) {
 
 template <class S>
 void RobotBlock<S>::check(Robots robots, Memory memory) {
-  n_ = numbers_in(memory.at);
+  use(memory.at);
   const double* from[8];
   const auto spread = [&](auto&& at, S* to) {  // rows as the island has them, in K's order
     load_arrays(side_by_side(robots, from, at), rows_, pivot_terms_.data());
@@ -791,8 +796,20 @@ S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
 }
 
 template <class S>
+void RobotBlock<S>::finish(Robots robots, Memory memory) {
+  use(memory.at);
+  for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
+  (void)check_residual(robots, prefetch_of(memory));
+  const Contradicted of = contradicted();
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    robots[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_ ? dependent_->drift()[lane] : 0};
+  }
+}
+
+template <class S>
 void RobotBlock<S>::store(const Job& job, Robots robots, double* memory) {
-  n_ = numbers_in(memory);
+  use(memory);
   for (std::size_t l = 0; l < robots.size(); ++l)
     scatter(job.scene, job.f_offset, robots[l], static_cast<int>(l), job.a, job.f);
 }
@@ -819,7 +836,7 @@ template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
   const bool alone = plan_->border == 0, kept = alone && keeps(job.serial, robots);
   if (alone) memory = reinterpret_cast<double*>(own_.data());
-  if (memory) n_ = numbers_in(memory);
+  if (memory) use(memory);
   if (!kept) {
     load_state(job, robots);
     if (alone) keep(job.serial, robots);

@@ -81,19 +81,6 @@ bool contradictory(const MatrixSystem& m, double drift, double of_rows) {
   return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift) && !(left <= tolerated);
 }
 
-// report.dependent_rows, numbered as data.f has them.
-void name_dependent_rows(const SceneData& data, MatrixSystem& m, IslandReport& report) {
-  const Island& island = m.owner.island;
-  m.factor->dependent_rows(m.dependent);
-  report.dependent_rows.clear();
-  for (int row : m.dependent) {
-    const auto c =
-        std::upper_bound(island.row_offset.begin(), island.row_offset.end(), row) - island.row_offset.begin() - 1;
-    report.dependent_rows.push_back(data.f_offset[island.contacts[c]] + row - island.row_offset[c]);
-  }
-  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
-}
-
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
 }
@@ -133,7 +120,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
     m.contradiction = contradictory(m, drift, tolerance::kDriftRounding);
     const bool told = contradictory(m, drift, tolerance::kContradiction);
     report.status = told ? Status::kInconsistent : Status::kRedundant;
-    name_dependent_rows(data, m, report);
+    factor.dependent_rows(m.dependent);
+    name_dependent_rows(data, m.owner.island, m.dependent, report);
   }
   return Reason::kNone;
 }

@@ -10,6 +10,10 @@ namespace manycontact {
 
 bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }
 
+bool MatrixSystem::dropped_rows() const {
+  return owner.answered_by(this) && factor == safe.get() && deficient() && tolerated == 0;
+}
+
 namespace {
 
 // Residuals relative to the terms they are left of; those of the contacts at least to gravity, or a scene at rest would
@@ -79,7 +83,8 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) return factor;
-  if (owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) {  // what rows it is for K to drop
+  if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||
+      (owner.answered_by(owner.robots.get()) && owner.robots->drops)) {  // rows that K has to drop, too
     internal::evaluate_at_solution(scene, data, owner);
     if (internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, thread.spare_report)) return true;
   }

@@ -41,6 +41,8 @@ class MatrixSystem final : public IslandSystem {
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
+  /// Whether that is why the factor which drops such rows answered.
+  bool dropped_rows() const;
 
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space

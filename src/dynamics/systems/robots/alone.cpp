@@ -37,24 +37,15 @@ void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer
   d.alone.refine_panel = answer.refine_panel;
 }
 
-// The rows of an island that its plan drops, numbered as data.f has them.
-void name_dependent_rows(const SceneData& data, const IslandWork& d, IslandReport& report) {
-  const KktPattern& p = *d.alone.by->plan->pattern;
-  const std::vector<int>& offset = d.island.row_offset;
-  for (int k : d.alone.by->plan->dropped) {
-    const int row = p.perm[k] - p.nv;
-    const auto c = std::upper_bound(offset.begin(), offset.end(), row) - offset.begin() - 1;
-    report.dependent_rows.push_back(data.f_offset[d.island.contacts[c]] + row - offset[c]);
-  }
-  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
-}
-
-void take_dependence(const SceneData& data, const lanes::Answer& answer, const IslandWork& d, IslandReport& report) {
-  report.status = answer.inconsistent ? Status::kInconsistent : Status::kRedundant;
+void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+  report.status = answer.contradiction.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
   report.changed_order = d.choice.order != Order::kLeafToRoot;
   report.rank -= static_cast<int>(d.alone.by->plan->dropped.size());
-  name_dependent_rows(data, d, report);
+  d.matrix.dependent.clear();
+  const KktPattern& p = *d.alone.by->plan->pattern;
+  for (int k : d.alone.by->plan->dropped) d.matrix.dependent.push_back(p.perm[k] - p.nv);
+  name_dependent_rows(data, d.island, d.matrix.dependent, report);
 }
 
 // The islands that wanted(island, group) holds for into w.lanes, in batches of as many as stand side by side.
@@ -162,10 +153,7 @@ void solve_alone_as_dependent(const Scene& scene, SceneData& data) {
 
 void solve_alone_as_found(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  const auto found = [&scene](const IslandWork& d) {
-    return may_drop_rows(scene, d) && d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.safe.get() &&
-           d.matrix.deficient() && d.matrix.tolerated == 0;
-  };
+  const auto found = [&scene](const IslandWork& d) { return may_drop_rows(scene, d) && d.matrix.dropped_rows(); };
   bool any = false;
   for (const auto& d : w.islands) {
     if (!found(*d)) continue;

@@ -44,7 +44,7 @@ double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, d
   double cost = ld * 2.0 * system.interface->symbolic.nonzeros();
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     const RobotsDerivatives::OfRobot& r = by.robots[k];
-    const KktPattern& p = *system.robots[k].group->plan->inner;
+    const KktPattern& p = *system.robots[k].ordinary->plan->inner;
     cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
     cost += kProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
   }
@@ -95,7 +95,7 @@ void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by
   const std::size_t rows = system.interface->row.size(), n = d.island.size();
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     RobotsDerivatives::OfRobot& r = by.robots[k];
-    r.ends.resize(system.robots[k].group->plan->ends_size());
+    r.ends.resize(system.robots[k].ordinary->plan->ends_size());
     r.P.resize(r.size(), r.ld);
     r.P.setZero();
     r.G.assign(static_cast<std::size_t>(r.nv) * r.padded(), 0.0);

@@ -98,7 +98,10 @@ void forget_groups(Workspace& w) {
   auto& groups = w.lanes.groups;
   if (groups.size() < kMost) return;
   const auto any_has = [](const std::vector<std::unique_ptr<IslandWork>>& islands, const BlockGroup* group) {
-    return std::any_of(islands.begin(), islands.end(), [&](const auto& d) { return d->alone.dependent == group; });
+    const auto is_it = [group](const auto& x) { return x.dependent == group; };
+    return std::any_of(islands.begin(), islands.end(), [&](const auto& d) {
+      return is_it(d->alone) || (d->robots && std::any_of(d->robots->robots.begin(), d->robots->robots.end(), is_it));
+    });
   };
   std::erase_if(groups, [&](const auto& item) {
     const BlockGroup* group = &item.second;
@@ -166,13 +169,12 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
     BlockGroup& group =
         group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, d.choice.order);
     fits = group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargest;
-    out->robots.push_back({&group, {}, 0, {}});
+    out->robots.push_back({&group, &group});
     out->order.push_back(static_cast<int>(k));
   }
   d.joinable = fits;
   if (!fits) return nullptr;
-  std::stable_sort(out->order.begin(), out->order.end(),
-                   [&](int x, int y) { return std::less<>()(out->robots[x].group, out->robots[y].group); });
+  out->drop_rows(false);
   const double cost = predicted_cost_ldl(*d.shape->pattern(d.choice.order));
   out->solves =
       d.choice.method == Method::kSparseLdl && cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost;
@@ -187,7 +189,6 @@ void take_memory(RobotsSystem& system) {
        {&system.D, &system.terms, &system.b, &system.y, &system.r, &system.scale, &system.step})
     x->resize(rows);
   system.members.resize(robots);
-  for (std::size_t k = 0; k < robots; ++k) system.robots[system.order[k]].member = static_cast<int>(k);
   system.batches.reserve(robots);
   system.contact_batches.reserve(rows);
 }
@@ -267,6 +268,45 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     make_kernels(w, *d.alone.group, !d.alone.group->islands.empty());
     d.alone.group->islands.push_back(static_cast<int>(i));
   }
+}
+
+bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
+  constexpr std::size_t kMostDropped = 64;  // of a robot
+  IslandWork& d = system.owner;
+  std::vector<int>& dropped = d.matrix.dependent;
+  d.matrix.factor->dependent_rows(dropped);
+  std::sort(dropped.begin(), dropped.end());
+  if (dropped == system.dropped) return true;
+  system.dropped.clear();
+  system.tried = 0;
+  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);  // of its derivatives
+  forget_groups(w);
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < system.robots.size(); ++k) {
+    const Interface::OfRobot& r = system.interface->robots[k];
+    const Island own = alone(*d.shape, *system.interface, k);
+    const std::shared_ptr<const KktPattern> inner = w.shapes.find(d.shape->scene(), own)->pattern(Order::kLeafToRoot);
+    std::vector<int> rows;
+    for (std::size_t c = 0; c < r.contacts.size(); ++c) {
+      const int first = d.island.row_offset[r.contacts[c]], count = d.shape->scene().contacts[own.contacts[c]].rows();
+      for (auto row = std::lower_bound(dropped.begin(), dropped.end(), first);
+           row != dropped.end() && *row < first + count; ++row)
+        rows.push_back(inner->iperm[own.nv + own.row_offset[c] + *row - first]);
+    }
+    found += rows.size();
+    system.robots[k].dependent = nullptr;
+    if (rows.empty()) continue;
+    std::sort(rows.begin(), rows.end());
+    if (rows.size() > kMostDropped || !inner->schedule().compiled) return false;
+    const Block block{d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner, rows};
+    BlockGroup& group = group_of(w, block, Order::kLeafToRoot);
+    if (!group.plan->schedule().compiled) return false;
+    make_kernels(w, group, true);
+    system.robots[k].dependent = &group;
+  }
+  if (found < dropped.size()) return false;
+  system.dropped = dropped;
+  return true;
 }
 
 void find_dependent_group(Workspace& w, IslandWork& d) {

@@ -204,6 +204,28 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
+// Of an island that drops rows: which, and what they contradict each other by.
+void report_dependence(const SceneData& data, const RobotsSystem& s, IslandReport& report) {
+  lanes::Contradiction all;
+  for (const Member& m : s.members) {
+    all.left = sparse::larger_or_nan(m.contradiction.left, all.left);
+    all.Ja = std::max(all.Ja, m.contradiction.Ja);
+    all.a0 = std::max(all.a0, m.contradiction.a0);
+    all.drift = std::max(all.drift, m.contradiction.drift);
+  }
+  for (std::size_t k = 0; k < s.b.size(); ++k) {
+    all.Ja = std::max(all.Ja, s.scale[k] - std::abs(s.b[k]));
+    all.a0 = std::max(all.a0, std::abs(s.b[k]));
+  }
+  report.status = all.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
+  report.reason = Reason::kSmallPivot;
+  report.changed_order = s.owner.choice.order != Order::kLeafToRoot;
+  report.order = Order::kLeafToRoot;
+  report.rank -= static_cast<int>(s.dropped.size());
+  report.backward_error = backward_error_of(s);
+  name_dependent_rows(data, s.owner.island, s.dropped, report);
+}
+
 // The answer, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
   each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
@@ -305,8 +327,40 @@ double RobotsSystem::growth() const {
   return diagonal > 0 ? std::max(most, largest / diagonal) : most;
 }
 
+void RobotsSystem::drop_rows(bool on) {
+  drops = on;
+  for (OfRobot& r : robots) r.group = on && r.dependent ? r.dependent : r.ordinary;
+  std::sort(order.begin(), order.end(), [this](int x, int y) {
+    const BlockGroup *a = robots[x].group, *b = robots[y].group;
+    return std::less<>()(a, b) || (a == b && x < y);
+  });
+  for (std::size_t k = 0; k < robots.size(); ++k) robots[order[k]].member = static_cast<int>(k);
+}
+
+bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, IslandReport& report) {
+  if (!solves || scene.damping != 0 || dropped.empty() || static_cast<int>(dropped.size()) < owner.depended)
+    return false;
+  tried = data.workspace->state;
+  if (!drops) drop_rows(true);
+  if (solve_in_use(scene, data, report)) return true;
+  drop_rows(false);
+  return false;
+}
+
+bool RobotsSystem::solve_as_found(const Scene& scene, SceneData& data, IslandReport& report) {
+  if (!solves || scene.damping != 0) return false;
+  if (!internal::find_dependent_groups(*data.workspace, *this) || tried == data.workspace->state) return false;
+  drop_rows(true);  // other groups, it may be
+  return solve_as_dependent(scene, data, report);
+}
+
 bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   if (!solves || !(scene.damping >= 0) || !std::isfinite(scene.damping)) return false;
+  if (drops) drop_rows(false);
+  return solve_in_use(scene, data, report);
+}
+
+bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
@@ -314,11 +368,18 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   if (!sound) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);
+  if (drops)
+    internal::each_batch(
+        w, *this, [](internal::Kernel& kernel, std::span<Robot> of_batch, internal::Memory memory_of, ThreadWork&) {
+          kernel.finish(of_batch, memory_of);
+        });
   internal::report_answer(scene, *this, refinement, report);
+  if (drops) internal::report_dependence(data, *this, report);
   return true;
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
+  if (drops) return false;  // the whole K has what the forces of least norm add
   internal::evaluate_at_solution(scene, data, owner);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -326,6 +387,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
+  if (drops) return false;  // the whole K has what the forces of least norm add
   internal::evaluate_at_solution(scene, data, owner);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });

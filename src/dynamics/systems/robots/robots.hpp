@@ -63,8 +63,8 @@ struct AloneSystem final : IslandSystem {
   BlockGroup* by = nullptr;         // which of the two gave the last answer
   std::uint64_t state = 0;          // of the last answer that came from a lane
   std::uint64_t tried = 0;          // of the last solve that `dependent` was asked in
-  bool panel_is_safe = false;   // whether derivatives may come from there too
-  bool refine_panel = false;    // and are refined once
+  bool panel_is_safe = false;       // whether derivatives may come from there too
+  bool refine_panel = false;        // and are refined once
 
   /// Whether derivatives of the solution at hand and products with them come from a lane.
   bool answered(const Workspace& work) const;
@@ -81,9 +81,19 @@ class RobotsSystem final : public IslandSystem {
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
 
+  /// solve of an island in which rows of contacts on single robots depended on each other when last solved: without
+  /// them. False where these are not the ones, or there are none: then another system answers.
+  bool solve_as_dependent(const Scene&, SceneData&, IslandReport&);
+  /// The same of the rows that the factor of the whole K has just dropped. An answer is the same, to the last bit,
+  /// whatever was known before. Allocates where these are others than before.
+  bool solve_as_found(const Scene&, SceneData&, IslandReport&);
+  /// From here on with or without these rows.
+  void drop_rows(bool on);
+
   /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
+  bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // by the groups in use
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
 
@@ -108,9 +118,11 @@ class RobotsSystem final : public IslandSystem {
     double smallest_row, motion;
   };
   struct OfRobot {
-    BlockGroup* group;
-    std::vector<int> contacts;        // on it alone, of the scene
-    int member;                       // of `members`: its place in `order`
+    BlockGroup* group;  // the one in use, of these two
+    BlockGroup* ordinary;
+    BlockGroup* dependent = nullptr;  // nullptr: no row of it is dropped
+    std::vector<int> contacts = {};   // on it alone, of the scene
+    int member = 0;                   // of `members`: its place in `order`
     std::vector<int> couplings = {};  // of `contacts`: those that join it, in the order of its joins
   };
 
@@ -118,6 +130,9 @@ class RobotsSystem final : public IslandSystem {
   bool solves = false;     // it is the island's first way: predicted to be cheaper than its factor
   std::vector<int> order;  // robots of the island, group by group
   std::vector<OfRobot> robots;
+  std::vector<int> dropped;  // rows of the island that depended on others when last solved, robots' own all of them
+  bool drops = false;        // robots' groups are those without them
+  std::uint64_t tried = 0;   // of the last solve that was done so
   // by prepare, for the island at hand
   std::vector<Coupling> contacts;  // group by group, like ones together
   std::vector<Robot> members;      // as `order`; filled by solve
@@ -151,6 +166,9 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 void solve_alone(const Scene& scene, SceneData& data);
 void solve_alone_as_dependent(const Scene& scene, SceneData& data);
 void solve_alone_as_found(const Scene& scene, SceneData& data);
+/// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
+/// they have no place in lanes: rows that join robots are among them.
+bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
 /// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
 void find_dependent_group(Workspace& work, IslandWork& island);
 /// Derivatives of those that AloneSystem::answered into w.derivatives, and products with them. Vectors in the scene's
