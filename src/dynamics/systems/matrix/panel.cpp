@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "../../internal.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 
@@ -72,6 +73,24 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
+// Growth of K's entries, beyond which a factor's answers are judged by their own residuals.
+bool grows_too_much(const Factor& factor) {
+  return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
+}
+
+// |r| beside |K|_1 |x| + |b|, as refine_panel has it of a column. Overwrites v.scale.
+double normwise_error(const MatrixSystem& m, KktVectors& v) {
+  const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
+  const bool dependent = m.deficient();  // then r has in it what least squares leave
+  double r = 0, x = 0, b = 0;
+  for (std::size_t k = 0; k < v.x.size(); ++k) {
+    r = sparse::larger_or_nan(r, std::abs(dependent ? v.r[k] - v.null_component[k] : v.r[k]));
+    x = std::max(x, std::abs(v.x[k]));
+    b = std::max(b, std::abs(v.b[k]));
+  }
+  return r <= tolerance::kVanishing ? 0 : r / (norm * x + b);
+}
+
 template <class T>
 void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
@@ -85,8 +104,7 @@ void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, Pa
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, out.X.size());
   reserve(work.R, out.X.size());
-  const bool judged = !m.factor->panel_is_like_solve() ||
-                      m.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
+  const bool judged = !m.factor->panel_is_like_solve() || grows_too_much(*m.factor);
   const bool refine =
       m.factor->own_refinements() == 0 &&
       (judged || m.deficient() ||
@@ -97,6 +115,14 @@ void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, Pa
   if (!refine || at_once) return;
   const double left = refine_panel(*m.factor, m.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
   if (!(left <= tolerance::kConverged)) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+bool solve_vector(MatrixSystem& m, KktVectors& v) {
+  const bool judged = m.factor->own_refinements() == 0 && grows_too_much(*m.factor);
+  (void)solve_refined(*m.factor, m.K, v, judged ? tolerance::kPanelSteps - 1 : 1);
+  if (!judged || normwise_error(m, v) <= tolerance::kConverged) return true;
+  std::fill(v.x.begin(), v.x.end(), std::numeric_limits<double>::quiet_NaN());
+  return false;
 }
 
 }  // namespace manycontact::internal
