@@ -30,6 +30,13 @@ class JacobianRate {
         n_(support_.cols()) {}
 
   const auto& W() const { return rows_.W; }
+  /// use(k) for coordinates k of the island that J changes with.
+  template <class Use>
+  void each_column(Use&& use) const {
+    for (int k : columns_) use(k);
+    if (!rows_turn(contact_)) return;
+    for (int i : chain_a_) use(first_a_ + i);
+  }
 
   /// use(k, d(J_l y)/dq_k) for coordinates k of the island, some of them twice: to be added up.
   template <class Use>

@@ -2,6 +2,7 @@
 
 #include "../../internal.hpp"
 #include "jacobian_rate.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 // With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
@@ -75,45 +76,78 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   for (int k = 0; k < x.size(); ++k) x[k] = v.null_component[iperm[k]];
 }
 
-}  // namespace
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
+// The contacts in J^T's null space, and what coordinates their J changes with: an empty panel of these.
+Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;
-  IslandDerivatives& g = w.turned;
-  if (g.X.rows() != island.size()) lay_out(scene, island, {true, false, false, false}, g);
+  w.in_null_space.resize(island.nc);
+  m.factor->null_space_rows(w.in_null_space);
+  w.contacts.clear(), w.contacts.reserve(island.contacts.size());
+  w.columns.clear(), w.columns.reserve(island.nv);
+  w.place.assign(island.nv, -1);
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const char* rows = w.in_null_space.data() + island.row_offset[c];
+    if (std::none_of(rows, rows + rate.W().rows(), [](char in) { return in; })) continue;
+    w.contacts.push_back(static_cast<int>(c));
+    rate.each_column([&](int k) {
+      if (w.place[k] >= 0) return;
+      w.place[k] = static_cast<int>(w.columns.size());
+      w.columns.push_back(k);
+    });
+  }
+  w.ld = sparse::padded(static_cast<std::ptrdiff_t>(w.columns.size()));
+  w.panel.reserve(static_cast<std::size_t>(island.size()) * sparse::padded(island.nv));  // rows may vary with rounding
+  w.panel.assign(static_cast<std::size_t>(island.size()) * w.ld, 0.0);
+  return {w.panel.data(), island.size(), w.ld};
+}
+
+}  // namespace
+
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
+  auto G = take_columns(scene, data, m);
+  DependentDerivatives& w = *m.rows;
+  const Island& island = m.owner.island;
   take_contradiction(m, w.rows);
-  g.X.setZero();
   remake(w.dofs, island.nv);
   w.dofs.setZero();
-  each_contact(scene, island, w.rows, [&](std::size_t c, const auto& rho) {
-    if (rho.isZero(0)) return;
+  for (int c : w.contacts) {
     const JacobianRate rate(scene, *data.workspace, m.owner, c);
-    const Vec6<double> F = rate.W().transpose() * rho;
+    const Vec6<double> F = rate.W().transpose() * w.rows.segment(island.row_offset[c], rate.W().rows());
     for (int i : m.owner.shape->support().columns[c]) {
       w.dofs[i] = 1;
-      rate.of_motion(w.dofs, [&](int k, const Vec6<double>& ds) { g.X(i, k) += dot(ds, F); });
+      rate.of_motion(w.dofs, [&](int k, const Vec6<double>& ds) { G(i, w.place[k]) += dot(ds, F); });
       w.dofs[i] = 0;
     }
-  });
-  solve_panel(scene, m, g, work);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) -= g.X.block(g.nv, 0, g.nc, g.nv);
+  }
+  const bool believed = w.ld == 0 || solve_columns(m, w.panel.data(), w.ld, work);
+  for (std::size_t k = 0; k < w.columns.size(); ++k)
+    out.X.col(out.q_first + w.columns[k]).tail(out.nc) -= G.col(k).tail(out.nc);
+  return believed;
 }
 
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, KktVectors& v, IslandDerivatives& out) {
-  DependentDerivatives& w = work_of(m);
+  auto D = take_columns(scene, data, m);  // rows of dynamics stay zero
+  DependentDerivatives& w = *m.rows;
   const Island& island = m.owner.island;
   const Eigen::VectorXd& y = any_motion(scene, data, m, v);
-  w.D.setZero(island.nc, island.nv);
-  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+  for (int c : w.contacts) {
     const JacobianRate rate(scene, *data.workspace, m.owner, c);
-    auto rows = w.D.middleRows(island.row_offset[c], rate.W().rows());
-    rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { rows.col(k).noalias() += rate.W() * dnu; });
+    auto rows = D.middleRows(island.nv + island.row_offset[c], rate.W().rows());
+    rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { rows.col(w.place[k]).noalias() += rate.W() * dnu; });
   }
-  w.kept.setZero(island.size(), island.nv);
-  w.kept.bottomRows(island.nc) = w.D;
-  m.factor->project_out_panel(w.kept.data(), island.nv, island.nv);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(island.nc);  // += P D
+  // dforces_dq += P D = D - (D - P D)
+  const auto add = [&](double sign) {
+    for (int c : w.contacts)
+      for (int row = island.nv + island.row_offset[c], k = 0; k < scene.contacts[island.contacts[c]].rows(); ++k, ++row)
+        for (std::size_t j = 0; j < w.columns.size(); ++j)
+          out.X(row, out.q_first + w.columns[j]) += sign * D(row, static_cast<Eigen::Index>(j));
+  };
+  add(1);
+  if (w.ld > 0) m.factor->project_out_panel(w.panel.data(), w.ld, w.ld);
+  add(-1);
 }
 
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, const ConstVector& dq, KktVectors& v,

@@ -90,7 +90,7 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
   const AtSolution at(scene, data, m.owner.island);
   internal::right_hand_sides(scene, data, m.owner, out);
   const bool deficient = m.deficient() && out.request.q;
-  if (deficient && m.contradiction) internal::add_contradiction(scene, data, m, out, thread.panel);
+  if (deficient && m.contradiction && !internal::add_contradiction(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);

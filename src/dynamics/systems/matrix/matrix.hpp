@@ -16,12 +16,16 @@ struct ProductWork;
 
 /// Workspace of an island with dependent contact rows, for derivatives and products.
 struct DependentDerivatives {
-  Eigen::VectorXd y;              // nv: J y = f
-  std::uint64_t state = 0;        // that y is of ...
-  const Factor* factor = nullptr;  // ... and the factor that gave it
+  Eigen::VectorXd y;                     // nv: J y = f
+  std::uint64_t state = 0;               // that y is of ...
+  const Factor* factor = nullptr;        // ... and the factor that gave it
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
-  IslandDerivatives::Panel D, kept;      // nc x nv, size x nv
-  IslandDerivatives turned;              // nv columns: of the contradiction
+  // by take_columns
+  std::vector<char> in_null_space;  // nc
+  std::vector<int> contacts;        // of the island, with rows there
+  std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
+  int ld = 0;
+  std::vector<double> panel;  // scratch: size x ld
 };
 
 class MatrixSystem final : public IslandSystem {
@@ -89,6 +93,8 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
 
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
+/// X <- K^+ X of a panel with row stride ld in the same way. False where that cannot be believed.
+bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
 /// v.x <- K^+ v.b by the factor at hand, refined once. False, and NaN, where that cannot be believed.
 bool solve_vector(MatrixSystem& system, KktVectors& v);
 
@@ -100,8 +106,8 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
 /// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2, of the panel or of the scratch
-/// along dq, what the turning of J^T does. The second: false where it cannot be believed.
-void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
+/// along dq, what the turning of J^T does. False where that cannot be believed.
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
