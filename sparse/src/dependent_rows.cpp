@@ -148,6 +148,9 @@ void make_clusters(int n, DependentRows& rows) {
     for (int e = c; e < d; ++e)
       if (sets.root(e) == c) rows.members.push_back(e);
     const int count = static_cast<int>(rows.members.size()) - first;
+    int entries = 0;
+    for (int k = 0; k < count; ++k) entries += rows.Np[rows.members[first + k] + 1] - rows.Np[rows.members[first + k]];
+    rows.largest_cluster = std::max(rows.largest_cluster, entries);
     rows.clusters.push_back({first, count, rows.gram.size()});
     require_memory(16.0 * count * count + 12.0 * static_cast<double>(rows.Ni.size()));
     rows.gram.resize(rows.gram.size() + static_cast<std::size_t>(count) * count);
@@ -203,6 +206,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(nv, 0.0);
   rows.largest_residual = rows.largest_entry = 0;
+  rows.largest_cluster = 0;
   rows.clusters.clear();
   if (rows.dropped.empty()) return;
   for (int k : rows.dropped) {
@@ -233,10 +237,23 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
   }
 }
 
-void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols) {
+namespace {
+
+// Whether a row that the cluster's columns of N are in is not zero; then none of them will be.
+bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
+  bool any = false;
+  for (int a = 0; a < cluster.count; ++a) each_entry(rows, cluster, a, [&](int k, double) { any |= nonzero[k] != 0; });
+  for (int a = 0; any && a < cluster.count; ++a) each_entry(rows, cluster, a, [&](int k, double) { nonzero[k] = 1; });
+  return any;
+}
+
+}  // namespace
+
+void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + first, cols); };
   for (const DependentRows::Cluster& cluster : rows.clusters) {
+    if (nonzero && !spread(rows, cluster, nonzero)) continue;
     const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
     if (rows.panel.size() < size) rows.panel.resize(size);
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),

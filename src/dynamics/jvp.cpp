@@ -24,13 +24,17 @@ ProductWork::ProductWork(const Scene& scene) {
 
 namespace {
 
-// product(system) of the one that answered an island, or of its whole K, for each that no batch of robots alone serves.
-template <class Product>
-void each_product(const Scene& scene, SceneData& data, Product&& product) {
+void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
+
+// product(system) of the one that answered an island, or of its whole K, for each that no batch of robots alone serves;
+// refused(island) where neither can tell.
+template <class Product, class Refused>
+void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
       *data.workspace, [](const IslandWork& d) { return d.answered_by(d.robots.get()); },
       [&](IslandWork& d, std::size_t, ThreadWork& thread) {
-        (void)internal::ask(scene, data, d, thread, [&](IslandSystem& system) { return product(system, thread); });
+        if (!internal::ask(scene, data, d, thread, [&](IslandSystem& system) { return product(system, thread); }))
+          refused(d.island);
       });
 }
 
@@ -59,13 +63,16 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "du", du.size(), scene.nu);
   internal::check_size("jvp", "da", da.size(), scene.nv);
   internal::check_size("jvp", "df", df.size(), data.f.size());
-  da.setConstant(std::numeric_limits<double>::quiet_NaN());
-  df.setConstant(std::numeric_limits<double>::quiet_NaN());
+  set_nan(da), set_nan(df);
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::jvp_alone(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
   const TangentProduct product{dq, dv, du, da, df};
-  each_product(scene, data,
-               [&](IslandSystem& system, ThreadWork& thread) { return system.jvp(scene, data, thread, product); });
+  each_product(
+      scene, data, [&](IslandSystem& system, ThreadWork& thread) { return system.jvp(scene, data, thread, product); },
+      [&](const Island& island) {
+        each_velocity_block(scene, island, [&](int at, int, int n) { set_nan(da.segment(at, n)); });
+        each_force_block(scene, data.f_offset, island, [&](int at, int, int n) { set_nan(df.segment(at, n)); });
+      });
 }
 
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
@@ -76,12 +83,19 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   internal::check_size("vjp", "wq", wq.size(), scene.nv);
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
-  for (auto* w : {&wq, &wv, &wu}) w->setConstant(std::numeric_limits<double>::quiet_NaN());
+  set_nan(wq), set_nan(wv), set_nan(wu);
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::vjp_alone(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
   const AdjointProduct product{wa, wf, wq, wv, wu};
-  each_product(scene, data,
-               [&](IslandSystem& system, ThreadWork& thread) { return system.vjp(scene, data, thread, product); });
+  each_product(
+      scene, data, [&](IslandSystem& system, ThreadWork& thread) { return system.vjp(scene, data, thread, product); },
+      [&](const Island& island) {
+        for (int r : island.robots) {
+          const Robot& robot = scene.robots[r];
+          set_nan(wq.segment(robot.idx_v, robot.model->nv)), set_nan(wv.segment(robot.idx_v, robot.model->nv));
+          set_nan(wu.segment(robot.idx_u, robot.model->nu()));
+        }
+      });
 }
 
 }  // namespace manycontact

@@ -84,11 +84,7 @@ struct ThreadWork {
   std::vector<lanes::Panel> panels;
   std::vector<lanes::InterfaceContacts::Rows> interface_contacts;
   std::vector<lanes::InterfaceContacts::Derivatives> interface_derivatives;
-  // of jvp and vjp
-  KktVectors v;  // of an island's system
-  struct {
-    Eigen::VectorXd columns, rows;
-  } formed;  // of an island whose derivatives are formed: what they are applied to and what they give, or back
+  KktVectors v;  // of an island's system: of jvp and vjp, and where rows depend
 };
 
 struct Workspace {

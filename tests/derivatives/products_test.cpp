@@ -87,9 +87,7 @@ void expect_products(const std::string& name, const Scene& scene, const State& s
     // The same bits when called again, after other products and the matrices.
     EXPECT_EQ(times(scene, data, directions[0]), Jx);
     EXPECT_EQ(transposed_times(scene, data, w), wJ);
-    if (!redundant) {
-      EXPECT_NE(Jx, J * directions[0]);  // not by way of the matrix
-    }
+    EXPECT_NE(Jx, J * directions[0]);  // not by way of the matrix
   }
 }
 
@@ -121,6 +119,40 @@ TEST(Products, OfRandomScenes) {
     const RandomScene s = random_scene(rng, options);
     expect_products("seed " + std::to_string(seed), s.scene, {s.q, s.v, s.u}, seed % 5 == 0 && s.scene.damping == 0);
   }
+}
+
+// Repeated contacts of all types and frames, in the world, between robots and within one, in motion; some agree.
+TEST(Products, OfRandomScenesWhoseContactsDepend) {
+  for (int seed = 1; seed <= 24; ++seed) {
+    std::mt19937 rng(1700 + seed);
+    SceneOptions options;
+    options.nrobots = 1 + seed % 3;
+    options.redundant = 3;
+    options.contradicting = seed % 2;
+    options.frames = {std::array{ReferenceFrame::kLocal, ReferenceFrame::kWorld,
+                                 ReferenceFrame::kLocalWorldAligned}[seed / 3 % 3]};
+    options.between_bodies = seed % 4 < 2 ? 1 : 0.5;
+    options.passive = seed % 5 == 0 ? 0.3 : 0;
+    const RandomScene s = random_scene(rng, options);
+    expect_products("seed " + std::to_string(seed), s.scene, {s.q, s.v, s.u}, true);
+  }
+}
+
+// One pair of feet of many that stand hand in hand, on points: the others' contacts are in no null space.
+TEST(Products, OfARowWithOneOnCorners) {
+  std::string corners;
+  for (const char* at : {"-0.1 -0.05 0", "-0.1 0.05 0", "0.1 -0.05 0", "0.1 0.05 0"})
+    corners += std::string(R"(<contact name="at )") + at + R"(" type="3d" frame="humanoid1/left_sole" offset=")" + at +
+               R"(" gains="25 10" reference_frame="world"/>)";
+  SceneFile file = load_edited(
+      kModels + "humanoid_standing.xml",
+      {{R"(<robot name="humanoid")", R"(<robot name="humanoid" copies="3" arrange="line" spacing="1")"},
+       {"</scene>", corners + R"(<contact name="hold" type="6d" frame="humanoid/left_hand"
+                                          to="humanoid+1/right_hand"/></scene>)"}});
+  expect_products("as given", file.scene, {file.q, file.v, file.u}, true);
+  std::mt19937 rng(11);
+  disturb(file, rng);
+  expect_products("moving", file.scene, {file.q, file.v, file.u}, true);
 }
 
 // ---- misuse -----------------------------------------------------------------------------------------------------
@@ -180,7 +212,6 @@ TEST_F(Misuse, MatricesBeforeDifferentiate) {
   EXPECT_NO_THROW(sparse_derivatives(scene, data));
 }
 
-// Products of redundant scenes form matrices of their own; these are not differentiate's.
 TEST_F(Misuse, MatricesAfterProductsOnly) {
   const SceneFile corners = load_scene(kModels + "feet_on_corners.xml");
   SceneData redundant(corners.scene);

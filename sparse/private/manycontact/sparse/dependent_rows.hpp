@@ -23,6 +23,7 @@ struct DependentRows {
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
+  int largest_cluster = 0;      // most entries of N that project a row, see Cluster
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
@@ -60,6 +61,8 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const doubl
 /// unused.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
 /// The same for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
-void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols);
+/// nonzero: a flag per row of K, set where that of X is not zero in these columns; kept so. nullptr: all may be.
+void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
+                       char* nonzero = nullptr);
 
 }  // namespace manycontact::sparse

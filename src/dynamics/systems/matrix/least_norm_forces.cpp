@@ -1,131 +1,234 @@
 #include <algorithm>
-#include <cmath>
 
 #include "../../internal.hpp"
+#include "jacobian_rate.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "matrix.hpp"
 
 // With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
-// space. Differentiated at constant rank, P df = P dJ y with y = J^+ f; dJ y is the derivative of J(q) y at constant y,
-// that is, of the contacts' velocities when the joints move with y.
+// space. Differentiated at constant rank, P df = P D dq with D = d(J(q) y)/dq at constant y = J^+ f: how the contacts'
+// velocities change when the joints move with y.
+//
+// Where the contacts contradict each other by rho = J a + a0, least squares ask for J^T rho = 0:
+// J^T (J da + dr2) + G dq = 0 with G = d(J^T rho)/dq at constant rho, so J da = -dr2 - (J^T)^+ G dq on J's range.
+// (J^T)^+ G dq is y of K^+ [G dq; 0]: as J^T rho vanishes everywhere, G dq is in J^T's range, and a of it is zero.
 
 namespace manycontact::internal {
 
 namespace {
 
-using V6 = Vec6<double>;
+DependentDerivatives& work_of(MatrixSystem& m) {
+  if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
+  return *m.rows;
+}
 
-// w.y with J y = w.f, f in J's range. (Which one does not matter: d(J n) = 0 along J n = 0.) Refined on K, as every
+// y with J y = f, once per solution. (Which one does not matter: d(J n) = 0 along J n = 0.) Refined on K, as every
 // solve is, unless the oracle has decomposed J itself.
-void any_motion(const MatrixSystem& m, DependentDerivatives& w) {
+const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
+  DependentDerivatives& w = work_of(m);
+  if (w.state == data.workspace->state && w.factor == m.factor) return w.y;
   const int* iperm = m.K.pattern->iperm.data();
-  thread_local KktVectors v;  // memory
-  v.resize(m.owner.island.size());
+  const Island& island = m.owner.island;
+  v.resize(island.size());
   std::fill(v.b.begin(), v.b.end(), 0.0);
-  for (int k = 0; k < m.owner.island.nc; ++k) v.b[iperm[m.owner.island.nv + k]] = w.f[k];
+  each_force_block(scene, data.f_offset, island, [&](int from, int to, int n) {
+    for (int i = 0; i < n; ++i) v.b[iperm[island.nv + to + i]] = data.f[from + i];
+  });
   if (m.factor->own_refinements() > 0) {
     v.x = v.b;
     m.factor->particular_solution(v.x.data());
   } else {
     solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
   }
-  w.y.resize(m.owner.island.nv);
-  for (int k = 0; k < m.owner.island.nv; ++k) w.y[k] = v.x[iperm[k]];
+  remake(w.y, island.nv);
+  for (int k = 0; k < island.nv; ++k) w.y[k] = v.x[iperm[k]];
+  w.state = data.workspace->state;
+  w.factor = m.factor;
+  return w.y;
 }
 
-// w.D = d(J(q) y)/dq, nc x nv.
-void jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, DependentDerivatives& w) {
-  const Island& island = d.island;
-  const Linearisation& lin = *work.linearisation;
-  for (std::size_t k = 0; k < island.robots.size(); ++k) {
-    const Robot& robot = scene.robots[island.robots[k]];
-    if (w.kin.size() == k) w.kin.emplace_back(*robot.model);
-    w.kin[k] = work.robots[island.robots[k]].kin;
-    forward_accelerations<double>(*robot.model, w.y.segment(island.dof_offset[k], robot.model->nv), nullptr,
-                                  scene.gravity, w.kin[k]);
-  }
-  w.D.setZero(island.nc, island.nv);
+// use(contact of the island, part of x that is its rows): x by the island's rows.
+template <class X, class Use>
+void each_contact(const Scene& scene, const Island& island, X& x, Use&& use) {
+  for (std::size_t c = 0; c < island.contacts.size(); ++c)
+    use(c, x.segment(island.row_offset[c], scene.contacts[island.contacts[c]].rows()));
+}
+
+void take_motion(const Scene& scene, const Island& island, const ConstVector& dq, Eigen::VectorXd& dofs) {
+  remake(dofs, island.nv);
+  each_velocity_block(scene, island, [&](int from, int to, int n) { dofs.segment(to, n) = dq.segment(from, n); });
+}
+
+// rho, by the island's rows.
+void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
+  remake(rho, m.owner.island.nc);
+  for (int k = 0; k < rho.size(); ++k) rho[k] = -m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
+}
+
+// P x of the contacts' rows: x, and the answer, by the island's rows.
+void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
+  const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
+  v.resize(m.owner.island.size());
+  std::fill(v.b.begin(), v.b.end(), 0.0);
+  std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
+  for (int k = 0; k < x.size(); ++k) v.b[iperm[k]] = x[k];
+  m.factor->project_out(v.b.data(), v.null_component.data());
+  for (int k = 0; k < x.size(); ++k) x[k] = v.null_component[iperm[k]];
+}
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// The contacts in J^T's null space, and what coordinates their J changes with: an empty panel of these.
+Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
+  DependentDerivatives& w = work_of(m);
+  const Island& island = m.owner.island;
+  w.in_null_space.resize(island.nc);
+  m.factor->null_space_rows(w.in_null_space);
+  w.contacts.clear(), w.contacts.reserve(island.contacts.size());
+  w.columns.clear(), w.columns.reserve(island.nv);
+  w.place.assign(island.nv, -1);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[island.contacts[c]];
-    const ContactSupport& support = work.supports[island.contacts[c]];
-    const ContactData<double>& rows = lin.contacts[island.contacts[c]];
-    const ContactDerivatives& terms = lin.derivatives[island.contacts[c]];
-    const int a = moves(contact.A) ? local_robot(island, contact.A.robot) : -1,
-              b = moves(contact.B) ? local_robot(island, contact.B.robot) : -1;
-    V6 vB = V6::Zero(), nu = V6::Zero();
-    if (b >= 0) vB = rows.bMA.act_inverse(w.kin[b].v[contact.B.joint]);
-    int k = 0;
-    const auto column = [&](int robot, int i, const SE3<double>& M, double sign) {
-      const Model& model = *scene.robots[island.robots[robot]].model;
-      const int parent = model.joints[model.dof_joint[i]].parent;
-      const V6 s = rows.Jl.col(k);
-      V6 dnu = cross_motion(s, vB);
-      if (parent >= 0) dnu += sign * M.act_inverse(cross_motion(w.kin[robot].v[parent], w.kin[robot].J.col(i)));
-      const int col = d.shape->support().columns[c][k];
-      w.D.block(island.row_offset[c], col, contact.rows(), 1).noalias() += rows.W * dnu;
-      nu += s * w.y[col];
-      ++k;
-    };
-    for (int i : support.a) column(a, i, rows.aMA, 1);
-    for (int i : support.b) column(b, i, rows.bMA, -1);
-    if (!terms.turns) continue;
-    for (std::size_t i = 0; i < terms.chain_a.size(); ++i) {
-      const V6 dnu = turned<double>(terms.turn.col(i), nu);
-      w.D.block(island.row_offset[c], island.dof_offset[a] + terms.chain_a[i], contact.rows(), 1).noalias() +=
-          rows.W * dnu;
-    }
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const char* rows = w.in_null_space.data() + island.row_offset[c];
+    if (std::none_of(rows, rows + rate.W().rows(), [](char in) { return in; })) continue;
+    w.contacts.push_back(static_cast<int>(c));
+    rate.each_column([&](int k) {
+      if (w.place[k] >= 0) return;
+      w.place[k] = static_cast<int>(w.columns.size());
+      w.columns.push_back(k);
+    });
   }
-}
-
-// The island's part of the scene's forces.
-void take_forces(const Scene& scene, const SceneData& data, const Island& island, Eigen::VectorXd& f) {
-  f.resize(island.nc);
-  each_force_block(scene, data.f_offset, island,
-                   [&](int from, int to, int n) { f.segment(to, n) = data.f.segment(from, n); });
+  w.ld = sparse::padded(static_cast<std::ptrdiff_t>(w.columns.size()));
+  w.panel.reserve(static_cast<std::size_t>(island.size()) * sparse::padded(island.nv));  // rows may vary with rounding
+  w.panel.assign(static_cast<std::size_t>(island.size()) * w.ld, 0.0);
+  return {w.panel.data(), island.size(), w.ld};
 }
 
 }  // namespace
 
-void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out) {
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
+  auto G = take_columns(scene, data, m);
   DependentDerivatives& w = *m.rows;
-  take_forces(scene, data, m.owner.island, w.f);
-  any_motion(m, w);
-  jacobian_rate(scene, *data.workspace, m.owner, w);
-  w.kept.setZero(m.owner.island.size(), m.owner.island.nv);
-  w.kept.bottomRows(m.owner.island.nc) = w.D;
-  m.factor->project_out_panel(w.kept.data(), m.owner.island.nv, m.owner.island.nv);
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) += w.D - w.kept.bottomRows(m.owner.island.nc);  // += P D
+  const Island& island = m.owner.island;
+  take_contradiction(m, w.rows);
+  remake(w.dofs, island.nv);
+  w.dofs.setZero();
+  for (int c : w.contacts) {
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const Vec6<double> F = rate.W().transpose() * w.rows.segment(island.row_offset[c], rate.W().rows());
+    for (int i : m.owner.shape->support().columns[c]) {
+      w.dofs[i] = 1;
+      rate.of_motion(w.dofs, [&](int k, const Vec6<double>& ds) { G(i, w.place[k]) += dot(ds, F); });
+      w.dofs[i] = 0;
+    }
+  }
+  const bool believed = w.ld == 0 || solve_columns(m, w.panel.data(), w.ld, work);
+  for (std::size_t k = 0; k < w.columns.size(); ++k)
+    out.X.col(out.q_first + w.columns[k]).tail(out.nc) -= G.col(k).tail(out.nc);
+  return believed;
 }
 
-void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
-  // J^T (J da + dr2) + dJ^T rho = 0 with rho = J a + a0, so J da = -dr2 - (J^T)^+ dJ^T rho on J's range. dJ^T rho is
-  // what a force rho would add to -dr1.
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, KktVectors& v, IslandDerivatives& out) {
+  auto D = take_columns(scene, data, m);  // rows of dynamics stay zero
   DependentDerivatives& w = *m.rows;
-  const Linearisation& lin = *data.workspace->linearisation;
-  IslandDerivatives& rho = w.with_rho;
-  if (rho.X.rows() != m.owner.island.size()) lay_out(scene, m.owner.island, {true, false, false, false}, rho);
-  w.with.setZero(data.f.size());
-  double largest = 0, of_rho = 0;  // of what -dr1 is made of, and of rho
-  for (int c : m.owner.island.contacts) {
-    auto of_contact = w.with.segment(data.f_offset[c], scene.contacts[c].rows());
-    of_contact = lin.contacts[c].W * lin.contacts[c].x;
-    of_rho = std::max(of_rho, of_contact.cwiseAbs().maxCoeff());
-    largest = std::max(largest, data.f.segment(data.f_offset[c], of_contact.size()).cwiseAbs().maxCoeff());
+  const Island& island = m.owner.island;
+  const Eigen::VectorXd& y = any_motion(scene, data, m, v);
+  for (int c : w.contacts) {
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    auto rows = D.middleRows(island.nv + island.row_offset[c], rate.W().rows());
+    rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { rows.col(w.place[k]).noalias() += rate.W() * dnu; });
   }
-  for (int r : m.owner.island.robots) largest = std::max(largest, data.workspace->robots[r].h.cwiseAbs().maxCoeff());
-  // Beside forces of 1e4 N a rho of 1e-6 m/s^2 would be lost in their rounding: it is as large as they are.
-  const double scale =
-      of_rho > 0 && largest > of_rho ? std::exp2(std::min(std::ceil(std::log2(largest / of_rho)), 200.0)) : 1;
-  w.with = data.f + scale * w.with;
-  derivative_terms(scene, data, m.owner.island, w.with);
-  rho.X.setZero();
-  derivative_rhs(scene, lin, data.v, m.owner, rho);
-  derivative_terms(scene, data, m.owner.island, data.f);
-  rho.X.topLeftCorner(rho.nv, rho.nv) -= out.X.block(0, out.q_first, out.nv, out.nv);
-  rho.X.topLeftCorner(rho.nv, rho.nv) /= scale;
-  rho.X.bottomRows(rho.nc).setZero();
-  solve_panel(scene, m, rho, work);  // M w + J^T phi = G, J w = 0: w = 0, phi of least norm
-  out.X.block(out.nv, out.q_first, out.nc, out.nv) -= rho.X.block(rho.nv, 0, rho.nc, rho.nv);
+  // dforces_dq += P D = D - (D - P D)
+  const auto add = [&](double sign) {
+    for (int c : w.contacts)
+      for (int row = island.nv + island.row_offset[c], k = 0; k < scene.contacts[island.contacts[c]].rows(); ++k, ++row)
+        for (std::size_t j = 0; j < w.columns.size(); ++j)
+          out.X(row, out.q_first + w.columns[j]) += sign * D(row, static_cast<Eigen::Index>(j));
+  };
+  add(1);
+  if (w.ld > 0) m.factor->project_out_panel(w.panel.data(), w.ld, w.ld);
+  add(-1);
+}
+
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, const ConstVector& dq, KktVectors& v,
+                       ProductWork& work) {
+  DependentDerivatives& w = work_of(m);
+  const Island& island = m.owner.island;
+  const int* iperm = m.K.pattern->iperm.data();
+  take_contradiction(m, w.rows);
+  take_motion(scene, island, dq, w.dofs);
+  v.resize(island.size());
+  std::fill(v.b.begin(), v.b.end(), 0.0);
+  each_contact(scene, island, w.rows, [&](std::size_t c, const auto& rho) {
+    if (rho.isZero(0)) return;
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    rate.of_force(rate.W().transpose() * rho, w.dofs, [&](int i, double entry) { v.b[iperm[i]] += entry; });
+  });
+  const bool believed = solve_vector(m, v);
+  each_force_block(scene, data.f_offset, island, [&](int to, int from, int n) {
+    for (int i = 0; i < n; ++i) work.y[to + i] -= v.x[iperm[island.nv + from + i]];
+  });
+  return believed;
+}
+
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, const ConstVector& dq, KktVectors& v,
+                       ProductWork& work) {
+  DependentDerivatives& w = work_of(m);
+  const Island& island = m.owner.island;
+  const Eigen::VectorXd& y = any_motion(scene, data, m, v);
+  take_motion(scene, island, dq, w.dofs);
+  remake(w.rows, island.nc);
+  each_contact(scene, island, w.rows, [&](std::size_t c, auto of_contact) {
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    Vec6<double> dnu = Vec6<double>::Zero();
+    rate.of_motion(y, [&](int k, const Vec6<double>& column) { dnu += column * w.dofs[k]; });
+    of_contact.noalias() = rate.W() * dnu;
+  });
+  project(m, v, w.rows);
+  each_force_block(scene, data.f_offset, island,
+                   [&](int to, int from, int n) { work.y.segment(to, n) -= w.rows.segment(from, n); });
+}
+
+namespace {
+
+// gradient += sign D(y)^T x, x by the island's rows.
+void add_transposed(const Scene& scene, const SceneData& data, const MatrixSystem& m, double sign,
+                    const Eigen::VectorXd& y, const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+  each_contact(scene, m.owner.island, x, [&](std::size_t c, const auto& of_contact) {
+    if (of_contact.isZero(0)) return;
+    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const Vec6<double> F = sign * (rate.W().transpose() * of_contact);
+    rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { gradient[k] += dot(dnu, F); });
+  });
+}
+
+}  // namespace
+
+bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& m, const AdjointProduct& p,
+                           KktVectors& v) {
+  DependentDerivatives& w = work_of(m);
+  const Island& island = m.owner.island;
+  const int* iperm = m.K.pattern->iperm.data();
+  bool believed = true;
+  remake(w.dofs, island.nv);
+  remake(w.gradient, island.nv);
+  w.gradient.setZero();
+  if (m.contradiction) {  // G^T a = D(a)^T rho, a of K^+ [0; l's rows of the contacts]
+    for (int k = 0; k < island.size(); ++k) v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]];
+    believed = solve_vector(m, v);
+    for (int k = 0; k < island.nv; ++k) w.dofs[k] = v.x[iperm[k]];
+    take_contradiction(m, w.rows);
+    add_transposed(scene, data, m, -1, w.dofs, w.rows, w.gradient);
+  }
+  const Eigen::VectorXd& y = any_motion(scene, data, m, v);
+  remake(w.rows, island.nc);
+  each_force_block(scene, data.f_offset, island,
+                   [&](int from, int to, int n) { w.rows.segment(to, n) = p.wf.segment(from, n); });
+  project(m, v, w.rows);
+  add_transposed(scene, data, m, 1, y, w.rows, w.gradient);
+  each_velocity_block(scene, island,
+                      [&](int to, int from, int n) { p.wq.segment(to, n) += w.gradient.segment(from, n); });
+  return believed;
 }
 
 }  // namespace manycontact::internal

@@ -99,70 +99,38 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
   const AtSolution at(scene, data, m.owner.island);
   internal::right_hand_sides(scene, data, m.owner, out);
   const bool deficient = m.deficient() && out.request.q;
-  if (deficient && !m.rows) m.rows = std::make_unique<DependentDerivatives>();
-  if (deficient && m.contradiction) internal::add_contradiction(scene, data, m, out, thread.panel);
+  if (deficient && m.contradiction && !internal::add_contradiction(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, out);
+  if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
-// All derivatives of an island whose rows depend: products with them are formed.
-const IslandDerivatives* formed(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m) {
-  if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
-  IslandDerivatives& all = m.rows->all;
-  if (all.u_offset.empty()) internal::lay_out(scene, m.owner.island, {}, all);
-  return m.differentiate(scene, data, thread, all) ? &all : nullptr;
-}
-
-bool formed_jvp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const TangentProduct& p) {
-  const IslandDerivatives* D = formed(scene, data, thread, m);
-  if (!D) return false;
-  const Island& island = m.owner.island;
-  Eigen::VectorXd &in = thread.formed.columns, &out = thread.formed.rows;
-  internal::remake(in, D->cols);
-  internal::remake(out, island.size());
-  each_velocity_block(scene, island, [&](int from, int to, int n) {
-    in.segment(D->q_first + to, n) = p.dq.segment(from, n);
-    in.segment(D->v_first + to, n) = p.dv.segment(from, n);
-  });
-  each_torque_block(scene, island,
-                    [&](int from, int to, int n) { in.segment(D->u_first + to, n) = p.du.segment(from, n); });
-  out.noalias() = D->X.leftCols(D->cols) * in;
-  each_velocity_block(scene, island, [&](int to, int from, int n) { p.da.segment(to, n) = out.segment(from, n); });
-  each_force_block(scene, data.f_offset, island,
-                   [&](int to, int from, int n) { p.df.segment(to, n) = out.segment(D->nv + from, n); });
-  return true;
-}
-
-bool formed_vjp(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, const AdjointProduct& p) {
-  const IslandDerivatives* D = formed(scene, data, thread, m);
-  if (!D) return false;
-  const Island& island = m.owner.island;
-  Eigen::VectorXd &out = thread.formed.columns, &in = thread.formed.rows;
-  internal::remake(in, island.size());
-  internal::remake(out, D->cols);
-  each_velocity_block(scene, island, [&](int from, int to, int n) { in.segment(to, n) = p.wa.segment(from, n); });
-  each_force_block(scene, data.f_offset, island,
-                   [&](int from, int to, int n) { in.segment(D->nv + to, n) = p.wf.segment(from, n); });
-  out.noalias() = D->X.leftCols(D->cols).transpose() * in;
-  each_velocity_block(scene, island, [&](int to, int from, int n) {
-    p.wq.segment(to, n) = out.segment(D->q_first + from, n);
-    p.wv.segment(to, n) = out.segment(D->v_first + from, n);
-  });
-  each_torque_block(scene, island,
-                    [&](int to, int from, int n) { p.wu.segment(to, n) = out.segment(D->u_first + from, n); });
-  return true;
-}
-
-// [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
-void solve_once_refined(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
-                        ProductWork& work) {
+// [a; y] <- K^-1 [a; y] of the scratch of products. False where that cannot be believed.
+bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v, ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
-  thread.v.resize(m.K.size());
-  internal::gather(scene, data.f_offset, p, m.owner.island, work.a, work.y, thread.v.b.data());
-  (void)solve_refined(*m.factor, m.K, thread.v, 1);
-  internal::scatter(scene, data.f_offset, p, m.owner.island, thread.v.x.data(), work.a, work.y);
+  v.resize(m.K.size());
+  internal::gather(scene, data.f_offset, p, m.owner.island, work.a, work.y, v.b.data());
+  const bool believed = internal::solve_vector(m, v);
+  internal::scatter(scene, data.f_offset, p, m.owner.island, v.x.data(), work.a, work.y);
+  return believed;
+}
+
+bool jvp_once(const Scene& scene, SceneData& data, KktVectors& v, MatrixSystem& m, const TangentProduct& p) {
+  bool believed = true;
+  internal::tangent_product(scene, data, m.owner.island, p, [&](ProductWork& work) {
+    if (m.deficient() && m.contradiction) believed = internal::add_contradiction(scene, data, m, p.dq, v, work);
+    believed = solve_product(scene, data, m, v, work) && believed;
+    if (m.deficient()) internal::least_norm_forces(scene, data, m, p.dq, v, work);
+  });
+  return believed;
+}
+
+bool vjp_once(const Scene& scene, SceneData& data, KktVectors& v, MatrixSystem& m, const AdjointProduct& p) {
+  bool believed = true;
+  internal::adjoint_product(scene, data, m.owner.island, p,
+                            [&](ProductWork& work) { believed = solve_product(scene, data, m, v, work); });
+  return (!m.deficient() || internal::add_dependent_adjoint(scene, data, m, p, v)) && believed;
 }
 
 }  // namespace
@@ -173,17 +141,13 @@ bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
 }
 
 bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {
-  if (deficient()) return formed_jvp(scene, data, thread, *this, p);
-  internal::tangent_product(scene, data, owner.island, p,
-                            [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
-  return true;
+  return jvp_once(scene, data, thread.v, *this, p) ||
+         (internal::solve_by_oracle(scene, data, thread, *this) && jvp_once(scene, data, thread.v, *this, p));
 }
 
 bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, const AdjointProduct& p) {
-  if (deficient()) return formed_vjp(scene, data, thread, *this, p);
-  internal::adjoint_product(scene, data, owner.island, p,
-                            [&](ProductWork& work) { solve_once_refined(scene, data, thread, *this, work); });
-  return true;
+  return vjp_once(scene, data, thread.v, *this, p) ||
+         (internal::solve_by_oracle(scene, data, thread, *this) && vjp_once(scene, data, thread.v, *this, p));
 }
 
 }  // namespace manycontact

@@ -12,14 +12,20 @@
 
 namespace manycontact {
 
-/// Workspace of an island with dependent contact rows, allocated when it is first differentiated.
+struct ProductWork;
+
+/// Workspace of an island with dependent contact rows, for derivatives and products.
 struct DependentDerivatives {
-  std::vector<Kinematics<double>> kin;  // per robot of the island, moving with y
-  Eigen::VectorXd f, x, y;              // nc, size, nv
-  Eigen::VectorXd with;                 // forces of the scene, and what the contacts contradict each other by
-  IslandDerivatives::Panel D, kept;     // nc x nv, size x nv
-  IslandDerivatives with_rho;           // nv columns
-  IslandDerivatives all;                // for jvp and vjp: everything
+  Eigen::VectorXd y;                     // nv: J y = f
+  std::uint64_t state = 0;               // that y is of ...
+  const Factor* factor = nullptr;        // ... and the factor that gave it
+  Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
+  // by take_columns
+  std::vector<char> in_null_space;  // nc
+  std::vector<int> contacts;        // of the island, with rows there
+  std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
+  int ld = 0;
+  std::vector<double> panel;  // scratch: size x ld
 };
 
 class MatrixSystem final : public IslandSystem {
@@ -57,7 +63,7 @@ class MatrixSystem final : public IslandSystem {
   double tolerated = 0;        // what rows made dependent may contradict each other by, relative to their terms
   bool was_dependent = false;  // the last solve found rows dependent
   std::vector<int> dependent;  // scratch: rows of J
-  std::unique_ptr<DependentDerivatives> rows;  // by differentiate, where rows depend
+  std::unique_ptr<DependentDerivatives> rows;  // by differentiate and products, where rows depend
 };
 
 namespace internal {
@@ -89,11 +95,27 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
 
 /// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
-/// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2 what the turning of J^T does.
-void add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
+/// X <- K^+ X of a panel with row stride ld in the same way. False where that cannot be believed.
+bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
+/// v.x <- K^+ v.b by the factor at hand, refined once. False, and NaN, where that cannot be believed.
+bool solve_vector(MatrixSystem& system, KktVectors& v);
+
+// Where rows are dependent (least_norm_forces.cpp), of derivatives and of products with them. While AtSolution lives.
+
+/// Adds to dforces_dq, or to df = -y of the scratch along dq, what keeps the forces of least norm. v: scratch.
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, KktVectors& v,
+                       IslandDerivatives& out);
+void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
+                       ProductWork& work);
+/// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2, of the panel or of the scratch
+/// along dq, what the turning of J^T does. False where that cannot be believed.
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
-/// Adds to dforces_dq what keeps the forces of least norm, where rows are dependent.
-void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out);
+bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
+                       ProductWork& work);
+/// Adds to wq what the transposes of both do. v: l = K^+ [wa; -wf] in v.x; used up. False where it cannot be believed.
+bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
+                           KktVectors& v);
 
 }  // namespace internal
 

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "../../internal.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 
@@ -37,6 +38,14 @@ struct Reach {
 
 constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 
+void solve_columns_once(MatrixSystem& m, double* X, int ld, int first, int cols, bool refined,
+                        std::vector<char>& nonzero) {
+  if (refined)
+    m.factor->solve_panel_refined(m.K, X, ld, first, cols, nonzero.data());
+  else
+    m.factor->solve_panel(X, ld, first, cols, nonzero.data());
+}
+
 // Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
 // refined: once, by a factor that does.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined,
@@ -44,10 +53,7 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
   const auto solve = [&](int first, int cols) {
-    if (refined)
-      m.factor->solve_panel_refined(m.K, out.X.data(), ld, first, cols, nonzero.data());
-    else
-      m.factor->solve_panel(out.X.data(), ld, first, cols, nonzero.data());
+    solve_columns_once(m, out.X.data(), ld, first, cols, refined, nonzero);
   };
   if (island.robots.size() == 1) {
     std::fill_n(nonzero.begin(), island.size(), 1);
@@ -72,31 +78,72 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
+// Growth of K's entries, beyond which a factor's answers are judged by their own residuals.
+bool grows_too_much(const Factor& factor) {
+  return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
+}
+
+// |r| beside |K|_1 |x| + |b|, as refine_panel has it of a column. Overwrites v.scale.
+double normwise_error(const MatrixSystem& m, KktVectors& v) {
+  const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
+  const bool dependent = m.deficient();  // then r has in it what least squares leave
+  double r = 0, x = 0, b = 0;
+  for (std::size_t k = 0; k < v.x.size(); ++k) {
+    r = sparse::larger_or_nan(r, std::abs(dependent ? v.r[k] - v.null_component[k] : v.r[k]));
+    x = std::max(x, std::abs(v.x[k]));
+    b = std::max(b, std::abs(v.b[k]));
+  }
+  return r <= tolerance::kVanishing ? 0 : r / (norm * x + b);
+}
+
 template <class T>
 void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
+}
+
+// X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined) by the factor, refined by itself or not.
+// False where that cannot be believed.
+template <class Solve>
+bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
+  const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;
+  // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
+  reserve(work.nonzero, m.owner.island.size());
+  reserve(work.B, size);
+  reserve(work.R, size);
+  const bool judged = !m.factor->panel_is_like_solve() || grows_too_much(*m.factor);
+  const bool doubtful = m.deficient() || m.first_error > tolerance::kRefinePanel;
+  const bool refine = m.factor->own_refinements() == 0 &&
+                      (judged || (doubtful && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
+  const bool at_once = refine && !judged && m.factor->refines_panels();
+  if (refine && !at_once) std::copy_n(X, size, work.B.data());
+  solve(at_once);
+  if (!refine || at_once) return true;
+  return refine_panel(*m.factor, m.K, X, ld, judged, work) <= tolerance::kConverged;
 }
 
 }  // namespace
 
 void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
   if (out.cols == 0 || m.owner.island.size() == 0) return;
-  // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
-  reserve(work.nonzero, m.owner.island.size());
-  reserve(work.B, out.X.size());
-  reserve(work.R, out.X.size());
-  const bool judged = !m.factor->panel_is_like_solve() ||
-                      m.factor->growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
-  const bool refine =
-      m.factor->own_refinements() == 0 &&
-      (judged || m.deficient() ||
-       (m.first_error > tolerance::kRefinePanel && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
-  const bool at_once = refine && !judged && m.factor->refines_panels();
-  if (refine && !at_once) std::copy_n(out.X.data(), out.X.size(), work.B.data());
-  solve_blocks(scene, m, out, at_once, work.nonzero);
-  if (!refine || at_once) return;
-  const double left = refine_panel(*m.factor, m.K, out.X.data(), static_cast<int>(out.X.cols()), judged, work);
-  if (!(left <= tolerance::kConverged)) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work, [&](bool refined) {
+    solve_blocks(scene, m, out, refined, work.nonzero);
+  });
+  if (!believed) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+bool solve_columns(MatrixSystem& m, double* X, int ld, PanelWork& work) {
+  return solve_as_needed(m, X, ld, work, [&](bool refined) {
+    std::fill_n(work.nonzero.begin(), m.owner.island.size(), 1);
+    solve_columns_once(m, X, ld, 0, ld, refined, work.nonzero);
+  });
+}
+
+bool solve_vector(MatrixSystem& m, KktVectors& v) {
+  const bool judged = m.factor->own_refinements() == 0 && grows_too_much(*m.factor);
+  (void)solve_refined(*m.factor, m.K, v, judged ? tolerance::kPanelSteps - 1 : 1);
+  if (!judged || normwise_error(m, v) <= tolerance::kConverged) return true;
+  std::fill(v.x.begin(), v.x.end(), std::numeric_limits<double>::quiet_NaN());
+  return false;
 }
 
 }  // namespace manycontact::internal

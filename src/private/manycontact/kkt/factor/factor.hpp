@@ -1,7 +1,9 @@
 #pragma once
 // A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, cholmod, schur, dense, dense_schur.
 
+#include <algorithm>
 #include <limits>
+#include <span>
 
 #include "manycontact/kkt/matrix.hpp"
 #include "manycontact/kkt/reason.hpp"
@@ -52,6 +54,8 @@ class Factor {  // one island's factor, whatever the method
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
   /// The same for all columns of a panel as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
+  /// A flag per row of J, numbered within the island (rows: nc): set where y -= P y may change it, and it others.
+  virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
   /// What rounding makes of the projections, beside the largest entry of y: the forces of least norm are no better.
   virtual double projector_error() const { return 0; }
