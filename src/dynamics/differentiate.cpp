@@ -58,7 +58,8 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   if (out.request != request || out.X.rows() != d.island.size() || out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
-  if (d.answered && !d.alone.answered(w) && !differentiates_by_robots(d)) w.linearisation->assign(scene, w, d.island);
+  if (d.answered && !d.alone.differentiates(w) && !differentiates_by_robots(d))
+    w.linearisation->assign(scene, w, d.island);
 }
 
 // Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
@@ -88,9 +89,11 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   }
   const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_alone(scene, data);
-  internal::each_island(w, internal::differentiates_by_robots, [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
-    internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
-  });
+  internal::each_island(
+      w, [&](const IslandWork& d) { return d.alone.differentiates(w); }, internal::differentiates_by_robots,
+      [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
+        internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
+      });
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
   w.derivatives_serial = data.serial;
   return w.derivatives;

@@ -31,7 +31,8 @@ void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
-      *data.workspace, [](const IslandWork& d) { return d.answered_by(d.robots.get()); },
+      *data.workspace, [&](const IslandWork& d) { return d.alone.multiplies(*data.workspace); },
+      [](const IslandWork& d) { return d.answered_by(d.robots.get()); },
       [&](IslandWork& d, std::size_t, ThreadWork& thread) {
         if (!internal::ask(scene, data, d, thread, [&](IslandSystem& system) { return product(system, thread); }))
           refused(d.island);
@@ -43,7 +44,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands) {  // memory, by this thread
-    if (!d->answered || d->alone.answered(w)) continue;
+    if (!d->answered || d->alone.multiplies(w)) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
       internal::make_joint_space(scene, w, *d);

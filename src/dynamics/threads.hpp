@@ -17,10 +17,10 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
   });
 }
 
-/// work(island, its number, memory of the thread) for each island that no batch of robots alone serves; first those of
-/// which with_all_threads(island) holds, one after the other: they have their own use for all threads.
-template <class WithAllThreads, class Work>
-void each_island(Workspace& w, WithAllThreads&& with_all_threads, Work&& work) {
+/// work(island, its number, memory of the thread) for each island that no batch of robots alone has `done`; first those
+/// of which with_all_threads(island) holds, one after the other: they have their own use for all threads.
+template <class Done, class WithAllThreads, class Work>
+void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, Work&& work) {
   w.done.assign(w.islands.size(), 0);  // work may change what holds of an island
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (with_all_threads(*w.islands[i])) {
@@ -28,7 +28,7 @@ void each_island(Workspace& w, WithAllThreads&& with_all_threads, Work&& work) {
       w.done[i] = 1;
     }
   each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.done[i] && !w.islands[i]->alone.answered(w)) work(*w.islands[i], i, thread);
+    if (!w.done[i] && !done(*w.islands[i])) work(*w.islands[i], i, thread);
   });
 }
 

@@ -76,8 +76,8 @@ struct Answer {
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
-  // are refined once.
-  bool panel_is_safe = false, refine_panel = false;
+  // are refined once; whether nothing has to judge products.
+  bool panel_is_safe = false, refine_panel = false, products_are_safe = false;
   Contradiction contradiction;  // where the plan drops rows
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Products with the derivatives of robots alone: derivatives/products.cpp for all lanes at once.
 
+#include "manycontact/spatial/products.hpp"
 #include "robot_block.hpp"
 
 namespace manycontact::lanes {
@@ -8,6 +9,7 @@ namespace manycontact::lanes {
 /// x = K^-1 b, refined once as solve_refined with one step does.
 template <class S>
 void RobotBlock<S>::solve_once_refined() {
+  if (dependent_) dependent_->project_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Mask open = residual() > S(tolerance::kRefined);
@@ -18,6 +20,65 @@ template <class S>
 BodyVariationOf<S> RobotBlock<S>::body(const Attachment& at) const {
   const Vec6<S> zero = Vec6<S>::Zero();
   return moves(at) ? body_[at.joint] : BodyVariationOf<S>{zero, zero, zero, zero};
+}
+
+// ---- forces of least norm, where rows depend (systems/matrix/least_norm_forces.cpp): P df = P D dq, D = d(J y)/dq
+// ----
+
+template <class S>
+internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const {
+  const ContactSupport& support = plan_->supports[k];
+  const std::vector<int>& joint = model_->dof_joint;
+  return {scene.contacts[robots.front().contacts[k]],
+          contacts_[k],
+          {support.a, joint},
+          {support.b, joint},
+          columns_[k],
+          contact_terms_[k].chain_a,
+          0,
+          robot_.kin};
+}
+
+/// y with J y = f.
+template <class S>
+void RobotBlock<S>::motion_of_forces() {
+  for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i) n_.b[rows_of(k)[i]] = contact_f_[k][i];
+  solve_once_refined();
+  for (int i = 0; i < model_->nv; ++i) y_[i] = n_.x[pattern_.iperm[i]];
+}
+
+/// x = [da; -df]: df += P D dq.
+template <class S>
+void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    Vec6<S> dnu = Vec6<S>::Zero();
+    jacobian_rate(scene, robots, k).of_motion(y_, [&](int i, const Vec6<S>& column) { dnu += column * dq[i]; });
+    VecX<S>& rows = contact_scratch_[k];
+    rows.noalias() = contacts_[k].W * dnu;
+    for (Eigen::Index i = 0; i < rows.size(); ++i) n_.w[rows_of(k)[i]] = rows[i];
+  }
+  dependent_->project_out(n_.w, true);
+  for (int k = model_->nv; k < rows_; ++k) n_.x[k] -= dependent_->null_component(k);
+}
+
+/// P of b = [wa; -wf], before it is solved for.
+template <class S>
+void RobotBlock<S>::project_forces() {
+  std::copy_n(n_.b, rows_, n_.w);
+  dependent_->project_out(n_.w, true);
+}
+
+/// wq += D^T P wf.
+template <class S>
+void RobotBlock<S>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    VecX<S>& rows = contact_scratch_[k];
+    for (Eigen::Index i = 0; i < rows.size(); ++i) rows[i] = -dependent_->null_component(rows_of(k)[i]);
+    const Vec6<S> F = contacts_[k].W.transpose() * rows;
+    jacobian_rate(scene, robots, k).of_motion(y_, [&](int i, const Vec6<S>& column) { wq[i] += dot(column, F); });
+  }
 }
 
 template <class S>
@@ -32,6 +93,7 @@ void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
     const auto& robot = scene.robots[in_lane(robots, l).number];
     for (int i = 0; i < model_->nu(); ++i) torque_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
   }
+  if (dependent_) motion_of_forces(), along_ = dq_;
   tangent_motions<S>(*model_, robot_.kin, a_.data(), dq_.data(), dv_.data(), body_);
   add_forces(scene, robots, fext_);
   std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
@@ -47,6 +109,7 @@ void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
   for (int i = 0; i < nv; ++i) n_.b[pattern_.iperm[i]] = torque_[i] - dq_[i];
   for (std::size_t i = 0; i < slope_.size(); ++i) n_.b[pattern_.iperm[i]] -= slope_[i] * dv_[i];
   solve_once_refined();
+  if (dependent_) add_least_norm_tangent(scene, robots, along_);
   for (std::size_t l = 0; l < robots.size(); ++l)  // x = [da; -df]
     scatter(scene, job.f_offset, robots[l], static_cast<int>(l), job.out[0], job.out[1]);
 }
@@ -56,6 +119,7 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
   const Scene& scene = job.scene;
   const int nv = model_->nv;
   linearise(job, robots, nullptr);
+  if (dependent_) motion_of_forces();
   for (int l = 0; l < W; ++l) {
     const Robot& robot = in_lane(robots, l);
     const double* wa = job.in[0] + scene.robots[robot.number].idx_v;
@@ -63,6 +127,11 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
         n_.b[rows_of(k)[i]].set(l, -job.in[1][job.f_offset[robot.contacts[k]] + i]);
+  }
+  if (dependent_) {
+    project_forces();
+    std::fill(along_.begin(), along_.end(), S(0));
+    add_least_norm_adjoint(scene, robots, along_);
   }
   solve_once_refined();  // l = K^-1 [wa; -wf]
   for (int i = 0; i < nv; ++i) torque_[i] = n_.x[pattern_.iperm[i]];
@@ -83,6 +152,7 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
   }
   pull_back<S>(*model_, robot_.kin, a_.data(), u_, body_, dq_.data(), dv_.data());
   for (std::size_t i = 0; i < slope_.size(); ++i) dv_[i] += slope_[i] * torque_[i];
+  for (std::size_t i = 0; i < along_.size(); ++i) dq_[i] -= along_[i];
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const auto& robot = scene.robots[robots[l].number];
     const int lane = static_cast<int>(l);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "../contact_drift.hpp"
+#include "../derivatives/jacobian_rate.hpp"
 #include "../robot_quantities.hpp"
 #include "arrays.hpp"
 #include "checks.hpp"
@@ -170,6 +171,12 @@ class RobotBlock {
   void add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext);
   void derivative_terms(const Scene& scene, Robots robots);
   void solve_once_refined();
+  // where rows depend
+  internal::JacobianRate<S> jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const;
+  void motion_of_forces();
+  void add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq);
+  void project_forces();
+  void add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq);
   BodyVariationOf<S> body(const Attachment& at) const;
   void find_places();
   void find_reach(const DerivativeJob& job);
@@ -271,7 +278,8 @@ class RobotBlock {
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
+  std::vector<S> y_, along_;  // where rows depend: J y = f; of jvp dq, of vjp what is added to wq
+  std::vector<S> slope_;      // nv, where joints have friction: -d tau_f / dv
 };
 
 template <class S>
@@ -313,6 +321,8 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       dq_(model_->nv),
       dv_(model_->nv),
       torque_(model_->nv),
+      y_(plan_->dropped.empty() ? 0 : model_->nv),
+      along_(y_.size()),
       slope_(has_friction(*model_) ? model_->nv : 0) {
   for (std::size_t k = 0; k < standing_.size(); ++k) {
     const ContactSupport& support = plan_->supports[k];
@@ -545,7 +555,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
     Answer& answer = answers[l];
     answer.sound = sound[lane];
     if (!answer.sound) continue;
-    answer.panel_is_safe = safe[lane];
+    answer.panel_is_safe = answer.products_are_safe = safe[lane];
     answer.refine_panel = first_error_[lane] > tolerance::kRefinePanel;
     answer.refinement_steps = static_cast<int>(steps_[lane]);
     answer.backward_error = backward_error_[lane];
@@ -604,6 +614,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
     const int lane = static_cast<int>(l);
     answers[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_->drift()[lane]};
     answers[l].panel_is_safe = false;  // the whole K differentiates
+    if (answers[l].contradiction.exceeds(tolerance::kDriftRounding)) answers[l].products_are_safe = false;
   }
 }
 
@@ -853,8 +864,10 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
   for (std::size_t i = 0; i < slope_.size(); ++i)
     for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
   if (kept || !alone) return;
+  if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   factorize();
+  if (dependent_) (void)sound_pivots();  // it is known: for the null space
 }
 
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.

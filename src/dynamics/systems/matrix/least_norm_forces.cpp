@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "../../derivatives/jacobian_rate.hpp"
 #include "../../internal.hpp"
-#include "jacobian_rate.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -16,6 +16,22 @@
 namespace manycontact::internal {
 
 namespace {
+
+// Of the c-th contact of an island, in the coordinates of that.
+JacobianRate<double> jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, std::size_t c) {
+  const int number = d.island.contacts[c];
+  const Contact& contact = scene.contacts[number];
+  const auto& joints = [&](int robot) -> const std::vector<int>& { return scene.robots[robot].model->dof_joint; };
+  const int a = contact.A.robot, b = contact.B.robot < 0 ? a : contact.B.robot;
+  return {contact,
+          work.linearisation->contacts[number],
+          {work.supports[number].a, joints(a)},
+          {work.supports[number].b, joints(b)},
+          d.shape->support().columns[c],
+          work.linearisation->derivatives[number].chain_a,
+          first_dof(d.island, contact.A),
+          work.robots[a].kin};
+}
 
 DependentDerivatives& work_of(MatrixSystem& m) {
   if (!m.rows) m.rows = std::make_unique<DependentDerivatives>();
@@ -88,7 +104,7 @@ Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, Mat
   w.columns.clear(), w.columns.reserve(island.nv);
   w.place.assign(island.nv, -1);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     const char* rows = w.in_null_space.data() + island.row_offset[c];
     if (std::none_of(rows, rows + rate.W().rows(), [](char in) { return in; })) continue;
     w.contacts.push_back(static_cast<int>(c));
@@ -114,7 +130,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, Isl
   remake(w.dofs, island.nv);
   w.dofs.setZero();
   for (int c : w.contacts) {
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     const Vec6<double> F = rate.W().transpose() * w.rows.segment(island.row_offset[c], rate.W().rows());
     for (int i : m.owner.shape->support().columns[c]) {
       w.dofs[i] = 1;
@@ -134,7 +150,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, Kkt
   const Island& island = m.owner.island;
   const Eigen::VectorXd& y = any_motion(scene, data, m, v);
   for (int c : w.contacts) {
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     auto rows = D.middleRows(island.nv + island.row_offset[c], rate.W().rows());
     rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { rows.col(w.place[k]).noalias() += rate.W() * dnu; });
   }
@@ -161,7 +177,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, con
   std::fill(v.b.begin(), v.b.end(), 0.0);
   each_contact(scene, island, w.rows, [&](std::size_t c, const auto& rho) {
     if (rho.isZero(0)) return;
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     rate.of_force(rate.W().transpose() * rho, w.dofs, [&](int i, double entry) { v.b[iperm[i]] += entry; });
   });
   const bool believed = solve_vector(m, v);
@@ -179,7 +195,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, con
   take_motion(scene, island, dq, w.dofs);
   remake(w.rows, island.nc);
   each_contact(scene, island, w.rows, [&](std::size_t c, auto of_contact) {
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     Vec6<double> dnu = Vec6<double>::Zero();
     rate.of_motion(y, [&](int k, const Vec6<double>& column) { dnu += column * w.dofs[k]; });
     of_contact.noalias() = rate.W() * dnu;
@@ -196,7 +212,7 @@ void add_transposed(const Scene& scene, const SceneData& data, const MatrixSyste
                     const Eigen::VectorXd& y, const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   each_contact(scene, m.owner.island, x, [&](std::size_t c, const auto& of_contact) {
     if (of_contact.isZero(0)) return;
-    const JacobianRate rate(scene, *data.workspace, m.owner, c);
+    const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     const Vec6<double> F = sign * (rate.W().transpose() * of_contact);
     rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { gradient[k] += dot(dnu, F); });
   });

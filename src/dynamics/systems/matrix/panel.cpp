@@ -125,9 +125,8 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
 
 void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
   if (out.cols == 0 || m.owner.island.size() == 0) return;
-  const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work, [&](bool refined) {
-    solve_blocks(scene, m, out, refined, work.nonzero);
-  });
+  const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work,
+                                        [&](bool refined) { solve_blocks(scene, m, out, refined, work.nonzero); });
   if (!believed) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 

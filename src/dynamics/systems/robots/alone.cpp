@@ -8,7 +8,8 @@
 
 namespace manycontact {
 
-bool AloneSystem::answered(const Workspace& work) const { return state == work.state && panel_is_safe; }
+bool AloneSystem::differentiates(const Workspace& work) const { return state == work.state && panel_is_safe; }
+bool AloneSystem::multiplies(const Workspace& work) const { return state == work.state && products_are_safe; }
 
 namespace internal {
 
@@ -34,6 +35,7 @@ void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer
   d.alone.by = &by;
   d.alone.state = w.state;
   d.alone.panel_is_safe = answer.panel_is_safe;
+  d.alone.products_are_safe = answer.products_are_safe;
   d.alone.refine_panel = answer.refine_panel;
 }
 
@@ -85,8 +87,8 @@ void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use)
   });
 }
 
-auto served_by(const Workspace& w) {
-  return [&w](const IslandWork& d, const BlockGroup& by) { return d.alone.answered(w) && d.alone.by == &by; };
+auto served(bool (AloneSystem::*serves)(const Workspace&) const, const Workspace& w) {
+  return [serves, &w](const IslandWork& d, const BlockGroup& by) { return (d.alone.*serves)(w) && d.alone.by == &by; };
 }
 
 bool usable_damping(const Scene& scene) { return scene.damping >= 0 && std::isfinite(scene.damping); }
@@ -170,19 +172,21 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   std::size_t bytes = 0;
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool non_temporal = bytes > kCacheBytes;
-  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
-    const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
-    const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
-                                   data.a.data(), data.f.data(), data.f_offset, first.request,
-                                   first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                   non_temporal};
-    thread.panels.clear();
-    for (int i : numbers) {
-      IslandDerivatives& out = w.derivatives.islands[i];
-      thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
-    }
-    group.kernels[thread.number]->differentiate(job, robots, nullptr, thread.panels);
-  });
+  each_in_lanes(
+      scene, w, served(&AloneSystem::differentiates, w),
+      [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+        const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
+        const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
+                                       data.a.data(), data.f.data(), data.f_offset, first.request,
+                                       first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
+                                       non_temporal};
+        thread.panels.clear();
+        for (int i : numbers) {
+          IslandDerivatives& out = w.derivatives.islands[i];
+          thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
+        }
+        group.kernels[thread.number]->differentiate(job, robots, nullptr, thread.panels);
+      });
 }
 
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
@@ -190,9 +194,10 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
-  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-    group.kernels[thread.number]->jvp(job, robots);
-  });
+  each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
+                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+                  group.kernels[thread.number]->jvp(job, robots);
+                });
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -200,9 +205,10 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
-  each_in_lanes(scene, w, served_by(w), [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-    group.kernels[thread.number]->vjp(job, robots);
-  });
+  each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
+                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+                  group.kernels[thread.number]->vjp(job, robots);
+                });
 }
 
 }  // namespace internal

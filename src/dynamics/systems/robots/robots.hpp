@@ -63,11 +63,12 @@ struct AloneSystem final : IslandSystem {
   BlockGroup* by = nullptr;         // which of the two gave the last answer
   std::uint64_t state = 0;          // of the last answer that came from a lane
   std::uint64_t tried = 0;          // of the last solve that `dependent` was asked in
-  bool panel_is_safe = false;       // whether derivatives may come from there too
-  bool refine_panel = false;        // and are refined once
+  bool panel_is_safe = false, products_are_safe = false;  // whether derivatives may come from there too
+  bool refine_panel = false;                              // and are refined once
 
-  /// Whether derivatives of the solution at hand and products with them come from a lane.
-  bool answered(const Workspace& work) const;
+  /// Whether derivatives of the solution at hand come from a lane; whether products with them do.
+  bool differentiates(const Workspace& work) const;
+  bool multiplies(const Workspace& work) const;
 };
 
 /// An island of several robots.
@@ -171,8 +172,8 @@ void solve_alone_as_found(const Scene& scene, SceneData& data);
 bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
 /// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
 void find_dependent_group(Workspace& work, IslandWork& island);
-/// Derivatives of those that AloneSystem::answered into w.derivatives, and products with them. Vectors in the scene's
-/// coordinates, as in jvp.hpp.
+/// Derivatives of those that AloneSystem::differentiates into w.derivatives, and products with them. Vectors in the
+/// scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
                double* df);

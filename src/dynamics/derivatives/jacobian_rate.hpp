@@ -9,28 +9,37 @@
 // A, joints above both bodies included. So J's derivative times a vector takes sums of s_i along the two chains, and
 // its cost is linear in their lengths.
 
-#include "../../workspace.hpp"
+#include "manycontact/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 
+/// Of one contact, whose rows are those at the solution.
+template <class S>
 class JacobianRate {
+  using V6 = Vec6<S>;
+
  public:
-  /// Of the c-th contact of an island, in the coordinates of that. While lin.contacts are of the solution at hand.
-  JacobianRate(const Scene& scene, const Workspace& work, const IslandWork& d, std::size_t c)
-      : contact_(scene.contacts[d.island.contacts[c]]),
-        rows_(work.linearisation->contacts[d.island.contacts[c]]),
-        support_(work.supports[d.island.contacts[c]]),
-        columns_(d.shape->support().columns[c]),
-        chain_a_(work.linearisation->derivatives[d.island.contacts[c]].chain_a),
-        first_a_(first_dof(d.island, contact_.A)),
-        kin_a_(work.robots[contact_.A.robot].kin),
-        joint_a_(scene.robots[contact_.A.robot].model->dof_joint),
-        joint_b_(contact_.B.robot < 0 ? joint_a_ : scene.robots[contact_.B.robot].model->dof_joint),
-        na_(static_cast<int>(support_.a.size())),
-        n_(support_.cols()) {}
+  struct Chain {                      // of the end A or B
+    const std::vector<int>& support;  // ContactSupport's
+    const std::vector<int>& joint;    // of each velocity coordinate of its robot
+  };
+  /// columns: coordinates of J's columns; chain_a: those of all joints above A, which are first_a + these; kin_a: of
+  /// A's robot.
+  JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
+               const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
+      : contact_(contact),
+        rows_(rows),
+        a_(a),
+        b_(b),
+        columns_(columns),
+        chain_a_(chain_a),
+        first_a_(first_a),
+        kin_a_(kin_a),
+        na_(static_cast<int>(a.support.size())),
+        n_(na_ + static_cast<int>(b.support.size())) {}
 
   const auto& W() const { return rows_.W; }
-  /// use(k) for coordinates k of the island that J changes with.
+  /// use(k) for coordinates k that J changes with.
   template <class Use>
   void each_column(Use&& use) const {
     for (int k : columns_) use(k);
@@ -38,28 +47,26 @@ class JacobianRate {
     for (int i : chain_a_) use(first_a_ + i);
   }
 
-  /// use(k, d(J_l y)/dq_k) for coordinates k of the island, some of them twice: to be added up.
-  template <class Use>
-  void of_motion(const Eigen::VectorXd& y, Use&& use) const {
-    using V6 = Vec6<double>;
+  /// use(k, d(J_l y)/dq_k) for coordinates k, some of them twice: to be added up.
+  template <class Y, class Use>
+  void of_motion(const Y& y, Use&& use) const {
     const V6 of_b = sum(y, na_, n_);
     const auto column = [&](int k, const V6& above) { use(columns_[k], V6(-cross_motion(rows_.Jl.col(k), above))); };
     each_joint(0, na_, 1, of_b, 1, y, column);
     each_joint(na_, n_, 1, of_b, -1, y, column);
     if (!rows_turn(contact_)) return;
     const V6 nu = of_b + sum(y, 0, na_);
-    for (int i : chain_a_) use(first_a_ + i, turned<double>(turn(i), nu));
+    for (int i : chain_a_) use(first_a_ + i, turned<S>(turn(i), nu));
   }
 
   /// use(i, (d(J_l^T F)/dq dq)_i) for the contact's coordinates i, F in A's axes.
-  template <class Use>
-  void of_force(const Vec6<double>& F, const Eigen::VectorXd& dq, Use&& use) const {
-    using V6 = Vec6<double>;
+  template <class Y, class Use>
+  void of_force(const V6& F, const Y& dq, Use&& use) const {
     V6 turning = V6::Zero();  // th x F on both parts: -(th x s)^T F = s^T (th x F)
     if (rows_turn(contact_)) {
-      Vec3<double> th = Vec3<double>::Zero();
+      Vec3<S> th = Vec3<S>::Zero();
       for (int i : chain_a_) th += turn(i) * dq[first_a_ + i];
-      turning = turned<double>(th, F);
+      turning = turned<S>(th, F);
     }
     const auto entry = [&](int i, const V6& relative) {
       const V6 s = rows_.Jl.col(i);
@@ -70,35 +77,34 @@ class JacobianRate {
   }
 
  private:
-  int joint(int k) const { return k < na_ ? joint_a_[support_.a[k]] : joint_b_[support_.b[k - na_]]; }
-  Vec3<double> turn(int i) const { return rows_.aMA.R.transpose() * kin_a_.J.col(i).template tail<3>(); }
-  Vec6<double> sum(const Eigen::VectorXd& x, int begin, int end) const {
-    Vec6<double> out = Vec6<double>::Zero();
+  int joint(int k) const { return k < na_ ? a_.joint[a_.support[k]] : b_.joint[b_.support[k - na_]]; }
+  Vec3<S> turn(int i) const { return rows_.aMA.R.transpose() * kin_a_.J.col(i).template tail<3>(); }
+  template <class Y>
+  V6 sum(const Y& x, int begin, int end) const {
+    V6 out = V6::Zero();
     for (int k = begin; k < end; ++k) out += rows_.Jl.col(k) * x[columns_[k]];
     return out;
   }
   /// use(k, total + sign sum of s_i x_i over the joints before k's) for k = begin, begin + step, ...
-  template <class Use>
-  void each_joint(int begin, int end, int step, Vec6<double> total, double sign, const Eigen::VectorXd& x,
-                  Use&& use) const {
-    Vec6<double> own = Vec6<double>::Zero();
+  template <class Y, class Use>
+  void each_joint(int begin, int end, int step, V6 total, double sign, const Y& x, Use&& use) const {
+    V6 own = V6::Zero();
     for (int k = begin; k != end; k += step) {
       if (k != begin && joint(k) != joint(k - step)) {
         total += own;
         own.setZero();
       }
       use(k, total);
-      own += sign * x[columns_[k]] * rows_.Jl.col(k);
+      own += rows_.Jl.col(k) * (S(sign) * x[columns_[k]]);
     }
   }
 
   const Contact& contact_;
-  const ContactData<double>& rows_;
-  const ContactSupport& support_;
+  const ContactData<S>& rows_;
+  Chain a_, b_;
   const std::vector<int>&columns_, &chain_a_;
   int first_a_;
-  const Kinematics<double>& kin_a_;
-  const std::vector<int>&joint_a_, &joint_b_;
+  const Kinematics<S>& kin_a_;
   int na_, n_;
 };
 
