@@ -1,0 +1,159 @@
+// Robots side by side whose contact rows depend on each other: rank, forces of least norm and products as those of the
+// whole K and of the dense oracle, each robot by itself, whatever was solved before.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+struct Case {
+  Scene scene;
+  VectorXd q, v, u;
+};
+
+enum class Hold { kApart, kInARow };
+
+// Robots of one model; under every third of them two bodies are held at four points each, 24 rows of rank 12, of the
+// others at two, 12 of rank 10; in a row each holds the next.
+Case on_corners(std::mt19937& rng, int count, Hold hold, double gain) {
+  Case out;
+  ModelOptions options;
+  options.njoints = 16;
+  options.branching = 0.3;
+  options.floating_base = true;
+  const auto model = std::make_shared<const Model>(random_model(rng, options));
+  const int last = model->njoints() - 1;
+  int joined = 1;  // a body on another branch, or further up
+  while (joined < last - 3 && model->joints[joined].parent > 2) ++joined;
+  for (int r = 0; r < count; ++r) add_robot(out.scene, "r" + std::to_string(r), model);
+  for (int r = 0; r < count; ++r) {
+    int number = 0;
+    for (int body : {last, last - 2})
+      for (int corner = 0; corner < (r % 3 == 0 ? 4 : 2); ++corner) {
+        Contact c;
+        c.name = "c" + std::to_string(r) + "_" + std::to_string(number++);
+        c.type = ContactType::k3D;
+        c.reference_frame = static_cast<ReferenceFrame>(corner % 3);
+        c.A = {r, body, {Mat3<double>::Identity(), {corner & 1 ? 0.1 : -0.1, corner & 2 ? 0.05 : -0.05, 0.02}}};
+        c.B.placement = random_placement(rng);
+        c.alpha = gain, c.beta = 7;
+        add_contact(out.scene, c);
+      }
+    if (hold == Hold::kApart || r == 0) continue;
+    Contact c;
+    c.name = "hold" + std::to_string(r);
+    c.type = ContactType::k3D;
+    c.A = {r - 1, joined, random_placement(rng)};
+    c.B = {r, joined, random_placement(rng)};
+    add_contact(out.scene, c);
+  }
+  out.q.resize(out.scene.nq);
+  for (const Robot& r : out.scene.robots) out.q.segment(r.idx_q, model->nq) = random_configuration(*model, rng);
+  out.v = random_vector(out.scene.nv, rng, 0.5);
+  out.u = random_vector(out.scene.nu, rng, 5);
+  return out;
+}
+
+double relative(const VectorXd& x, const VectorXd& truth) { return (x - truth).norm() / truth.norm(); }
+
+struct Products {
+  VectorXd of_tangent, of_adjoint;
+};
+Products products(const Case& c, SceneData& data) {
+  std::mt19937 rng(3);
+  const VectorXd dq = random_vector(c.scene.nv, rng), dv = random_vector(c.scene.nv, rng),
+                 du = random_vector(c.scene.nu, rng), wa = random_vector(c.scene.nv, rng),
+                 wf = random_vector(static_cast<int>(data.f.size()), rng);
+  VectorXd da(c.scene.nv), df(data.f.size()), wq(c.scene.nv), wv(c.scene.nv), wu(c.scene.nu);
+  jvp(c.scene, data, dq, dv, du, da, df);
+  vjp(c.scene, data, wa, wf, wq, wv, wu);
+  Products out;
+  out.of_tangent.resize(da.size() + df.size()), out.of_tangent << da, df;
+  out.of_adjoint.resize(wq.size() + wv.size() + wu.size()), out.of_adjoint << wq, wv, wu;
+  return out;
+}
+
+// As the whole K and the oracle answer. All states of contradicting contacts, but for gain 0: then velocities alone
+// make them.
+void expect_as_without_lanes(const Case& c, Lanes lanes) {
+  SceneData data(c.scene, {Method::kSparseLdl, {}, lanes}), off(c.scene, {Method::kSparseLdl, {}, Lanes::kOff}),
+      oracle(c.scene, {Method::kDense, {}, Lanes::kOff});
+  for (SceneData* d : {&data, &off, &oracle}) (void)solve(c.scene, c.q, c.v, c.u, *d);
+  for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
+    const IslandReport &x = data.report.islands[i], &y = off.report.islands[i], &z = oracle.report.islands[i];
+    EXPECT_EQ(x.status, z.status) << i;
+    EXPECT_EQ(x.rank, z.rank) << i;
+    EXPECT_EQ(x.reason, y.reason) << i;
+    EXPECT_EQ(x.dependent_rows, y.dependent_rows) << i;
+    EXPECT_EQ(x.order, y.order) << i;
+    EXPECT_EQ(x.changed_order, y.changed_order) << i;
+    EXPECT_NEAR(x.residual_contact, y.residual_contact, 1e-9 * y.residual_contact + 1e-12) << i;
+  }
+  EXPECT_LT(relative(data.a, oracle.a), 1e-10);
+  EXPECT_LT(relative(data.f, oracle.f), 1e-10);
+  const Products x = products(c, data), y = products(c, oracle);
+  EXPECT_LT(relative(x.of_tangent, y.of_tangent), 1e-9);
+  EXPECT_LT(relative(x.of_adjoint, y.of_adjoint), 1e-9);
+}
+
+class DependentInLanes : public testing::TestWithParam<Lanes> {};
+
+TEST_P(DependentInLanes, AsWithoutLanes) {
+  std::mt19937 rng(4);
+  for (const Hold hold : {Hold::kApart, Hold::kInARow})
+    for (const int count : {1, 2, 9})
+      for (const double gain : {0.0, 20.0}) {
+        SCOPED_TRACE(std::to_string(count) + (hold == Hold::kApart ? " apart" : " in a row") + ", gain " +
+                     std::to_string(gain));
+        expect_as_without_lanes(on_corners(rng, count, hold, gain), GetParam());
+      }
+}
+
+TEST_P(DependentInLanes, ConsistentStatesAreRedundant) {
+  std::mt19937 rng(5);
+  for (const Hold hold : {Hold::kApart, Hold::kInARow}) {
+    Case c = on_corners(rng, 9, hold, 0);
+    c.v.setZero();
+    SceneData data(c.scene, {Method::kSparseLdl, {}, GetParam()});
+    EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kRedundant);
+    EXPECT_EQ(data.report.nc - data.report.rank, 3 * 12 + 6 * 2);
+    expect_as_without_lanes(c, GetParam());
+  }
+}
+
+// The answer is that of new data, to the last bit.
+TEST_P(DependentInLanes, LeaveNothingBehind) {
+  std::mt19937 rng(6);
+  for (const Hold hold : {Hold::kApart, Hold::kInARow}) {
+    const Case c = on_corners(rng, 9, hold, 20);
+    SceneData used(c.scene, {Method::kSparseLdl, {}, GetParam()});
+    for (int k = 0; k < 12; ++k) {
+      VectorXd q = c.q;
+      for (const Robot& r : c.scene.robots) q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
+      if (k % 3 == 2)  // other rows depend, or none
+        for (std::size_t i = 0; i < used.active.size(); ++i) used.active[i] = rng() % 3 != 0;
+      SceneData fresh(c.scene, {Method::kSparseLdl, {}, GetParam()});
+      fresh.active = used.active;
+      (void)solve(c.scene, q, c.v, c.u, used);
+      (void)solve(c.scene, q, c.v, c.u, fresh);
+      EXPECT_TRUE(used.a == fresh.a && used.f == fresh.f) << k;
+      EXPECT_EQ(used.report.status, fresh.report.status);
+      const Products x = products(c, used), y = products(c, fresh);
+      EXPECT_TRUE(x.of_tangent == y.of_tangent && x.of_adjoint == y.of_adjoint) << k;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, DependentInLanes, testing::ValuesIn(lanes_here()),
+                         [](const auto& param) { return to_string(param.param); });
+
+}  // namespace
+}  // namespace manycontact::test
