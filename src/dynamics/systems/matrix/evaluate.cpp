@@ -68,6 +68,17 @@ void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork&
   d.matrix.tolerated = scene.tolerance > 0 && d.island.nc > 0 ? d.matrix.within.make_dependent(scene, w, d) : 0;
 }
 
+void place_at_solution(const Scene& scene, const SceneData& data, const Island& island) {
+  Workspace& w = *data.workspace;
+  for (int r : island.robots) {
+    RobotData& of = w.robots[r];
+    if (of.state == w.state || of.placed == w.state) continue;
+    const Robot& robot = scene.robots[r];
+    forward_kinematics<double, double>(*robot.model, robot.base, w.q.segment(robot.idx_q, robot.model->nq), of.kin);
+    of.placed = w.state;
+  }
+}
+
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
   const Workspace& w = *data.workspace;
   const IslandWork& d = m.owner;

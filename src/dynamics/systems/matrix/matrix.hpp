@@ -75,6 +75,8 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 /// The same at the solution at hand, unless they are there already; with memory, so that the island may be one of
 /// sparse-bodies'.
 void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d);
+/// Of these, the bodies' placements alone: what products with derivatives take of them, beside the rows at the answer.
+void place_at_solution(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
 /// Throws std::length_error, in the name of `function`, where they may not. instead: what to ask for.
