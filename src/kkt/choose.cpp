@@ -9,23 +9,32 @@
 
 namespace manycontact {
 
-double predicted_cost_ldl(const KktPattern& p) { return 17.0 * p.size() + 7.0 * p.ldl.nonzeros() + p.ldl.flops; }
+double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) { return 17.0 * rows + 7 * L.nonzeros + L.flops; }
 
-double predicted_cost_cholmod(const KktPattern& p) {
-  return 8000 + 50.0 * p.size() + 13.0 * p.ldl.nonzeros() + 1.7 * p.ldl.flops;
+namespace {
+
+double cost_ldl(IslandShape& shape, Order order) {
+  return predicted_cost_ldl(shape.island().size(), shape.counts(order));
 }
 
+double cost_cholmod(IslandShape& shape, Order order) {
+  const sparse::LdlCounts& L = shape.counts(order);
+  return 8000 + 50.0 * shape.island().size() + 13 * L.nonzeros + 1.7 * L.flops;
+}
+
+}  // namespace
+
 double predicted_cost_supernodal(IslandShape& shape) {
-  const SchurPattern& p = *shape.schur();
+  const SchurCounts S = count_schur(shape.scene(), shape.island(), shape.support());
   double flops = 0;
-  for (std::size_t r = 0; r < p.robots.size(); ++r) {
+  for (std::size_t r = 0; r < S.rows.size(); ++r) {
     const Model& model = *shape.scene().robots[r].model;
-    const double rows = p.robots[r].rows;
+    const double rows = S.rows[r];
     for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
     flops += 0.5 * rows * rows * model.nv;
   }
   const double nc = shape.island().nc;  // S is nearly dense in its supernodes
-  return 33000 + 2.2 * flops + 0.4 * nc * nc + 42.0 * p.S.nonzeros();
+  return 33000 + 2.2 * flops + 0.4 * nc * nc + 42 * S.nonzeros;
 }
 
 namespace {
@@ -111,9 +120,8 @@ PredictedCosts predict_costs(IslandShape& shape) {
     return costs;
   }
   for (Order order : kOrders) {
-    const KktPattern& pattern = *shape.pattern(order);
-    costs.ldl[static_cast<std::size_t>(order)] = predicted_cost_ldl(pattern);
-    costs.cholmod[static_cast<std::size_t>(order)] = predicted_cost_cholmod(pattern);
+    costs.ldl[static_cast<std::size_t>(order)] = cost_ldl(shape, order);
+    costs.cholmod[static_cast<std::size_t>(order)] = cost_cholmod(shape, order);
   }
   if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = predicted_cost_supernodal(shape);
   return costs;
@@ -131,19 +139,19 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (options.order) {
     choice.order = *options.order;
   } else if (ordered) {
-    double least = predicted_cost_ldl(*shape.pattern(choice.order));
+    double least = cost_ldl(shape, choice.order);
     for (Order order : kOrders) {
-      const double cost = predicted_cost_ldl(*shape.pattern(order));
+      const double cost = cost_ldl(shape, order);
       if (cost < tolerance::kCheaper * least) choice.order = order, least = cost;
     }
   }
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
   if (sparse::supernodal_available() && shape.island().nc > 0 &&
-      predicted_cost_supernodal(shape) < predicted_cost_ldl(*shape.pattern(choice.order)))
+      predicted_cost_supernodal(shape) < cost_ldl(shape, choice.order))
     choice.method = Method::kSparseSupernodal;
-  const double least = choice.method == Method::kSparseLdl ? predicted_cost_ldl(*shape.pattern(choice.order))
-                                                           : predicted_cost_supernodal(shape);
+  const double least =
+      choice.method == Method::kSparseLdl ? cost_ldl(shape, choice.order) : predicted_cost_supernodal(shape);
   if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
   return choice;
 }
@@ -162,7 +170,8 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   const std::size_t order = static_cast<std::size_t>(choice.order);
   const double ldl = costs.ldl[order];
   if (choice.method == Method::kDense && options.method != Method::kDense)
-    return "dense, at " + number(costs.dense / ldl) + " of the predicted cost of sparse-ldl: most rows depend on others";
+    return "dense, at " + number(costs.dense / ldl) +
+           " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
     return to_string(choice.method) + ", at " +
            number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +

@@ -19,8 +19,7 @@ struct PredictedCosts {
 /// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
-double predicted_cost_ldl(const KktPattern& pattern);
-double predicted_cost_cholmod(const KktPattern& pattern);
+double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 double predicted_cost_supernodal(IslandShape& shape);
 double predicted_cost_bodies(IslandShape& shape);
 double predicted_cost_dense(int nv, int nc);
