@@ -5,6 +5,8 @@
 namespace manycontact {
 
 SceneIdentity::SceneIdentity(const Scene& scene) {
+  models_.reserve(scene.robots.size());
+  contacts_.reserve(scene.contacts.size());
   for (const Robot& robot : scene.robots) models_.push_back(robot.model);
   for (const Contact& contact : scene.contacts) contacts_.push_back(contact);
 }

@@ -9,7 +9,9 @@
 
 namespace manycontact {
 
-double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) { return 17.0 * rows + 7 * L.nonzeros + L.flops; }
+double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
+  return 17.0 * rows + 20 * L.nonzeros + 0.3 * L.flops;
+}
 
 namespace {
 
@@ -19,7 +21,7 @@ double cost_ldl(IslandShape& shape, Order order) {
 
 double cost_cholmod(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
-  return 8000 + 50.0 * shape.island().size() + 13 * L.nonzeros + 1.7 * L.flops;
+  return 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
 }
 
 }  // namespace
@@ -33,11 +35,17 @@ double predicted_cost_supernodal(IslandShape& shape) {
     for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
     flops += 0.5 * rows * rows * model.nv;
   }
-  const double nc = shape.island().nc;  // S is nearly dense in its supernodes
-  return 33000 + 2.2 * flops + 0.4 * nc * nc + 42 * S.nonzeros;
+  return 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
 }
 
 namespace {
+
+// What sparse-bodies is compared with: it needs no M, the terms of which cost about as much again as its dense columns.
+double cost_with_terms(double rows, double nonzeros, double flops) { return 17 * rows + 7 * nonzeros + flops; }
+double cost_with_terms(IslandShape& shape, Order order) {
+  const sparse::LdlCounts& L = shape.counts(order);
+  return cost_with_terms(shape.island().size(), L.nonzeros, L.flops);
+}
 
 // Without the analysis.
 double bodies_at_least(const IslandShape& shape) {
@@ -84,7 +92,7 @@ double least_cost_ldl(const IslandShape& shape) {
       nonzeros += depth;
       flops += depth * (depth + 2);
     }
-  return 17.0 * shape.island().size() + 7 * nonzeros + flops;
+  return cost_with_terms(shape.island().size(), nonzeros, flops);
 }
 
 bool is_deep(IslandShape& shape) { return bodies_are_cheaper(shape, least_cost_ldl(shape)); }
@@ -110,16 +118,20 @@ PredictedCosts predict_costs(IslandShape& shape) {
   costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
   costs.supernodal = std::numeric_limits<double>::infinity();
   if (overdetermined(shape.island())) {
-    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1));
+    costs.with_terms = least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1);
+    costs.ldl.fill(costs.with_terms);
     costs.cholmod.fill(8000 + full_rows_cost(shape.island(), 13, 1.7));
     return costs;
   }
   if (is_deep(shape)) {
     costs.ldl.fill(least_cost_ldl(shape));
+    costs.with_terms = costs.ldl.front();
     costs.cholmod.fill(costs.supernodal);
     return costs;
   }
+  costs.with_terms = std::numeric_limits<double>::infinity();
   for (Order order : kOrders) {
+    costs.with_terms = std::min(costs.with_terms, cost_with_terms(shape, order));
     costs.ldl[static_cast<std::size_t>(order)] = cost_ldl(shape, order);
     costs.cholmod[static_cast<std::size_t>(order)] = cost_cholmod(shape, order);
   }
@@ -151,7 +163,7 @@ Choice choose(IslandShape& shape, const Options& options) {
       predicted_cost_supernodal(shape) < cost_ldl(shape, choice.order))
     choice.method = Method::kSparseSupernodal;
   const double least =
-      choice.method == Method::kSparseLdl ? cost_ldl(shape, choice.order) : predicted_cost_supernodal(shape);
+      choice.method == Method::kSparseLdl ? cost_with_terms(shape, choice.order) : predicted_cost_supernodal(shape);
   if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
   return choice;
 }
@@ -173,8 +185,7 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
     return "dense, at " + number(costs.dense / ldl) +
            " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
-    return to_string(choice.method) + ", at " +
-           number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
+    return to_string(choice.method) + ", at " + number(costs.bodies / costs.with_terms) +
            " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);

@@ -1,11 +1,14 @@
 // The order contacts-early: a contact as soon as the joints below it give it its pivots.
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/kkt/pattern.hpp"
+#include "manycontact/kkt/choose.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -13,31 +16,45 @@ namespace manycontact {
 
 namespace {
 
-// The contacts' J at a configuration without symmetry, to see which coordinates move them in which directions. Rows of
-// unit length: what coordinates give a row is judged beside all that moves it.
-std::vector<Eigen::MatrixXd> sample_jacobians(const Scene& scene, const Island& island, const IslandSupport& support) {
+// M and J in a posture, as assemble takes them.
+struct Numbers {
+  std::vector<std::vector<double>> M;  // per robot, packed
+  std::vector<Eigen::MatrixXd> J;      // per contact
+};
+
+// In a posture without symmetry, `most` about `mean` from the neutral one, whatever the base: alike islands see the
+// same. other: how a robot's differs from the one before.
+Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport& support, double mean, double most,
+                   double other) {
+  Numbers numbers;
   std::vector<Kinematics<double>> kin;
-  for (int r : island.robots) {
-    const Robot& robot = scene.robots[r];
-    const Model& model = *robot.model;
+  std::vector<Inertia<double>> composite;
+  for (std::size_t r = 0; r < island.robots.size(); ++r) {
+    const Model& model = *scene.robots[island.robots[r]].model;
     Eigen::VectorXd step(model.nv), q(model.nq);
-    for (int i = 0; i < model.nv; ++i) step[i] = 0.3 + 0.2 * std::sin(1 + 7 * i);
+    for (int i = 0; i < model.nv; ++i) step[i] = mean + most * std::sin(1 + 7.0 * i + other * static_cast<double>(r));
     integrate<double>(model, neutral(model), step, q);
     kin.emplace_back(model);
-    // whatever the base: the posture has no symmetry as it is, and alike islands see the same
     forward_kinematics<double>(model, {}, q, kin.back());
     forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
+    numbers.M.emplace_back(model.M_begin[model.nv]);
+    crba<double>(model, kin.back(), composite, numbers.M.back().data());
   }
-  std::vector<Eigen::MatrixXd> J;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     ContactData<double> data(contact, support.contacts[c]);
     contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, robot_of(contact))],
                          contact.B.robot < 0 ? nullptr : &kin[local_robot(island, contact.B.robot)], data);
-    for (auto row : data.J.rowwise())
-      if (const double length = row.norm(); length > 0) row /= length;
-    J.push_back(std::move(data.J));
+    numbers.J.push_back(std::move(data.J));
   }
+  return numbers;
+}
+
+// Rows of unit length: what coordinates give a row is judged beside all that moves it.
+std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
+  for (Eigen::MatrixXd& rows : J)
+    for (auto row : rows.rowwise())
+      if (const double length = row.norm(); length > 0) row /= length;
   return J;
 }
 
@@ -51,9 +68,9 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
 }
 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
-// directions as it has rows; it uses up those that do it best.
+// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
-                               const std::vector<Eigen::MatrixXd>& J, const std::vector<int>& robots) {
+                               const std::vector<Eigen::MatrixXd>& J, const std::vector<int>& robots, double distinct) {
   const int ncontacts = static_cast<int>(island.contacts.size());
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
   for (int c = 0; c < ncontacts; ++c)
@@ -76,7 +93,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       const Eigen::Index rows = J[c].rows();
       if (static_cast<Eigen::Index>(available.size()) < rows) continue;
       const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J[c](Eigen::all, available));
-      if (!(std::abs(qr.matrixQR()(rows - 1, rows - 1)) > tolerance::kDistinct)) continue;
+      if (!(std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct)) continue;
       for (Eigen::Index k = 0; k < rows; ++k)
         used[support.columns[c][available[qr.colsPermutation().indices()[k]]]] = 1;
       place(c);
@@ -89,20 +106,52 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
   return perm;
 }
 
+double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
+  return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
+}
+
+// Whether the pivots can be believed, by far, in these postures.
+bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
+           const std::vector<int>& perm, const std::vector<Numbers>& postures) {
+  constexpr double kMostGrowth = 1e6;  // of K's entries: a third of the digits
+  KktMatrix matrix;
+  matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
+  const std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);  // once: without a schedule
+  FactorScratch scratch;
+  return std::all_of(postures.begin(), postures.end(), [&](const Numbers& numbers) {
+    std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
+    for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
+    assemble(M, J, 0, matrix);
+    return factor->factorize(matrix, scratch) == Reason::kNone && factor->growth() < kMostGrowth;
+  });
+}
+
 }  // namespace
 
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
-  const std::vector<Eigen::MatrixXd> J = sample_jacobians(scene, island, support);
+  constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
+  const std::vector<Numbers> postures{numbers_at(scene, island, support, 0.3, 0.2, 3),
+                                      numbers_at(scene, island, support, 0, 0.2, 3),
+                                      numbers_at(scene, island, support, 0, 0.02, 3)};  // legs nearly straight
+  const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
-  std::vector<int> perm = with_contacts(scene, island, support, J, robots);
-  if (robots.size() < 3) return perm;
-  std::vector<int> by_degree = with_contacts(scene, island, support, J, robots_by_degree(scene, island));
-  const auto flops = [&](const std::vector<int>& p) {
-    return sparse::ldl_count(sparse::permute(K, sparse::inverse(p))).flops;
-  };
-  return flops(by_degree) < tolerance::kCheaper * flops(perm) ? by_degree : perm;
+  const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
+  // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds.
+  const double most = tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, camd_order(island, K)));
+  std::vector<int> perm;
+  for (const double distinct : kSounder) {
+    perm = with_contacts(scene, island, support, J, robots, distinct);
+    double least = cost(K, perm);
+    if (by_degree != robots) {
+      std::vector<int> other = with_contacts(scene, island, support, J, by_degree, distinct);
+      if (const double of_other = cost(K, other); of_other < tolerance::kCheaper * least)
+        perm = std::move(other), least = of_other;
+    }
+    if (least < most && holds(scene, island, support, K, perm, postures)) break;
+  }
+  return perm;
 }
 
 }  // namespace manycontact

@@ -94,8 +94,13 @@ KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport
     const auto [i, j] = std::minmax(p.iperm[entry.first], p.iperm[entry.second]);
     return p.K.slot(i, j);
   };
-  for (const auto& entry : inertia_entries(scene, island)) p.M_slot.push_back(slot(entry));
-  for (const auto& entry : contact_entries(scene, island, support)) p.J_slot.push_back(slot(entry));
+  const auto slots = [&slot](const Entries& entries) {
+    std::vector<int> out(entries.size());
+    std::transform(entries.begin(), entries.end(), out.begin(), slot);
+    return out;
+  };
+  p.M_slot = slots(inertia_entries(scene, island));
+  p.J_slot = slots(contact_entries(scene, island, support));
   for (int k = 0; k < island.nc; ++k) p.diagonal_slot.push_back(slot({island.nv + k, island.nv + k}));
   if (!too_full_for_sparse(island)) p.ldl = sparse::ldl_analyze(p.K);
   return p;

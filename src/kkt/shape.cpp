@@ -26,6 +26,8 @@ bool place_counts(const Contact& contact) { return contact.type != ContactType::
 }  // namespace
 
 IslandShape::IslandShape(const Scene& scene, const Island& island) {
+  scene_.robots.reserve(island.robots.size());
+  scene_.contacts.reserve(island.contacts.size());
   for (int r : island.robots) add_robot(scene_, std::to_string(scene_.nrobots()), scene.robots[r].model);
   for (int c : island.contacts) {
     const Contact& from = scene.contacts[c];

@@ -143,7 +143,9 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   if (d.island.robots.size() == 1 || d.bodies || w.options.order) return;
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
   const double ld = static_cast<double>(out.X.cols()), most = tolerance::kCheaper * cost_at_once(d, ld);
-  if (!d.robots && kPanels * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most) return;
+  if (!d.robots && (!w.lanes.level || !d.joinable)) return;
+  if (!d.robots && kPanels * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most)
+    d.joinable = false;  // whatever the request: both grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;
   if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);

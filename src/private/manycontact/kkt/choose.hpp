@@ -14,6 +14,7 @@ struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
   double bodies;
+  double with_terms;  // the least of sparse-ldl with M's terms, which `bodies` is compared with
   double dense;
 };
 /// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
