@@ -110,9 +110,12 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
-// Whether the pivots can be believed, by far, in these postures.
+// Whether the pivots can be believed, by far, in some postures.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
-           const std::vector<int>& perm, const std::vector<Numbers>& postures) {
+           const std::vector<int>& perm, std::vector<Numbers>& postures) {
+  if (postures.empty())  // the last one's legs are nearly straight
+    for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
+      postures.push_back(numbers_at(scene, island, support, mean, most, 3));
   constexpr double kMostGrowth = 1e6;  // of K's entries: a third of the digits
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
@@ -130,16 +133,15 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
+  if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
   constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
-  const std::vector<Numbers> postures{numbers_at(scene, island, support, 0.3, 0.2, 3),
-                                      numbers_at(scene, island, support, 0, 0.2, 3),
-                                      numbers_at(scene, island, support, 0, 0.02, 3)};  // legs nearly straight
   const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
   // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds.
   const double most = tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, camd_order(island, K)));
+  std::vector<Numbers> postures;  // made when first asked for
   std::vector<int> perm;
   for (const double distinct : kSounder) {
     perm = with_contacts(scene, island, support, J, robots, distinct);

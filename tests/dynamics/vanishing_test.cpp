@@ -195,7 +195,7 @@ TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
 // these joints. Leaf-to-root answers as if it had been asked for, to the last bit.
 TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
   Model model;
-  for (int arm = 0; arm < 5; ++arm)
+  for (int arm = 0; arm < 3; ++arm)
     for (int k = 0; k < 3; ++k) {
       if (arm == 0 && k > 0) break;  // the body
       Joint joint;
@@ -213,7 +213,7 @@ TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
   finalize(model);
   Scene scene;
   add_robot(scene, "spider", std::make_shared<Model>(model));
-  for (int arm = 0; arm < 4; ++arm) {
+  for (int arm = 0; arm < 2; ++arm) {
     Contact c;
     c.name = "tip" + std::to_string(arm);
     c.type = ContactType::k1D;
