@@ -139,8 +139,13 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
-  // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds.
-  const double most = tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, camd_order(island, K)));
+  const bool alone = robots.size() == 1;
+  // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds. Of a robot alone
+  // contacts that wait for longer make it no cheaper, and their order among themselves counts for little.
+  std::vector<int> natural(K.n);
+  std::iota(natural.begin(), natural.end(), 0);
+  const double most =
+      tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(island, K)));
   std::vector<Numbers> postures;  // made when first asked for
   std::vector<int> perm;
   for (const double distinct : kSounder) {
@@ -151,7 +156,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
       if (const double of_other = cost(K, other); of_other < tolerance::kCheaper * least)
         perm = std::move(other), least = of_other;
     }
-    if (least < most && holds(scene, island, support, K, perm, postures)) break;
+    if (least < most ? holds(scene, island, support, K, perm, postures) : alone) break;
   }
   return perm;
 }

@@ -64,9 +64,10 @@ const std::vector<int>& IslandShape::permutation(Order order) {
 const sparse::LdlCounts& IslandShape::counts(Order order) {
   const std::lock_guard lock(mutex_);
   auto& counts = counts_[static_cast<std::size_t>(order)];
-  if (!counts)
-    counts = sparse::ldl_count(
-        sparse::permute(natural_pattern(scene_, island_, support()), sparse::inverse(permutation(order))));
+  if (counts) return *counts;
+  const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
+  for (const Order each : kOrders)  // whoever asks for one compares all
+    counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }
 
