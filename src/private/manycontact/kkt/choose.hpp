@@ -8,8 +8,8 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Relative: the unit is a multiply-add of sparse LDL,
-/// coefficients by `./run bench`; only ratios of them mean something, and those to a factor of about two.
+/// Predicted costs of one factorization and two solves. Relative: coefficients by measured factors, of which a row, an
+/// entry of L and a multiply-add of sparse LDL cost 17, 20 and 0.3; only ratios mean something, to a factor of two.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
