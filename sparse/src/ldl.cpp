@@ -66,9 +66,11 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
   std::partial_sum(count.begin(), count.end(), s.Lp.begin() + 1);
   for (int k : count) s.flops += static_cast<double>(k) * (k + 2);
   s.Li.resize(s.Lp[A.n]);
+  s.Rj.reserve(s.Lp[A.n]), s.Rk.reserve(s.Lp[A.n]);
   s.Rp.assign(1, 0);
   std::vector<int> next(s.Lp.begin(), s.Lp.end() - 1);
   std::fill(flag.begin(), flag.end(), -1);
+  std::vector<std::pair<int, int>> row;
   for (int k = 0; k < A.n; ++k) {
     flag[k] = k;
     for (int q = A.p[k]; q < A.p[k + 1]; ++q)
@@ -79,7 +81,7 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
         flag[i] = k;
       }
     // ascending: columns before those that depend on them
-    std::vector<std::pair<int, int>> row;
+    row.clear();
     for (std::size_t p = s.Rp.back(); p < s.Rj.size(); ++p) row.emplace_back(s.Rj[p], s.Rk[p]);
     std::sort(row.begin(), row.end());
     for (std::size_t p = 0; p < row.size(); ++p) std::tie(s.Rj[s.Rp.back() + p], s.Rk[s.Rp.back() + p]) = row[p];

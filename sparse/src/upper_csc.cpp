@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
 #include "manycontact/sparse/panel_kernels.hpp"
 
@@ -18,18 +19,28 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   for (auto& [row, col] : entries)
     if (row > col) std::swap(row, col);
   for (int k = 0; k < n; ++k) entries.emplace_back(k, k);
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    return a.second != b.second ? a.second < b.second : a.first < b.first;
-  });
-  entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
+  // By rows, then by columns, each time by counting: the rows of a column come out ascending.
+  std::vector<int> begin(n + 1, 0);
+  for (const auto& entry : entries) ++begin[entry.first + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int> column(entries.size()), row(entries.size()), at(begin.begin(), begin.end() - 1);
+  for (const auto& entry : entries) column[at[entry.first]++] = entry.second;
   UpperCsc A;
   A.n = n;
   A.p.assign(n + 1, 0);
-  for (const auto& [row, col] : entries) {
-    A.i.push_back(row);
-    ++A.p[col + 1];
+  for (int j : column) ++A.p[j + 1];
+  std::partial_sum(A.p.begin(), A.p.end(), A.p.begin());
+  at.assign(A.p.begin(), A.p.end() - 1);
+  for (int i = 0; i < n; ++i)
+    for (int k = begin[i]; k < begin[i + 1]; ++k) row[at[column[k]]++] = i;
+  int count = 0;  // without repetitions
+  for (int j = 0, from = 0; j < n; ++j) {
+    const int end = A.p[j + 1], first = count;
+    for (; from < end; ++from)
+      if (count == first || row[count - 1] != row[from]) row[count++] = row[from];
+    A.p[j + 1] = count;
   }
-  for (int j = 0; j < n; ++j) A.p[j + 1] += A.p[j];
+  A.i.assign(row.begin(), row.begin() + count);
   return A;
 }
 

@@ -188,6 +188,10 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
   complete(scene, data);
   if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
+  return internal::ranks_of_island(scene, data, number);
+}
+
+IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, shape_of(data, number)->support()};
   IslandRanks out;

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "manycontact/dynamics/data.hpp"
+#include "manycontact/analysis/ranks.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::internal {
@@ -10,5 +10,8 @@ namespace manycontact::internal {
 /// up to tolerance::kRank it counts for nothing. Dense, by Gram and Schmidt, twice. After a solve and complete
 /// (dynamics/views.hpp); empty where J is not in joint space.
 std::vector<double> row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
+
+/// find_ranks of an island after complete, which goes over the whole scene.
+IslandRanks ranks_of_island(const Scene& scene, const SceneData& data, std::size_t island);
 
 }  // namespace manycontact::internal

@@ -5,8 +5,11 @@
 namespace manycontact {
 
 SceneIdentity::SceneIdentity(const Scene& scene) {
+  models_.reserve(scene.robots.size());
+  contacts_.reserve(scene.contacts.size());
   for (const Robot& robot : scene.robots) models_.push_back(robot.model);
-  for (const Contact& contact : scene.contacts) contacts_.push_back(contact);
+  for (const Contact& c : scene.contacts)
+    contacts_.push_back({c.type, c.A.robot, c.A.joint, c.B.robot, c.B.joint, c.A.placement, c.axis});
 }
 
 namespace {
@@ -17,21 +20,20 @@ bool differ(const Matrix& x, const Matrix& y) {
   return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;
 }
 
-// What may not change under data in use (data.hpp), as `contact` was and is. Null: nothing did.
-const char* changed(const Contact& was, const Contact& is) {
-  if (was.type != is.type) return "type";
-  if (was.A.robot != is.A.robot || was.A.joint != is.A.joint) return "body A";
-  if (was.B.robot != is.B.robot || was.B.joint != is.B.joint) return "body B";
-  if (differ(was.A.placement.p, is.A.placement.p) || differ(was.A.placement.R, is.A.placement.R))
-    return "placement on A";
-  return differ(was.axis, is.axis) ? "axis" : nullptr;
-}
-
 std::string counts(const char* what, std::size_t was, std::size_t is) {
   return "they were made for " + std::to_string(was) + " " + what + ", the scene has " + std::to_string(is);
 }
 
 }  // namespace
+
+// What may not change under data in use (data.hpp), as `contact` was and is. Null: nothing did.
+const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
+  if (was.type != is.type) return "type";
+  if (was.robot_A != is.A.robot || was.joint_A != is.A.joint) return "body A";
+  if (was.robot_B != is.B.robot || was.joint_B != is.B.joint) return "body B";
+  if (differ(was.place.p, is.A.placement.p) || differ(was.place.R, is.A.placement.R)) return "placement on A";
+  return differ(was.axis, is.axis) ? "axis" : nullptr;
+}
 
 std::string SceneIdentity::difference(const Scene& scene) const {
   if (models_.size() != scene.robots.size()) return counts("robots", models_.size(), scene.robots.size());

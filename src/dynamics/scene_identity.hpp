@@ -13,7 +13,14 @@ class SceneIdentity {
 
  private:
   std::vector<std::shared_ptr<const Model>> models_;  // kept: another model must not pass for one at its address
-  std::vector<Contact> contacts_;                     // type, bodies, A's placement and axis count
+  struct OfContact {
+    ContactType type;
+    int robot_A, joint_A, robot_B, joint_B;
+    SE3<double> place;  // on A
+    Vec3<double> axis;
+  };
+  static const char* changed(const OfContact& was, const Contact& is);
+  std::vector<OfContact> contacts_;
 };
 
 }  // namespace manycontact

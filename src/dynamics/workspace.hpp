@@ -44,7 +44,7 @@ struct IslandWork {
   MatrixSystem matrix;
 
   bool planned = false;              // prepare has decided whether it stands in lanes: alone.group, robots
-  bool joinable = true;              // false: its robots were found not to fit a RobotsSystem
+  bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)

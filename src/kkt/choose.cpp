@@ -9,26 +9,43 @@
 
 namespace manycontact {
 
-double predicted_cost_ldl(const KktPattern& p) { return 17.0 * p.size() + 7.0 * p.ldl.nonzeros() + p.ldl.flops; }
-
-double predicted_cost_cholmod(const KktPattern& p) {
-  return 8000 + 50.0 * p.size() + 13.0 * p.ldl.nonzeros() + 1.7 * p.ldl.flops;
-}
-
-double predicted_cost_supernodal(IslandShape& shape) {
-  const SchurPattern& p = *shape.schur();
-  double flops = 0;
-  for (std::size_t r = 0; r < p.robots.size(); ++r) {
-    const Model& model = *shape.scene().robots[r].model;
-    const double rows = p.robots[r].rows;
-    for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
-    flops += 0.5 * rows * rows * model.nv;
-  }
-  const double nc = shape.island().nc;  // S is nearly dense in its supernodes
-  return 33000 + 2.2 * flops + 0.4 * nc * nc + 42.0 * p.S.nonzeros();
+double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
+  return 17.0 * rows + 20 * L.nonzeros + 0.3 * L.flops;
 }
 
 namespace {
+
+double cost_ldl(IslandShape& shape, Order order) {
+  return predicted_cost_ldl(shape.island().size(), shape.counts(order));
+}
+
+double cost_cholmod(IslandShape& shape, Order order) {
+  const sparse::LdlCounts& L = shape.counts(order);
+  return 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
+}
+
+}  // namespace
+
+double predicted_cost_supernodal(IslandShape& shape) {
+  const SchurCounts S = count_schur(shape.scene(), shape.island(), shape.support());
+  double flops = 0;
+  for (std::size_t r = 0; r < S.rows.size(); ++r) {
+    const Model& model = *shape.scene().robots[r].model;
+    const double rows = S.rows[r];
+    for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
+    flops += 0.5 * rows * rows * model.nv;
+  }
+  return 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
+}
+
+namespace {
+
+// What sparse-bodies is compared with: it needs no M, the terms of which cost about as much again as its dense columns.
+double cost_with_terms(double rows, double nonzeros, double flops) { return 17 * rows + 7 * nonzeros + flops; }
+double cost_with_terms(IslandShape& shape, Order order) {
+  const sparse::LdlCounts& L = shape.counts(order);
+  return cost_with_terms(shape.island().size(), L.nonzeros, L.flops);
+}
 
 // Without the analysis.
 double bodies_at_least(const IslandShape& shape) {
@@ -75,7 +92,7 @@ double least_cost_ldl(const IslandShape& shape) {
       nonzeros += depth;
       flops += depth * (depth + 2);
     }
-  return 17.0 * shape.island().size() + 7 * nonzeros + flops;
+  return cost_with_terms(shape.island().size(), nonzeros, flops);
 }
 
 bool is_deep(IslandShape& shape) { return bodies_are_cheaper(shape, least_cost_ldl(shape)); }
@@ -101,19 +118,22 @@ PredictedCosts predict_costs(IslandShape& shape) {
   costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
   costs.supernodal = std::numeric_limits<double>::infinity();
   if (overdetermined(shape.island())) {
-    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1));
+    costs.with_terms = least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1);
+    costs.ldl.fill(costs.with_terms);
     costs.cholmod.fill(8000 + full_rows_cost(shape.island(), 13, 1.7));
     return costs;
   }
   if (is_deep(shape)) {
     costs.ldl.fill(least_cost_ldl(shape));
+    costs.with_terms = costs.ldl.front();
     costs.cholmod.fill(costs.supernodal);
     return costs;
   }
+  costs.with_terms = std::numeric_limits<double>::infinity();
   for (Order order : kOrders) {
-    const KktPattern& pattern = *shape.pattern(order);
-    costs.ldl[static_cast<std::size_t>(order)] = predicted_cost_ldl(pattern);
-    costs.cholmod[static_cast<std::size_t>(order)] = predicted_cost_cholmod(pattern);
+    costs.with_terms = std::min(costs.with_terms, cost_with_terms(shape, order));
+    costs.ldl[static_cast<std::size_t>(order)] = cost_ldl(shape, order);
+    costs.cholmod[static_cast<std::size_t>(order)] = cost_cholmod(shape, order);
   }
   if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = predicted_cost_supernodal(shape);
   return costs;
@@ -131,19 +151,19 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (options.order) {
     choice.order = *options.order;
   } else if (ordered) {
-    double least = predicted_cost_ldl(*shape.pattern(choice.order));
+    double least = cost_ldl(shape, choice.order);
     for (Order order : kOrders) {
-      const double cost = predicted_cost_ldl(*shape.pattern(order));
+      const double cost = cost_ldl(shape, order);
       if (cost < tolerance::kCheaper * least) choice.order = order, least = cost;
     }
   }
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
   if (sparse::supernodal_available() && shape.island().nc > 0 &&
-      predicted_cost_supernodal(shape) < predicted_cost_ldl(*shape.pattern(choice.order)))
+      predicted_cost_supernodal(shape) < cost_ldl(shape, choice.order))
     choice.method = Method::kSparseSupernodal;
-  const double least = choice.method == Method::kSparseLdl ? predicted_cost_ldl(*shape.pattern(choice.order))
-                                                           : predicted_cost_supernodal(shape);
+  const double least =
+      choice.method == Method::kSparseLdl ? cost_with_terms(shape, choice.order) : predicted_cost_supernodal(shape);
   if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
   return choice;
 }
@@ -162,10 +182,10 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   const std::size_t order = static_cast<std::size_t>(choice.order);
   const double ldl = costs.ldl[order];
   if (choice.method == Method::kDense && options.method != Method::kDense)
-    return "dense, at " + number(costs.dense / ldl) + " of the predicted cost of sparse-ldl: most rows depend on others";
+    return "dense, at " + number(costs.dense / ldl) +
+           " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
-    return to_string(choice.method) + ", at " +
-           number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
+    return to_string(choice.method) + ", at " + number(costs.bodies / costs.with_terms) +
            " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);

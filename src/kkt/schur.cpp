@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -41,15 +42,16 @@ void solve_inertia_unit(const Model& model, const double* L, double* x) {
   }
 }
 
-SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support) {
-  SchurPattern p;
-  p.robots.resize(island.robots.size());
-  p.J_first.assign(1, 0);
+namespace {
+
+// Which contacts act on which robots, in SchurPattern::robots.
+std::vector<SchurPattern::OnRobot> contacts_on_robots(const Scene& scene, const Island& island,
+                                                      const IslandSupport& support) {
+  std::vector<SchurPattern::OnRobot> robots(island.robots.size());
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
-    p.J_first.push_back(p.J_first.back() + contact.rows() * support.contacts[c].cols());
     const auto act = [&](int robot) {
-      SchurPattern::OnRobot& on = p.robots[local_robot(island, robot)];
+      SchurPattern::OnRobot& on = robots[local_robot(island, robot)];
       on.contacts.push_back(static_cast<int>(c));
       on.first_row.push_back(on.rows);
       on.rows += contact.rows();
@@ -58,6 +60,36 @@ SchurPattern analyze_schur(const Scene& scene, const Island& island, const Islan
     if (!support.contacts[c].a.empty() || (on_b && contact.A.robot == contact.B.robot)) act(contact.A.robot);
     if (on_b && contact.B.robot != contact.A.robot) act(contact.B.robot);
   }
+  return robots;
+}
+
+}  // namespace
+
+SchurCounts count_schur(const Scene& scene, const Island& island, const IslandSupport& support) {
+  const auto pairs = [](double rows) { return rows * (rows + 1) / 2; };
+  SchurCounts counts;
+  std::vector<std::vector<int>> on(island.contacts.size());  // robots that a contact acts on
+  for (const SchurPattern::OnRobot& robot : contacts_on_robots(scene, island, support)) {
+    for (int c : robot.contacts) on[c].push_back(static_cast<int>(counts.rows.size()));
+    counts.rows.push_back(robot.rows);
+    counts.nonzeros += pairs(robot.rows);  // any two of its rows
+  }
+  std::map<std::pair<int, int>, int> joined;  // rows that act on both of two robots, whose pairs were counted twice
+  for (std::size_t c = 0; c < on.size(); ++c) {
+    const int rows = scene.contacts[island.contacts[c]].rows();
+    if (on[c].size() == 2) joined[{on[c][0], on[c][1]}] += rows;
+    if (on[c].empty()) counts.nonzeros += rows;  // the diagonal
+  }
+  for (const auto& [robots, rows] : joined) counts.nonzeros -= pairs(rows);
+  return counts;
+}
+
+SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support) {
+  SchurPattern p;
+  p.robots = contacts_on_robots(scene, island, support);
+  p.J_first.assign(1, 0);
+  for (std::size_t c = 0; c < island.contacts.size(); ++c)
+    p.J_first.push_back(p.J_first.back() + scene.contacts[island.contacts[c]].rows() * support.contacts[c].cols());
   // rows of S that a robot's rows are
   std::vector<std::vector<int>> rows(p.robots.size());
   std::vector<std::pair<int, int>> entries;

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/sparse/ordering.hpp"
 
 namespace manycontact {
 
@@ -25,6 +26,8 @@ bool place_counts(const Contact& contact) { return contact.type != ContactType::
 }  // namespace
 
 IslandShape::IslandShape(const Scene& scene, const Island& island) {
+  scene_.robots.reserve(island.robots.size());
+  scene_.contacts.reserve(island.contacts.size());
   for (int r : island.robots) add_robot(scene_, std::to_string(scene_.nrobots()), scene.robots[r].model);
   for (int c : island.contacts) {
     const Contact& from = scene.contacts[c];
@@ -45,10 +48,27 @@ const IslandSupport& IslandShape::support() const {
   return *support_;
 }
 
-const std::vector<int>& IslandShape::contacts_early() {
+const std::vector<int>& IslandShape::permutation(Order order) {
   const std::lock_guard lock(mutex_);
-  if (!contacts_early_) contacts_early_ = elimination_order(scene_, island_, support(), Order::kContactsEarly);
-  return *contacts_early_;
+  auto& perm = permutations_[static_cast<std::size_t>(order)];
+  if (perm) return *perm;
+  if (order == Order::kLeafToRoot)
+    perm = leaf_to_root_order(scene_, island_, permutation(Order::kCamd));
+  else if (order == Order::kContactsEarly)
+    perm = contacts_early_order(scene_, island_, support(), natural_pattern(scene_, island_, support()));
+  else
+    perm = camd_order(island_, natural_pattern(scene_, island_, support()));
+  return *perm;
+}
+
+const sparse::LdlCounts& IslandShape::counts(Order order) {
+  const std::lock_guard lock(mutex_);
+  auto& counts = counts_[static_cast<std::size_t>(order)];
+  if (counts) return *counts;
+  const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
+  for (const Order each : kOrders)  // whoever asks for one compares all
+    counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
+  return *counts;
 }
 
 const std::shared_ptr<const BodyPattern>& IslandShape::bodies() {
@@ -67,11 +87,9 @@ const BodySubtrees& IslandShape::body_subtrees() {
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
   const std::lock_guard lock(mutex_);
   auto& p = patterns_[static_cast<std::size_t>(order)];
-  if (!p) {
-    std::vector<int> perm =
-        order == Order::kContactsEarly ? contacts_early() : elimination_order(scene_, island_, support(), order);
-    p = std::make_shared<const KktPattern>(analyze(scene_, island_, support(), order, std::move(perm)));
-  }
+  if (!p)
+    p = std::make_shared<const KktPattern>(
+        analyze(scene_, island_, support(), natural_pattern(scene_, island_, support()), order, permutation(order)));
   return p;
 }
 
@@ -184,7 +202,8 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   }
   Key structure;
   add_structure(scene, island, structure);
-  structure.insert(structure.end(), fresh->contacts_early().begin(), fresh->contacts_early().end());
+  const std::vector<int>& contacts_early = fresh->permutation(Order::kContactsEarly);
+  structure.insert(structure.end(), contacts_early.begin(), contacts_early.end());
   const auto& shape = shapes_.try_emplace(std::move(structure), std::move(fresh)).first->second;
   return by_places_.try_emplace(key_, shape).first->second;
 }

@@ -153,7 +153,7 @@ TEST(Shapes, OrdersDoNotDependOnWhatWasSeenBefore) {
     return scene;
   };
   // on the last joint's axis, which does not move it; and off it
-  const Vec3<double> on = 0.3 * model->joints[8].axis, off = on + 0.2 * model->joints[8].axis.unitOrthogonal();
+  const Vec3<double> on = 0.3 * model->joints[8].axis, off = on + 4 * model->joints[8].axis.unitOrthogonal();
   const auto orders = [&](const std::vector<Vec3<double>>& points) {
     const Scene scene = scene_with(points);
     const SceneData data(scene, {Method::kSparseLdl, Order::kContactsEarly});

@@ -191,6 +191,51 @@ TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
   }
 }
 
+// Straight arms, held at their tips along themselves: their joints do not move the rows that contacts-early put behind
+// these joints. Leaf-to-root answers as if it had been asked for, to the last bit.
+TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
+  Model model;
+  for (int arm = 0; arm < 3; ++arm)
+    for (int k = 0; k < 3; ++k) {
+      if (arm == 0 && k > 0) break;  // the body
+      Joint joint;
+      joint.type = arm == 0 ? JointType::kFloating : JointType::kRevolute;
+      joint.parent = arm == 0 ? -1 : k == 0 ? 0 : model.njoints() - 1;
+      if (arm > 0 && k == 0) {
+        const double angle = 1.5 * arm;
+        joint.placement.R << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+      }
+      joint.placement.p[0] = arm == 0 ? 0 : 2;
+      joint.axis = Vec3<double>::UnitZ();
+      joint.inertia = Inertia<double>::from_com(1, {0.1, 0.02, 0.03}, Mat3<double>::Identity());
+      model.joints.push_back(joint);
+    }
+  finalize(model);
+  Scene scene;
+  add_robot(scene, "spider", std::make_shared<Model>(model));
+  for (int arm = 0; arm < 2; ++arm) {
+    Contact c;
+    c.name = "tip" + std::to_string(arm);
+    c.type = ContactType::k1D;
+    c.axis = Vec3<double>::UnitX();
+    c.A = {0, 3 * arm + 3, {}};
+    c.A.placement.p[0] = 1;
+    add_contact(scene, c);
+  }
+  const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv), u = Eigen::VectorXd::Ones(scene.nu);
+  SceneData early(scene, {Method::kSparseLdl, Order::kContactsEarly, Lanes::kOff});
+  SceneData last(scene, {Method::kSparseLdl, Order::kLeafToRoot, Lanes::kOff});
+  ASSERT_EQ(solve(scene, q, v, u, last).status, Status::kOk);
+  ASSERT_EQ(solve(scene, q, v, u, early).status, Status::kOk);
+  const IslandReport& report = early.report.islands[0];
+  EXPECT_TRUE(report.changed_order);
+  EXPECT_EQ(report.method, Method::kSparseLdl);
+  EXPECT_EQ(report.order, Order::kLeafToRoot);
+  EXPECT_NE(report.reason, Reason::kNone);
+  EXPECT_EQ(early.a, last.a);
+  EXPECT_EQ(early.f, last.f);
+}
+
 TEST(Vanishing, ARobotWithoutJointsIsSolvedAndDifferentiated) {
   std::mt19937 rng(405);
   Model object;

@@ -181,6 +181,102 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
   EXPECT_LT(early.ldl.flops, last.ldl.flops);
 }
 
+TEST_P(Patterns, CountsAreThoseOfThePattern) {
+  for (const IslandNumbers& n : islands)
+    for (Order order : kOrders) {
+      const KktPattern& p = *n.shape.pattern(order);
+      EXPECT_EQ(n.shape.permutation(order), p.perm);
+      EXPECT_EQ(n.shape.counts(order).nonzeros, p.ldl.nonzeros());
+      EXPECT_EQ(n.shape.counts(order).flops, p.ldl.flops);
+    }
+}
+
+// Robots of one leg each, held at the foot, that hold one box by their bodies. The box is hit by all of them.
+RandomScene star(int robots, bool box_first) {
+  std::mt19937 rng(4);
+  RandomScene leg =
+      random_scene(rng, {.nrobots = 1, .models = {{.njoints = 1, .floating_base = true}}, .ncontacts = 0});
+  Model model = *leg.scene.robots[0].model;
+  for (int k = 0; k < 4; ++k) {
+    Joint joint;
+    joint.parent = k;
+    joint.placement = random_placement(rng);
+    joint.inertia = random_inertia(rng);
+    model.joints.push_back(joint);
+  }
+  model.armature.resize(0);
+  finalize(model);
+  const std::shared_ptr<const Model> box = leg.scene.robots[0].model, legged = std::make_shared<Model>(model);
+  RandomScene s;
+  if (box_first) add_robot(s.scene, "box", box);
+  for (int r = 0; r < robots; ++r) add_robot(s.scene, "r" + std::to_string(r), legged);
+  if (!box_first) add_robot(s.scene, "box", box);
+  for (int r = 0; r < robots; ++r) {
+    Contact foot, hold;
+    foot.name = "foot" + std::to_string(r), hold.name = "hold" + std::to_string(r);
+    foot.type = hold.type = ContactType::k3D;
+    foot.A = {r + box_first, 4, random_placement(rng)};
+    hold.A = {r + box_first, 0, random_placement(rng)};
+    hold.B = {box_first ? 0 : robots, 0, random_placement(rng)};
+    add_contact(s.scene, foot), add_contact(s.scene, hold);
+  }
+  return s;
+}
+
+TEST(ContactsEarly, AHubGoesLastWhereverItStands) {
+  const auto counts = [](const RandomScene& s) {
+    const std::vector<Island> islands = find_islands(s.scene, active_flags(s.scene));
+    EXPECT_EQ(islands.size(), 1u);
+    IslandShape shape(s.scene, islands[0]);
+    return shape.counts(Order::kContactsEarly);
+  };
+  const sparse::LdlCounts last = counts(star(20, false)), first = counts(star(20, true)),
+                          twice = counts(star(40, true));
+  EXPECT_LE(first.flops, 1.1 * last.flops);
+  EXPECT_LE(first.nonzeros, 1.1 * last.nonzeros);
+  EXPECT_LE(twice.flops, 2.2 * first.flops);
+}
+
+// A contact at the origin of the last joint, which does not move it but for rounding.
+TEST(ContactsEarly, RoundingMovesNothing) {
+  std::mt19937 rng(8);
+  RandomScene s = random_scene(rng, {.nrobots = 1, .models = {{.njoints = 1, .floating_base = true}}, .ncontacts = 0});
+  Model model = *s.scene.robots[0].model;
+  for (int finger = 0; finger < 6; ++finger)
+    for (int k = 0; k < 3; ++k) {
+      Joint joint;
+      joint.parent = k == 0 ? 0 : model.njoints() - 1;
+      joint.placement = random_placement(rng);
+      joint.inertia = random_inertia(rng);
+      model.joints.push_back(joint);
+    }
+  model.armature.resize(0);
+  finalize(model);
+  RandomScene hand;
+  add_robot(hand.scene, "hand", std::make_shared<Model>(model));
+  for (int finger = 0; finger < 6; ++finger) {
+    Contact c;
+    c.name = "tip" + std::to_string(finger);
+    c.type = ContactType::k1D;
+    c.A = {0, 3 * finger + 3, {}};
+    add_contact(hand.scene, c);
+  }
+  hand.q = random_configuration(model, rng);
+  hand.v = random_vector(model.nv, rng);
+  const std::deque<IslandNumbers> islands = islands_of(hand);
+  const KktPattern& early = *islands[0].shape.pattern(Order::kContactsEarly);
+  for (int finger = 0; finger < 6; ++finger) {
+    const int row = early.iperm[24 + finger];
+    EXPECT_GT(row, early.iperm[6 + 3 * finger + 1]) << "the joint before the last moves it";
+    EXPECT_LT(row, early.iperm[5]) << "the body is not needed";
+  }
+  KktMatrix K;
+  K.reset(islands[0].shape.pattern(Order::kContactsEarly));
+  assemble(islands[0].M_spans, islands[0].J_spans, 0, K);
+  FactorScratch scratch;
+  EXPECT_EQ(make_ldl_factor(Method::kSparseLdl)->factorize(K, scratch), Reason::kNone);
+}
+
 TEST_P(Patterns, BackwardErrorSeesAWrongSolution) {
   const IslandNumbers& n = islands[0];
   System system = assembled(n, Order::kLeafToRoot, 0.1);

@@ -85,6 +85,9 @@ TEST_P(Schur, ComplementEqualsDense) {
   for (const IslandNumbers& n : islands)
     for (double delta : {0.0, 0.3}) {
       const SchurPattern pattern = analyze_schur(s.scene, n.island, n.support);
+      const SchurCounts counts = count_schur(s.scene, n.island, n.support);
+      EXPECT_EQ(counts.nonzeros, pattern.S.nonzeros());
+      for (std::size_t r = 0; r < pattern.robots.size(); ++r) EXPECT_EQ(counts.rows[r], pattern.robots[r].rows);
       SchurData data;
       for (int again = 0; again < 2; ++again)
         ASSERT_TRUE(form_schur(s.scene, n.island, n.support, pattern, n.all_packed(), n.all_rows(), delta, data));

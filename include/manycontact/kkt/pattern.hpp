@@ -41,12 +41,23 @@ struct KktPattern {
   int size() const { return nv + nc; }
 };
 
-/// The order in which rows of K are eliminated. kContactsEarly looks at the contacts' J in a posture without symmetry,
-/// so it depends on the contacts' types, axes and places on A's bodies, as well as on the trees.
-std::vector<int> elimination_order(const Scene& scene, const Island& island, const IslandSupport& support, Order order);
+/// K's pattern, joints and contact rows numbered as the island has them.
+sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const IslandSupport& support);
 
-/// perm: by elimination_order.
-KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, Order order,
-                   std::vector<int> perm);
+// The orders in which rows of K are eliminated: permutations, as KktPattern::perm. K: natural_pattern.
+
+/// Order::kCamd.
+std::vector<int> camd_order(const Island& island, const sparse::UpperCsc& K);
+/// Order::kLeafToRoot. by_degree: camd_order's, whose order the contact rows have among themselves.
+std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
+/// Order::kContactsEarly. It looks at the contacts' J in a posture without symmetry, so it depends on the contacts'
+/// types, axes and places on A's bodies, as well as on the trees. Robots go in the island's order, or by CAMD on the
+/// graph of those that contacts join, hubs last, where that makes the factor clearly cheaper.
+std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
+                                      const sparse::UpperCsc& K);
+
+/// perm: one of these. K: natural_pattern.
+KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
+                   Order order, std::vector<int> perm);
 
 }  // namespace manycontact

@@ -85,12 +85,20 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),
                                  *std::min_element(costs.cholmod.begin(), costs.cholmod.end()), costs.supernodal});
   const auto relative = [least](double cost) { return number(cost / least); };
+  if (is_deep(shape)) {  // K's patterns are not made
+    wrap(out,
+         "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
+             relative(costs.bodies),
+         4);
+    wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
+    return;
+  }
   Table table({{"order", Table::kLeft}, {"L: non-zeros"}, {"sparse-ldl"}, {"sparse-cholmod"}});
   for (Order order : kOrders) {
-    const KktPattern& pattern = *shape.pattern(order);
     const auto k = static_cast<std::size_t>(order);
-    table.add({to_string(order), std::to_string(pattern.ldl.nonzeros() + pattern.size()), relative(costs.ldl[k]),
-               relative(costs.cholmod[k])});
+    const double nonzeros = shape.counts(order).nonzeros + shape.island().size();
+    table.add(
+        {to_string(order), std::to_string(std::llround(nonzeros)), relative(costs.ldl[k]), relative(costs.cholmod[k])});
   }
   table.print(out, 4);
   std::string others = "dense " + relative(costs.dense);
@@ -125,9 +133,10 @@ void print_islands(std::ostream& out, const Inspection& x) {
   Table table({{"islands"}, {"robots", Table::kLeft, 34}, {"velocities"}, {"rows"}, {"rank"}, {"K: n"}, {"non-zeros"}});
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const Island& island = x.island(x.kinds[k]);
-    table.add({std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
-               std::to_string(island.nc), rank_text(x.kinds[k].ranks), std::to_string(island.size()),
-               std::to_string(nonzeros_of_K(x.pattern(x.first(x.kinds[k])), x.file.scene.damping))});
+    table.add(
+        {std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
+         std::to_string(island.nc), rank_text(x.kinds[k].ranks), std::to_string(island.size()),
+         std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(x.kinds[k])), x.file.scene.damping)))});
   }
   table.print(out);
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");

@@ -10,6 +10,6 @@ namespace manycontact::cli {
 std::string why_changed(const Choice& choice, const IslandReport& report);
 
 /// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.
-long nonzeros_of_K(const KktPattern& pattern, double damping);
+double nonzeros_of_K(const IslandShape& shape, double damping);
 
 }  // namespace manycontact::cli

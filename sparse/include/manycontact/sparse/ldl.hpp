@@ -29,6 +29,14 @@ struct LdlWorkspace {
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
 
+/// What that would find of L's size, as LdlSymbolic has it.
+struct LdlCounts {
+  double nonzeros = 0, flops = 0;
+};
+/// In time and memory of A's entries, however many L has. Source: Gilbert, Ng, Peyton, An efficient algorithm to
+/// compute row and column counts for sparse Cholesky factorization (1994).
+LdlCounts ldl_count(const UpperCsc& A);
+
 /// Lx: nonzeros(), D: n. Returns n, or the column whose pivot is exactly zero (then L, D are not usable).
 /// Allocates nothing once the workspace is large enough.
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,

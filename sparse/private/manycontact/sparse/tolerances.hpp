@@ -139,8 +139,8 @@ inline constexpr int kBoundRounding = 8;
 /// Used by: the choice of orders.
 inline constexpr double kCheaper = 0.9;
 
-/// Of the largest pivot of a QR decomposition of J's columns: less is no direction of its own. Coarse on purpose: such
-/// coordinates give contacts eliminated early their pivots.
+/// Of the length of J's rows: what a QR decomposition of some of J's columns must have left in its last pivot for these
+/// coordinates to give a contact that is eliminated early its pivots. Where these do not hold, more is asked for.
 /// Used by: the order contacts-early.
 inline constexpr double kDistinct = 1e-3;
 

@@ -126,10 +126,11 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return Reason::kNone;
 }
 
-// From the chosen way down: leaf-to-root, dropping rows that depend on others, or where damping makes K regular in
-// every order by the same method; the oracle.
+// From the chosen way down: the same method in leaf-to-root order, which is sound unless rows depend on each other (of
+// CHOLMOD only where damping makes them independent: it allocates); that order dropping rows that depend on others; the
+// oracle.
 struct Attempts {
-  std::array<Attempt, 3> list;
+  std::array<Attempt, 4> list;
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
@@ -138,9 +139,9 @@ Attempts fallbacks_of(const Choice& choice, double damping) {
   const auto [method, order] = choice;
   if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline stands alone
-  if (method != Method::kDense && damping == 0) out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
-  if (has_order(method) && damping > 0 && order != Order::kLeafToRoot)
+  if (order != Order::kLeafToRoot && (damping > 0 ? has_order(method) : method == Method::kSparseLdl))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
+  if (method != Method::kDense && damping == 0) out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   out.add({FactorKind::kDense, order, damping});
   return out;
 }

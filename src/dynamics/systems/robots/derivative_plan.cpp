@@ -31,17 +31,21 @@ namespace internal {
 
 namespace {
 
+constexpr double kPanels = 1.3;  // the panels of the robots are filled and read once more
+
 // Multiply-adds of a panel that goes through the island's factor, and is refined in every second state.
 double cost_at_once(const IslandWork& d, double ld) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
 }
 
-// The same robot by robot. Those of a product run faster than those of a sparse solve; the panels of the robots are
-// filled and read once more. Measured on rings and on a beam between two humanoids.
+double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
+
+// The same robot by robot. Those of a product run faster than those of a sparse solve. Measured on rings and on a beam
+// between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
-  constexpr double kProduct = 0.4, kPanels = 1.3;
-  double cost = ld * 2.0 * system.interface->symbolic.nonzeros();
+  constexpr double kProduct = 0.4;
+  double cost = cost_of_interface(system.interface->symbolic.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     const RobotsDerivatives::OfRobot& r = by.robots[k];
     const KktPattern& p = *system.robots[k].ordinary->plan->inner;
@@ -138,18 +142,19 @@ void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by
 void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandDerivatives& out, Workspace& w) {
   if (d.island.robots.size() == 1 || d.bodies || w.options.order) return;
   if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
+  const double ld = static_cast<double>(out.X.cols()), most = tolerance::kCheaper * cost_at_once(d, ld);
+  if (!d.robots && (!w.lanes.level || !d.joinable)) return;
+  if (!d.robots && kPanels * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most)
+    d.joinable = false;  // whatever the request: both grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;
-  if (!d.robots->derivatives) {
-    d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);
-  }
+  if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);
   RobotsDerivatives& by = *d.robots->derivatives;
   if (by.laid_out && by.request == out.request) return;
   by.laid_out = false;  // should memory run out
   for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, out, k, by);
   choose_sample(by);
-  const double ld = static_cast<double>(out.X.cols());
-  by.cheaper = out.cols > 0 && cost_by_robots(*d.robots, by, ld) < tolerance::kCheaper * cost_at_once(d, ld);
+  by.cheaper = out.cols > 0 && cost_by_robots(*d.robots, by, ld) < most;
   if (by.cheaper) take_memory(d, w.threads.size(), by);
   by.request = out.request;
   by.laid_out = true;

@@ -1,6 +1,7 @@
 #include "interface.hpp"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "manycontact/sparse/ordering.hpp"
@@ -62,6 +63,23 @@ void analyze_interface(Interface& interface) {
 }
 
 }  // namespace
+
+sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
+  const auto pairs = [](double rows) { return rows * (rows - 1) / 2; };
+  std::vector<double> of_robot(shape.island().robots.size(), 0.0);
+  std::map<std::pair<int, int>, double> of_two;  // their pairs are met on both robots
+  for (const Contact& contact : shape.scene().contacts) {
+    if (!joins_two(contact)) continue;
+    const auto [a, b] = std::minmax(contact.A.robot, contact.B.robot);
+    for (double* rows : {&of_robot[a], &of_robot[b], &of_two[{a, b}]}) *rows += contact.rows();
+  }
+  sparse::LdlCounts least;
+  double most = 0;
+  for (double rows : of_robot) least.nonzeros += pairs(rows), most = std::max(most, rows);
+  for (const auto& [robots, rows] : of_two) least.nonzeros -= pairs(rows);
+  for (double below = most - 1; below > 0; --below) least.flops += below * (below + 2);  // the fullest robot's, dense
+  return least;
+}
 
 Interface::Interface(const IslandShape& shape) : robots(shape.island().robots.size()) {
   share_out(shape.scene(), shape.island(), *this);

@@ -37,6 +37,9 @@ struct Interface {
   int rows() const { return static_cast<int>(row.size()); }
 };
 
+/// What S's factor has at least, in any order, and without S: any two rows of a robot meet there.
+sparse::LdlCounts least_interface_counts(const IslandShape& shape);
+
 inline bool joins_two(const Contact& contact) { return joins_robots(contact) && contact.A.robot != contact.B.robot; }
 /// The end of a joining contact that is on this robot.
 inline const Attachment& end_on(const Contact& contact, int robot) {

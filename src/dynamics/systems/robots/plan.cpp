@@ -52,8 +52,8 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   if (plan->border == 0) return plan;
   std::vector<int> perm = block.inner->perm;
   for (int i = plan->island.size() - plan->border; i < plan->island.size(); ++i) perm.push_back(i);
-  plan->pattern =
-      std::make_shared<const KktPattern>(analyze(plan->scene, plan->island, support, order, std::move(perm)));
+  plan->pattern = std::make_shared<const KktPattern>(analyze(
+      plan->scene, plan->island, support, natural_pattern(plan->scene, plan->island, support), order, std::move(perm)));
   plan->bordered = sparse::compile_ldl(plan->pattern->K, plan->pattern->ldl, plan->rows());
   return plan;
 }
@@ -138,21 +138,36 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   return group;
 }
 
-// As predicted_cost_ldl. Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
+double cost_ldl(const sparse::LdlSymbolic& L) {
+  return predicted_cost_ldl(L.n, {static_cast<double>(L.nonzeros()), L.flops});
+}
+
+// Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
 double cost_joined(const RobotsSystem& system, int width) {
   const double together = 1 + 0.15 * width;
-  double cost =
-      17.0 * system.interface->rows() + 7.0 * system.interface->symbolic.nonzeros() + system.interface->symbolic.flops;
+  double cost = cost_ldl(system.interface->symbolic);
   for (std::size_t k = 0; k < system.order.size();) {
     const BlockGroup* group = system.robots[system.order[k]].group;
     std::size_t count = 1;
     while (count < static_cast<std::size_t>(width) && k + count < system.order.size() &&
            system.robots[system.order[k + count]].group == group)
       ++count;
-    cost += (count == 1 ? 1 : together) * predicted_cost_ldl(*group->plan->pattern);
+    cost += (count == 1 ? 1 : together) * cost_ldl(group->plan->pattern->ldl);
     k += count;
   }
   return cost;
+}
+
+// What an island's own way costs, which its robots' must be clearly below.
+double cost_of_choice(const IslandWork& d) { return cost_ldl(d.shape->pattern(d.choice.order)->ldl); }
+
+// Whether they may be, as far as can be told without the interface rows' patterns.
+bool may_be_cheaper(const IslandWork& d) {
+  int rows = 0;
+  for (const Contact& contact : d.shape->scene().contacts)
+    if (joins_two(contact)) rows += contact.rows();
+  return d.choice.method == Method::kSparseLdl &&
+         predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
 // nullptr: an island's robots or interface rows have no place in lanes.
@@ -175,9 +190,8 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   d.joinable = fits;
   if (!fits) return nullptr;
   out->drop_rows(false);
-  const double cost = predicted_cost_ldl(*d.shape->pattern(d.choice.order));
-  out->solves =
-      d.choice.method == Method::kSparseLdl && cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost;
+  out->solves = d.choice.method == Method::kSparseLdl &&
+                cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost_of_choice(d);
   return out;
 }
 
@@ -256,7 +270,7 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     const bool alone = d.island.robots.size() == 1;
     if (!d.planned) {
       if (alone) d.alone.group = group_of_alone(w, d);
-      if (!alone) {
+      if (!alone && may_be_cheaper(d)) {
         std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
         if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
       }

@@ -8,19 +8,19 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Relative: the unit is a multiply-add of sparse LDL,
-/// coefficients by `./run bench`; only ratios of them mean something, and those to a factor of about two.
+/// Predicted costs of one factorization and two solves. Relative: coefficients by measured factors, of which a row, an
+/// entry of L and a multiply-add of sparse LDL cost 17, 20 and 0.3; only ratios mean something, to a factor of two.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
   double bodies;
+  double with_terms;  // the least of sparse-ldl with M's terms, which `bodies` is compared with
   double dense;
 };
 /// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
-double predicted_cost_ldl(const KktPattern& pattern);
-double predicted_cost_cholmod(const KktPattern& pattern);
+double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 double predicted_cost_supernodal(IslandShape& shape);
 double predicted_cost_bodies(IslandShape& shape);
 double predicted_cost_dense(int nv, int nc);

@@ -29,6 +29,12 @@ struct SchurPattern {
   sparse::UpperCsc S;        // nc x nc
   std::vector<int> slot;     // per robot: of the upper triangle of its product, by columns
 };
+/// What that would find.
+struct SchurCounts {
+  std::vector<int> rows;  // per robot: rows that act on it
+  double nonzeros = 0;    // of S
+};
+SchurCounts count_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 
 /// Numbers. L: per robot, packed; Z: per robot, D^-1/2 L^-T J^T (nv x rows); Sx: S's values.

@@ -25,14 +25,16 @@ class IslandShape {
   /// Of the joint-space K, as everything below but bodies(). In deep trees these grow with the square of the depth.
   const IslandSupport& support() const;
 
+  /// A permutation of K's rows. That of kContactsEarly alone depends on where contacts are on their bodies.
+  const std::vector<int>& permutation(Order order);
+  /// Of the factor in that order, whose pattern need not be made to know.
+  const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
   const std::shared_ptr<const SchurPattern>& schur();
   /// CHOLMOD's analysis of K in that order, rows left as they are.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
   /// CHOLMOD's analysis of the Schur complement, for its supernodal part.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod_schur();
-  /// The permutation of Order::kContactsEarly, the only one that depends on where contacts are on their bodies.
-  const std::vector<int>& contacts_early();
   /// The bodies and rows of the body-space system.
   const std::shared_ptr<const BodyPattern>& bodies();
   /// And where these fall apart.
@@ -43,7 +45,8 @@ class IslandShape {
   Island island_;
   mutable std::recursive_mutex mutex_;  // of all below: one analysis asks for another
   mutable std::optional<IslandSupport> support_;
-  std::optional<std::vector<int>> contacts_early_;
+  std::array<std::optional<std::vector<int>>, std::size(kOrders)> permutations_;
+  std::array<std::optional<sparse::LdlCounts>, std::size(kOrders)> counts_;
   std::shared_ptr<const BodyPattern> bodies_;
   std::unique_ptr<const BodySubtrees> body_parts_;
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;

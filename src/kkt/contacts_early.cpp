@@ -1,0 +1,164 @@
+// The order contacts-early: a contact as soon as the joints below it give it its pivots.
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/kkt/choose.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// M and J in a posture, as assemble takes them.
+struct Numbers {
+  std::vector<std::vector<double>> M;  // per robot, packed
+  std::vector<Eigen::MatrixXd> J;      // per contact
+};
+
+// In a posture without symmetry, `most` about `mean` from the neutral one, whatever the base: alike islands see the
+// same. other: how a robot's differs from the one before.
+Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport& support, double mean, double most,
+                   double other) {
+  Numbers numbers;
+  std::vector<Kinematics<double>> kin;
+  std::vector<Inertia<double>> composite;
+  for (std::size_t r = 0; r < island.robots.size(); ++r) {
+    const Model& model = *scene.robots[island.robots[r]].model;
+    Eigen::VectorXd step(model.nv), q(model.nq);
+    for (int i = 0; i < model.nv; ++i) step[i] = mean + most * std::sin(1 + 7.0 * i + other * static_cast<double>(r));
+    integrate<double>(model, neutral(model), step, q);
+    kin.emplace_back(model);
+    forward_kinematics<double>(model, {}, q, kin.back());
+    forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
+    numbers.M.emplace_back(model.M_begin[model.nv]);
+    crba<double>(model, kin.back(), composite, numbers.M.back().data());
+  }
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[island.contacts[c]];
+    ContactData<double> data(contact, support.contacts[c]);
+    contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, robot_of(contact))],
+                         contact.B.robot < 0 ? nullptr : &kin[local_robot(island, contact.B.robot)], data);
+    numbers.J.push_back(std::move(data.J));
+  }
+  return numbers;
+}
+
+// Rows of unit length: what coordinates give a row is judged beside all that moves it.
+std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
+  for (Eigen::MatrixXd& rows : J)
+    for (auto row : rows.rowwise())
+      if (const double length = row.norm(); length > 0) row /= length;
+  return J;
+}
+
+// Robots by degree in the graph of those that contacts join: each is joined to few others when its turn comes.
+std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
+  std::vector<std::pair<int, int>> joined;
+  for (int c : island.contacts)
+    if (const Contact& contact = scene.contacts[c]; joins_robots(contact))
+      joined.emplace_back(local_robot(island, contact.A.robot), local_robot(island, contact.B.robot));
+  return sparse::camd_order(sparse::make_pattern(static_cast<int>(island.robots.size()), std::move(joined)), {});
+}
+
+// A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
+// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows.
+std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
+                               const std::vector<Eigen::MatrixXd>& J, const std::vector<int>& robots, double distinct) {
+  const int ncontacts = static_cast<int>(island.contacts.size());
+  std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
+  for (int c = 0; c < ncontacts; ++c)
+    for (int i : support.columns[c]) on_dof[i].push_back(c);
+  std::vector<char> eliminated(island.nv, 0), used(island.nv, 0), placed(ncontacts, 0);
+  std::vector<int> perm;
+  const auto place = [&](int c) {
+    const int first = island.nv + island.row_offset[c], rows = scene.contacts[island.contacts[c]].rows();
+    for (int row = 0; row < rows; ++row) perm.push_back(first + row);
+    placed[c] = 1;
+  };
+  const auto eliminate = [&](int i) {
+    perm.push_back(i);
+    eliminated[i] = 1;
+    for (int c : on_dof[i]) {
+      if (placed[c]) continue;
+      std::vector<int> available;  // columns of J
+      for (std::size_t k = 0; k < support.columns[c].size(); ++k)
+        if (eliminated[support.columns[c][k]] && !used[support.columns[c][k]]) available.push_back(static_cast<int>(k));
+      const Eigen::Index rows = J[c].rows();
+      if (static_cast<Eigen::Index>(available.size()) < rows) continue;
+      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J[c](Eigen::all, available));
+      if (!(std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct)) continue;
+      for (Eigen::Index k = 0; k < rows; ++k)
+        used[support.columns[c][available[qr.colsPermutation().indices()[k]]]] = 1;
+      place(c);
+    }
+  };
+  for (int r : robots)
+    for (int i = scene.robots[island.robots[r]].model->nv - 1; i >= 0; --i) eliminate(island.dof_offset[r] + i);
+  for (int c = 0; c < ncontacts; ++c)
+    if (!placed[c]) place(c);
+  return perm;
+}
+
+double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
+  return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
+}
+
+// Whether the pivots can be believed, by far, in some postures.
+bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
+           const std::vector<int>& perm, std::vector<Numbers>& postures) {
+  if (postures.empty())  // the last one's legs are nearly straight
+    for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
+      postures.push_back(numbers_at(scene, island, support, mean, most, 3));
+  constexpr double kMostGrowth = 1e6;  // of K's entries: a third of the digits
+  KktMatrix matrix;
+  matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
+  const std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);  // once: without a schedule
+  FactorScratch scratch;
+  return std::all_of(postures.begin(), postures.end(), [&](const Numbers& numbers) {
+    std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
+    for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
+    assemble(M, J, 0, matrix);
+    return factor->factorize(matrix, scratch) == Reason::kNone && factor->growth() < kMostGrowth;
+  });
+}
+
+}  // namespace
+
+std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
+                                      const sparse::UpperCsc& K) {
+  if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
+  constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
+  const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
+  std::vector<int> robots(island.robots.size());
+  std::iota(robots.begin(), robots.end(), 0);
+  const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
+  const bool alone = robots.size() == 1;
+  // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds. Of a robot alone
+  // contacts that wait for longer make it no cheaper, and their order among themselves counts for little.
+  std::vector<int> natural(K.n);
+  std::iota(natural.begin(), natural.end(), 0);
+  const double most =
+      tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(island, K)));
+  std::vector<Numbers> postures;  // made when first asked for
+  std::vector<int> perm;
+  for (const double distinct : kSounder) {
+    perm = with_contacts(scene, island, support, J, robots, distinct);
+    double least = cost(K, perm);
+    if (by_degree != robots) {
+      std::vector<int> other = with_contacts(scene, island, support, J, by_degree, distinct);
+      if (const double of_other = cost(K, other); of_other < tolerance::kCheaper * least)
+        perm = std::move(other), least = of_other;
+    }
+    if (least < most ? holds(scene, island, support, K, perm, postures) : alone) break;
+  }
+  return perm;
+}
+
+}  // namespace manycontact
