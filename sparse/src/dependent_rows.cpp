@@ -21,6 +21,7 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
                          const double* row_scale, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
+  rows.turned.clear();
   rows.inverse.resize(s.n);
   rows.noise.resize(s.n);
   double* y = w.Y.data();  // may hold anything: entry j is zero from step j on, between rows
@@ -83,7 +84,9 @@ double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const do
   return largest == 0 ? 0 : largest / size;
 }
 
-// L^T z = l_k over the rows of J, and the column e_k - z of N.
+bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
+
+// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
 void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, DependentRows& rows) {
   double* x = rows.x.data();
   for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
@@ -101,7 +104,7 @@ void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, Dependen
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate.
+// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or z is not known yet.
 void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double* D, DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
   double* x = rows.x.data();
@@ -111,8 +114,8 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
   for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
   rows.Ni.resize(first + 1);
   rows.Nx.resize(first + 1);
-  for (int j = k - 1; j >= nv; --j) {
-    if (std::abs(x[j]) <= tolerance::kNullEntry) continue;
+  for (int j = (is_turned(rows, k) ? s.n : k) - 1; j >= nv; --j) {
+    if (j == k || std::abs(x[j]) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-x[j]);
   }
@@ -181,6 +184,45 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
+// The rows that a cluster's columns of N are in, ascending.
+void take_rows(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  rows.cluster_rows.clear();
+  for (int a = 0; a < cluster.count; ++a)
+    each_entry(rows, cluster, a, [&](int k, double) { rows.cluster_rows.push_back(k); });
+  std::sort(rows.cluster_rows.begin(), rows.cluster_rows.end());
+  rows.cluster_rows.erase(std::unique(rows.cluster_rows.begin(), rows.cluster_rows.end()), rows.cluster_rows.end());
+}
+
+// The largest volume of N's square parts, or nearly: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How
+// to find a good submatrix (2010). With N = [1; -Z] in the rows dropped and kept, a turn of kept row i with dropped row
+// j is a pivot on N_ij.
+bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  constexpr std::size_t kMost = 1 << 20;  // entries
+  take_rows(rows, cluster);
+  const std::size_t n = rows.cluster_rows.size();
+  if (n * static_cast<std::size_t>(cluster.count) > kMost) return false;
+  if (rows.panel.size() < n * cluster.count) rows.panel.resize(n * cluster.count);
+  Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), static_cast<Eigen::Index>(n), cluster.count);
+  N.setZero();
+  for (int a = 0; a < cluster.count; ++a)
+    each_entry(rows, cluster, a, [&](int k, double value) {
+      N(std::lower_bound(rows.cluster_rows.begin(), rows.cluster_rows.end(), k) - rows.cluster_rows.begin(), a) = value;
+    });
+  bool exchanged = false;
+  for (int turn = 0; turn < 50 * cluster.count; ++turn) {
+    Eigen::Index i = 0, j = 0;
+    const double largest = N.cwiseAbs().maxCoeff(&i, &j);
+    if (!(largest > tolerance::kExchanged)) break;
+    rows.dropped[rows.members[cluster.first + j]] = rows.cluster_rows[i];
+    exchanged = true;
+    N.col(j) /= N(i, j);
+    for (Eigen::Index k = 0; k < N.cols(); ++k)
+      if (k != j) N.col(k) -= N(i, k) * N.col(j);
+  }
+  for (int a = 0; exchanged && a < cluster.count; ++a) rows.turned[rows.dropped[rows.members[cluster.first + a]]] = 1;
+  return exchanged;
+}
+
 // T's rows times (N^T N)^-1, with its factor.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
@@ -210,7 +252,15 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.clusters.clear();
   if (rows.dropped.empty()) return;
   for (int k : rows.dropped) {
-    null_column(s, nv, Lx, k, rows);
+    if (is_turned(rows, k)) {
+      rows.Ni.push_back(k);
+      rows.Nx.push_back(1);
+      rows.Np.push_back(static_cast<int>(rows.Ni.size()));
+      (void)dependence_residual(K, Kx, nv, row_scale, rows, rows.residual);  // J_k
+      refine_column(s, nv, Lx, D, rows);
+    } else {
+      null_column(s, nv, Lx, k, rows);
+    }
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] { return dependence_residual(K, Kx, nv, row_scale, rows, rows.residual); },
@@ -220,6 +270,15 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
   make_clusters(s.n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
+}
+
+bool exchange_rows(DependentRows& rows) {
+  bool exchanged = false;
+  rows.turned.assign(rows.inverse.size(), 0);
+  for (const DependentRows::Cluster& cluster : rows.clusters)
+    if (exchange_in_cluster(rows, cluster)) exchanged = true;
+  std::sort(rows.dropped.begin(), rows.dropped.end());
+  return exchanged;
 }
 
 void project_out(DependentRows& rows, double* y, double* null_component) {

@@ -81,6 +81,19 @@ TEST(Redundant, FeetOnTheGroundAndTiedTogether) {
                                 to="humanoid/right_sole" reference_frame="world"/></scene>)"}}));
 }
 
+// Two links of one arm, a wrist of three joints apart: rows of the hand's turning are kept, not those of its short lever.
+TEST(Redundant, ForearmAndHandHeld) {
+  const SceneFile file = load_edited(
+      kModels + "humanoid_standing.xml",
+      {{"</scene>", R"(<contact name="forearm" type="6d" frame="humanoid/left_forearm"/>
+                       <contact name="palm" type="6d" frame="humanoid/left_hand" reference_frame="world"/></scene>)"}});
+  SceneData data(file.scene);
+  const Report& report = solve(file.scene, file.q, file.v, file.u, data);
+  EXPECT_EQ(report.status, Status::kRedundant);
+  EXPECT_EQ(report.islands[0].method, Method::kSparseLdl);
+  expect_redundant_differences("humanoid on forearm and hand", file);
+}
+
 TEST(Inconsistent, FeetOnCornersMovingWithGains) {
   for (const char* gains : {"0 0", "25 0", "0 10", "25 10"}) {
     SceneFile file = load_edited(kModels + "feet_on_corners.xml",

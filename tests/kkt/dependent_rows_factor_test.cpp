@@ -170,6 +170,70 @@ TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
   EXPECT_GT(answered, 0);
 }
 
+MatrixXd dense_of(const KktMatrix& K) {
+  MatrixXd out = MatrixXd::Zero(K.size(), K.size());
+  for (int j = 0; j < K.size(); ++j)
+    for (int p = K.pattern->K.p[j]; p < K.pattern->K.p[j + 1]; ++p)
+      out(K.pattern->K.i[p], j) = out(j, K.pattern->K.i[p]) = K.values[p];
+  return out;
+}
+
+double condition_of(const KktMatrix& K) {
+  const VectorXd sizes = eigenvalues(dense_of(K)).cwiseAbs();
+  double least = sizes.maxCoeff();
+  for (double size : sizes)
+    if (size > 1e-12 * sizes.maxCoeff()) least = std::min(least, size);
+  return sizes.maxCoeff() / least;
+}
+
+// Rows kept that are a hundredth of those that depend on them: the others are kept in their place.
+TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
+  const Matrices m(GetParam(), 3);
+  FactorScratch scratch;
+  const auto again = make_dependent_rows_factor();
+  std::mt19937 rng(GetParam());
+  int exchanged = 0;
+  for (int state = 0; state < 3; ++state) {
+    SCOPED_TRACE(state);
+    KktMatrix K = m.K(state);
+    const auto before = make_dependent_rows_factor(), fresh = make_dependent_rows_factor(),
+               oracle = make_dense_factor();
+    if (before->factorize(K, scratch) != Reason::kNone || before->rank() == K.nc()) continue;
+    std::vector<int> dropped, instead;
+    before->dependent_rows(dropped);
+    std::vector<char> small(K.nc());
+    before->null_space_rows(small);
+    for (int k : dropped) small[k] = 0;
+    for (int k = 0; k < K.nc(); ++k) {
+      const int row = m.pattern->iperm[m.pattern->nv + k];
+      for (int p = m.pattern->K.p[row]; small[k] && p < m.pattern->K.p[row + 1]; ++p) K.values[p] *= 0.01;
+    }
+    ASSERT_EQ(fresh->factorize(K, scratch), Reason::kNone);
+    ASSERT_EQ(again->factorize(K, scratch), Reason::kNone);
+    ASSERT_EQ(oracle->factorize(K, scratch), Reason::kNone);
+    fresh->dependent_rows(instead);
+    std::sort(dropped.begin(), dropped.end());
+    std::sort(instead.begin(), instead.end());
+    exchanged += instead != dropped;
+    EXPECT_LE(fresh->projector_error(), 8 * 5 * kEps * K.nc());  // no coefficient above 2
+    const VectorXd b = random_vector(K.size(), rng);
+    const Answers x = answers_of(*fresh, K, b), y = answers_of(*again, K, b), truth = answers_of(*oracle, K, b);
+    EXPECT_EQ(x.rank, truth.rank);
+    EXPECT_EQ(y.dependent, x.dependent);
+    EXPECT_EQ(y.x, x.x);  // the same bits
+    EXPECT_EQ(y.X, x.X);
+    const double most = 1e2 * kEps * condition_of(K);
+    EXPECT_LE(error_of(x.x, truth.x), most);
+    EXPECT_LE(error_of(MatrixXd(x.X), MatrixXd(truth.X)), most);
+    // P of the contacts' rows
+    VectorXd kept = b, kept_in_truth = b;
+    fresh->project_out(kept.data(), nullptr);
+    oracle->project_out(kept_in_truth.data(), nullptr);
+    EXPECT_LE(error_of(kept, kept_in_truth), most);
+  }
+  EXPECT_GT(exchanged, 0);
+}
+
 TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;

@@ -19,6 +19,7 @@ namespace manycontact::sparse {
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
   std::vector<int> dropped;     // rows of K, ascending
+  std::vector<char> turned;     // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
@@ -41,7 +42,7 @@ struct DependentRows {
 
   // scratch
   std::vector<double> inverse, noise, x, residual, panel, t;
-  std::vector<int> owner;
+  std::vector<int> owner, cluster_rows;
 };
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
@@ -56,6 +57,11 @@ struct DependentRows {
 /// when the dropped rows depend on the others in truth, and largest_entry.
 void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows);
+
+/// Other rows to drop, after find_null_space: those of a cluster take turns with rows of its null space until no entry
+/// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
+/// False where nothing was exchanged, or a cluster is too large for that.
+[[nodiscard]] bool exchange_rows(DependentRows& rows);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
 /// unused.

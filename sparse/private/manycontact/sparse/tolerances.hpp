@@ -68,6 +68,10 @@ inline constexpr double kRowLeft = 1e-13;
 /// Used by: DependentRows::accepted.
 inline constexpr double kLargestEntry = 30;
 
+/// Where they are larger, rows take turns until none is larger than this: each turn makes the dropped rows' share of
+/// the null space as many times larger, so that there is an end. Used by: exchange_rows.
+inline constexpr double kExchanged = 2;
+
 /// Coefficients z_j are zero below this (beside 1, the entry of the dropped row): a few eps, what substitution leaves.
 /// Used by: find_null_space.
 inline constexpr double kNullEntry = 1e-15;
