@@ -118,12 +118,14 @@ class DependentRowsFactor final : public Factor {
   }
 
   // Other rows in the place of those, where rows kept are much smaller than those dropped. False where these are not
-  // plainly independent, or the others do not plainly depend on them.
+  // plainly independent, the others do not plainly depend on them, or entries grow so much that panels would be judged
+  // by the norms of their columns, beside which small numbers are lost.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
     if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
     factorize_kept(K, scratch);
     if (!kept_are_sound(K, scratch.scale, 1)) return false;
     growth_ = growth(K, scratch.scale);
+    if (!(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
     find_null_space(K);
     return dependence_.accepted();
   }
