@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/memory.hpp"
@@ -21,6 +22,7 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
                          const double* row_scale, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
+  rows.turned.clear();
   rows.inverse.resize(s.n);
   rows.noise.resize(s.n);
   double* y = w.Y.data();  // may hold anything: entry j is zero from step j on, between rows
@@ -68,22 +70,33 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 
 namespace {
 
-// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
-                           const DependentRows& rows, std::vector<double>& residual) {
+// residual <- J_k - sum_j z_j J_j for the column of N from `begin` to `end`; returns its largest entry, and the largest
+// of the sizes of the rows.
+std::pair<double, double> dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
+                                              const DependentRows& rows, int begin, int end,
+                                              std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
   double size = 0;
-  for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
+  for (int p = begin; p < end; ++p) {
     size = std::max(size, std::abs(rows.Nx[p]) * row_scale[rows.Ni[p]]);
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
   }
   double largest = 0;
   for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
+  return {largest, size};
+}
+// Of the last column, one beside the other.
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
+                           const DependentRows& rows, std::vector<double>& residual) {
+  const auto [largest, size] =
+      dependence_residual(K, Kx, nv, row_scale, rows, rows.Np[rows.Np.size() - 2], rows.Np.back(), residual);
   return largest == 0 ? 0 : largest / size;
 }
 
-// L^T z = l_k over the rows of J, and the column e_k - z of N.
+bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
+
+// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
 void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, DependentRows& rows) {
   double* x = rows.x.data();
   for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
@@ -101,7 +114,7 @@ void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, Dependen
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate.
+// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or z is not known yet.
 void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double* D, DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
   double* x = rows.x.data();
@@ -111,8 +124,8 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
   for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
   rows.Ni.resize(first + 1);
   rows.Nx.resize(first + 1);
-  for (int j = k - 1; j >= nv; --j) {
-    if (std::abs(x[j]) <= tolerance::kNullEntry) continue;
+  for (int j = (is_turned(rows, k) ? s.n : k) - 1; j >= nv; --j) {
+    if (j == k || std::abs(x[j]) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-x[j]);
   }
@@ -181,6 +194,45 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
+// The rows that a cluster's columns of N are in, ascending.
+void take_rows(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  rows.cluster_rows.clear();
+  for (int a = 0; a < cluster.count; ++a)
+    each_entry(rows, cluster, a, [&](int k, double) { rows.cluster_rows.push_back(k); });
+  std::sort(rows.cluster_rows.begin(), rows.cluster_rows.end());
+  rows.cluster_rows.erase(std::unique(rows.cluster_rows.begin(), rows.cluster_rows.end()), rows.cluster_rows.end());
+}
+
+// The largest volume of N's square parts, or nearly: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How
+// to find a good submatrix (2010). With N = [1; -Z] in the rows dropped and kept, a turn of kept row i with dropped row
+// j is a pivot on N_ij.
+bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  constexpr std::size_t kMost = 1 << 20;  // entries
+  take_rows(rows, cluster);
+  const std::size_t n = rows.cluster_rows.size();
+  if (n * static_cast<std::size_t>(cluster.count) > kMost) return false;
+  if (rows.panel.size() < n * cluster.count) rows.panel.resize(n * cluster.count);
+  Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), static_cast<Eigen::Index>(n), cluster.count);
+  N.setZero();
+  for (int a = 0; a < cluster.count; ++a)
+    each_entry(rows, cluster, a, [&](int k, double value) {
+      N(std::lower_bound(rows.cluster_rows.begin(), rows.cluster_rows.end(), k) - rows.cluster_rows.begin(), a) = value;
+    });
+  bool exchanged = false;
+  for (int turn = 0; turn < 50 * cluster.count; ++turn) {
+    Eigen::Index i = 0, j = 0;
+    const double largest = N.cwiseAbs().maxCoeff(&i, &j);
+    if (!(largest > tolerance::kExchanged)) break;
+    rows.dropped[rows.members[cluster.first + j]] = rows.cluster_rows[i];
+    exchanged = true;
+    N.col(j) /= N(i, j);
+    for (Eigen::Index k = 0; k < N.cols(); ++k)
+      if (k != j) N.col(k) -= N(i, k) * N.col(j);
+  }
+  for (int a = 0; exchanged && a < cluster.count; ++a) rows.turned[rows.dropped[rows.members[cluster.first + a]]] = 1;
+  return exchanged;
+}
+
 // T's rows times (N^T N)^-1, with its factor.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
@@ -198,6 +250,22 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
+namespace {
+
+// What N says of itself, and its projector.
+void take_null_space(int n, DependentRows& rows) {
+  rows.largest_residual = rows.largest_entry = 0;
+  rows.largest_cluster = 0;
+  rows.clusters.clear();
+  for (double left : rows.left) rows.largest_residual = larger_or_nan(rows.largest_residual, left);
+  for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
+  if (rows.dropped.empty()) return;
+  make_clusters(n, rows);
+  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(n, rows, cluster);
+}
+
+}  // namespace
+
 void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows) {
   rows.Np.assign(1, 0);
@@ -205,21 +273,70 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(nv, 0.0);
-  rows.largest_residual = rows.largest_entry = 0;
-  rows.largest_cluster = 0;
-  rows.clusters.clear();
-  if (rows.dropped.empty()) return;
+  rows.left.clear();
   for (int k : rows.dropped) {
-    null_column(s, nv, Lx, k, rows);
+    if (is_turned(rows, k)) {
+      rows.Ni.push_back(k);
+      rows.Nx.push_back(1);
+      rows.Np.push_back(static_cast<int>(rows.Ni.size()));
+      (void)dependence_residual(K, Kx, nv, row_scale, rows, rows.residual);  // J_k
+      refine_column(s, nv, Lx, D, rows);
+    } else {
+      null_column(s, nv, Lx, k, rows);
+    }
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] { return dependence_residual(K, Kx, nv, row_scale, rows, rows.residual); },
         [&] { refine_column(s, nv, Lx, D, rows); });
-    rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
+    rows.left.push_back(refinement.backward_error);
   }
-  for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
-  make_clusters(s.n, rows);
-  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
+  take_null_space(s.n, rows);
+}
+
+void take_near_rows(const UpperCsc& K, const double* Kx, int nv, const double* row_scale, DependentRows& rows,
+                    NearlyDependentRows& near) {
+  near.rows.clear(), near.size.clear();
+  for (auto* starts : {&near.Zp, &near.Rp}) starts->assign(1, 0);
+  near.Zi.clear(), near.Zx.clear(), near.Ri.clear(), near.Rx.clear();
+  std::size_t kept = 0;
+  int end = 0;  // of the columns kept
+  for (std::size_t c = 0; c < rows.dropped.size(); ++c) {
+    const int begin = rows.Np[c], count = rows.Np[c + 1] - begin;
+    const auto i = rows.Ni.begin() + begin;
+    const auto x = rows.Nx.begin() + begin;
+    if (rows.left[c] >= tolerance::kNearRowLeft) {
+      const double size = dependence_residual(K, Kx, nv, row_scale, rows, begin, begin + count, rows.residual).first;
+      near.rows.push_back(rows.dropped[c]);
+      near.size.push_back(size);
+      near.Zi.insert(near.Zi.end(), i, i + count);
+      near.Zx.insert(near.Zx.end(), x, x + count);
+      near.Zp.push_back(static_cast<int>(near.Zi.size()));
+      for (int k = 0; k < nv; ++k) {
+        if (std::abs(rows.residual[k]) <= tolerance::kNullEntry * size) continue;
+        near.Ri.push_back(k);
+        near.Rx.push_back(rows.residual[k]);
+      }
+      near.Rp.push_back(static_cast<int>(near.Ri.size()));
+      continue;
+    }
+    std::copy_n(i, count, rows.Ni.begin() + end);
+    std::copy_n(x, count, rows.Nx.begin() + end);
+    rows.dropped[kept] = rows.dropped[c];
+    rows.left[kept] = rows.left[c];
+    rows.Np[++kept] = end += count;
+  }
+  rows.dropped.resize(kept), rows.left.resize(kept), rows.Np.resize(kept + 1);
+  rows.Ni.resize(end), rows.Nx.resize(end);
+  take_null_space(K.n, rows);
+}
+
+bool exchange_rows(DependentRows& rows) {
+  bool exchanged = false;
+  rows.turned.assign(rows.inverse.size(), 0);
+  for (const DependentRows::Cluster& cluster : rows.clusters)
+    if (exchange_in_cluster(rows, cluster)) exchanged = true;
+  std::sort(rows.dropped.begin(), rows.dropped.end());
+  return exchanged;
 }
 
 void project_out(DependentRows& rows, double* y, double* null_component) {
@@ -251,19 +368,23 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
-  const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + first, cols); };
+  constexpr int kChunk = 64;  // columns, for the caches; and memory must not depend on how many there are
   for (const DependentRows::Cluster& cluster : rows.clusters) {
     if (nonzero && !spread(rows, cluster, nonzero)) continue;
-    const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
+    const std::size_t size = static_cast<std::size_t>(cluster.count) * kChunk;
     if (rows.panel.size() < size) rows.panel.resize(size);
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
-                                                                                         cluster.count, cols);
-    T.setZero();
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
-    solve_gram(rows, cluster, T);
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+    for (int c = first; c < first + cols; c += kChunk) {
+      const int n = std::min(kChunk, first + cols - c);
+      const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + c, n); };
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
+                                                                                           cluster.count, n);
+      T.setZero();
+      for (int a = 0; a < cluster.count; ++a)
+        each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
+      solve_gram(rows, cluster, T);
+      for (int a = 0; a < cluster.count; ++a)
+        each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+    }
   }
 }
 

@@ -170,6 +170,127 @@ TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
   EXPECT_GT(answered, 0);
 }
 
+MatrixXd dense_of(const KktMatrix& K) {
+  MatrixXd out = MatrixXd::Zero(K.size(), K.size());
+  for (int j = 0; j < K.size(); ++j)
+    for (int p = K.pattern->K.p[j]; p < K.pattern->K.p[j + 1]; ++p)
+      out(K.pattern->K.i[p], j) = out(j, K.pattern->K.i[p]) = K.values[p];
+  return out;
+}
+
+double condition_of(const KktMatrix& K) {
+  const VectorXd sizes = eigenvalues(dense_of(K)).cwiseAbs();
+  double least = sizes.maxCoeff();
+  for (double size : sizes)
+    if (size > 1e-12 * sizes.maxCoeff()) least = std::min(least, size);
+  return sizes.maxCoeff() / least;
+}
+
+// Rows kept that are a hundredth of those that depend on them: the others are kept in their place.
+TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
+  const Matrices m(GetParam(), 3);
+  FactorScratch scratch;
+  const auto again = make_dependent_rows_factor();
+  std::mt19937 rng(GetParam());
+  int exchanged = 0;
+  for (int state = 0; state < 3; ++state) {
+    SCOPED_TRACE(state);
+    KktMatrix K = m.K(state);
+    const auto before = make_dependent_rows_factor(), fresh = make_dependent_rows_factor(),
+               oracle = make_dense_factor();
+    if (before->factorize(K, scratch) != Reason::kNone || before->rank() == K.nc()) continue;
+    std::vector<int> dropped, instead;
+    before->dependent_rows(dropped);
+    std::vector<char> small(K.nc());
+    before->null_space_rows(small);
+    for (int k : dropped) small[k] = 0;
+    for (int k = 0; k < K.nc(); ++k) {
+      const int row = m.pattern->iperm[m.pattern->nv + k];
+      for (int p = m.pattern->K.p[row]; small[k] && p < m.pattern->K.p[row + 1]; ++p) K.values[p] *= 0.01;
+    }
+    ASSERT_EQ(fresh->factorize(K, scratch), Reason::kNone);
+    ASSERT_EQ(again->factorize(K, scratch), Reason::kNone);
+    ASSERT_EQ(oracle->factorize(K, scratch), Reason::kNone);
+    fresh->dependent_rows(instead);
+    std::sort(dropped.begin(), dropped.end());
+    std::sort(instead.begin(), instead.end());
+    exchanged += instead != dropped;
+    EXPECT_LE(fresh->projector_error(), 8 * 5 * kEps * K.nc());  // no coefficient above 2
+    const VectorXd b = random_vector(K.size(), rng);
+    const Answers x = answers_of(*fresh, K, b), y = answers_of(*again, K, b), truth = answers_of(*oracle, K, b);
+    EXPECT_EQ(x.rank, truth.rank);
+    EXPECT_EQ(y.dependent, x.dependent);
+    EXPECT_EQ(y.x, x.x);  // the same bits
+    EXPECT_EQ(y.X, x.X);
+    const double most = 1e2 * kEps * condition_of(K);
+    EXPECT_LE(error_of(x.x, truth.x), most);
+    EXPECT_LE(error_of(MatrixXd(x.X), MatrixXd(truth.X)), most);
+    // P of the contacts' rows
+    VectorXd kept = b, kept_in_truth = b;
+    fresh->project_out(kept.data(), nullptr);
+    oracle->project_out(kept_in_truth.data(), nullptr);
+    EXPECT_LE(error_of(kept, kept_in_truth), most);
+  }
+  EXPECT_GT(exchanged, 0);
+}
+
+// Rows that others nearly explain count: pivots do not see what is left of them, J's rows do.
+TEST_P(DroppedRows, CountWhereMoreThanRoundingIsLeft) {
+  const Matrices m(GetParam(), 1);
+  FactorScratch scratch;
+  const KktMatrix K = m.K(0);
+  std::vector<int> dropped, now;
+  const auto before = make_dependent_rows_factor();
+  if (before->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  before->dependent_rows(dropped);
+  ASSERT_FALSE(dropped.empty());
+  std::mt19937 rng(GetParam());
+  const auto again = make_dependent_rows_factor();
+  const sparse::UpperCsc& A = m.pattern->K;
+  int answered = 0;
+  for (double apart : {1e-3, 1e-5, 1e-7, 1e-8}) {
+    SCOPED_TRACE(apart);
+    KktMatrix near = K;
+    const int row = m.pattern->iperm[m.pattern->nv + dropped[0]];
+    for (int p = A.p[row]; p < A.p[row + 1] - 1; ++p) near.values[p] += apart * uniform(rng, 0.5, 1) * K.row_scale;
+    const auto fresh = make_dependent_rows_factor(), oracle = make_dense_factor();
+    const Reason reason = fresh->factorize(near, scratch);
+    ASSERT_EQ(again->factorize(near, scratch), reason);
+    if (reason != Reason::kNone) continue;
+    ASSERT_EQ(oracle->factorize(near, scratch), Reason::kNone);
+    EXPECT_EQ(fresh->rank(), oracle->rank());
+    if (fresh->rank() == before->rank()) continue;  // all that moves the row is held
+    ++answered;
+    fresh->dependent_rows(now);
+    EXPECT_EQ(fresh->rank(), before->rank() + 1);
+    EXPECT_EQ(static_cast<int>(now.size()), near.nc() - fresh->rank());
+    EXPECT_EQ(std::count(now.begin(), now.end(), dropped[0]), 0);
+    // K x of any x: what K^+ is asked for then has an answer
+    const MatrixXd dense = dense_of(near);
+    VectorXd b = dense * random_vector(near.size(), rng);
+    fresh->project_out(b.data(), nullptr);
+    const Answers x = answers_of(*fresh, near, b), y = answers_of(*again, near, b),
+                  truth = answers_of(*oracle, near, b);
+    EXPECT_EQ(y.x, x.x);
+    EXPECT_EQ(y.X, x.X);
+    VectorXd left = b - dense * x.x, of_column = left;
+    fresh->solve(left.data());
+    const VectorXd refined = x.x + left;
+    left = b - dense * refined;
+    EXPECT_LE(size_of(left), 1e-14 * near.size() * (size_of(dense) * size_of(refined) + size_of(b)));
+    EXPECT_LE(error_of(refined, truth.x), 1e2 * kEps * condition_of(K) / (apart * apart));
+    const MatrixXd X = x.X;
+    for (int c = 0; c < 24; ++c) {  // a panel's columns are a vector's
+      of_column = VectorXd::Unit(near.size(), m.pattern->iperm[c]);
+      fresh->solve(of_column.data());
+      VectorXd in_order(near.size());
+      for (int k = 0; k < near.size(); ++k) in_order[m.pattern->perm[k]] = of_column[k];
+      EXPECT_LE(error_of(VectorXd(X.col(c)), in_order), 1e-13 / (apart * apart)) << c;
+    }
+  }
+  if (answered == 0) GTEST_SKIP() << "no row of its own, or for the oracle";
+}
+
 TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;

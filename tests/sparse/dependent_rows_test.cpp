@@ -38,6 +38,14 @@ struct FactorOfRows {
                                         work, L.data(), D.data(), rows);
     if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, row_scale.data(), L.data(), D.data(), rows);
   }
+  // Without the rows that are to be dropped, whichever they are.
+  void factor_others() {
+    std::vector<double> x = K.x;
+    for (int k : rows.dropped) x[K.pattern.p[k + 1] - 1] = -1e200;
+    ASSERT_EQ(sparse::ldl_factor(K.pattern, symbolic, x.data(), work, L.data(), D.data()), K.n());
+    for (int k : rows.dropped) D[k] = INFINITY;
+    find_null_space(K.pattern, symbolic, K.x.data(), nv, row_scale.data(), L.data(), D.data(), rows);
+  }
   void solve(double* x) {
     project_out(rows, x);
     sparse::ldl_solve(symbolic, L.data(), D.data(), x);
@@ -340,6 +348,38 @@ TEST(DependentRows, AreNotBelievedWhereCoefficientsAreLarge) {
     ASSERT_EQ(f.rows.dropped, std::vector<int>{12});
     EXPECT_NEAR(f.rows.largest_entry, large, 1e-9 * large);
     EXPECT_EQ(f.rows.accepted(), large < tolerance::kLargestEntry);
+  }
+}
+
+// Two clusters of which one has rows that are too small, and a dropped row that depends on one after it then.
+TEST(DependentRows, TakeTurnsUntilNoCoefficientIsLarge) {
+  std::mt19937 rng(54);
+  for (int trial = 0; trial < 20; ++trial) {
+    SaddlePoint s{"turns", random_positive(14, 0.4, rng), random_matrix(9, 14, rng)};
+    s.J.row(0) *= 1e-3;
+    s.J.row(1) *= 1e-2;
+    s.J.row(3) = 1e3 * s.J.row(0) + s.J.row(2);
+    s.J.row(5) = s.J.row(4);
+    s.J.row(7) = s.J.row(2) - 1e2 * s.J.row(1) + s.J.row(3) + s.J.row(6);
+    FactorOfRows f(s);
+    ASSERT_EQ(f.rows.dropped, (std::vector<int>{17, 19, 21}));
+    ASSERT_FALSE(f.rows.accepted());
+    ASSERT_TRUE(exchange_rows(f.rows));
+    ASSERT_EQ(f.rows.dropped.size(), 3u);
+    EXPECT_TRUE(std::is_sorted(f.rows.dropped.begin(), f.rows.dropped.end()));
+    EXPECT_TRUE(std::count(f.rows.dropped.begin(), f.rows.dropped.end(), 19)) << "the other cluster's";
+    EXPECT_LT(f.rows.dropped[0], 17) << "a small row";
+    f.factor_others();
+    EXPECT_TRUE(f.rows.accepted());
+    EXPECT_LE(f.rows.largest_entry, tolerance::kExchanged * (1 + 1e-9));
+    EXPECT_FALSE(exchange_rows(f.rows));
+    const MatrixXd N = f.null_space();
+    EXPECT_LE(size_of(MatrixXd(s.J.transpose() * N)), 1e-14 * s.J_size());
+    const Spectrum truth(s.J);
+    EXPECT_LE(difference_of(f.projector(), truth.P), allowed(truth, f.rows));
+    f.factor();  // nothing of that stays
+    EXPECT_EQ(f.rows.dropped, (std::vector<int>{17, 19, 21}));
+    EXPECT_EQ(f.null_space(), FactorOfRows(s).null_space());
   }
 }
 

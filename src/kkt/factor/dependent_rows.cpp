@@ -11,6 +11,7 @@
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "near_rows.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -29,20 +30,25 @@ class DependentRowsFactor final : public Factor {
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     scratch.ldl.reserve(ldl_.pattern->ldl);
     take_sizes(K, scratch);
-    if (drop_again(K, scratch.scale)) return Reason::kNone;  // those of the K before
-    if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
-    if (ldl_.schedule && !dependence_.dropped.empty()) {
-      if (drop_again(K, scratch.scale)) return Reason::kNone;  // numbers must not depend on what was before
-      if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
-    }
-    growth_ = growth(K, scratch.scale);
-    return depends(K) ? Reason::kNone : Reason::kSmallPivot;
+    near_.clear();
+    dependence_.dropped = greedy_;
+    dependence_.turned.clear();
+    if (const Reason reason = drop_in_order(K, scratch); reason != Reason::kNone) return reason;
+    greedy_ = dependence_.dropped;
+    if (dependence_.largest_entry > tolerance::kLargestEntry && !exchange(K, scratch)) return Reason::kSmallPivot;
+    if (dependence_.accepted()) return Reason::kNone;
+    if (!grows_too_much() && near_.take(K, ldl_, row_size_.data(), dependence_)) return Reason::kNone;
+    near_.clear();
+    return Reason::kSmallPivot;
   }
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
+    const auto row = [x](int k) { return Eigen::Map<Eigen::RowVectorXd>(x + k, 1); };
     sparse::project_out(dependence_, x);
+    if (!near_.empty()) near_.before(row, 1);
     ldl_.solve(x);
+    if (!near_.empty()) near_.after(row, ldl_.pattern->size());
     sparse::project_out(dependence_, x);
   }
 
@@ -50,7 +56,12 @@ class DependentRowsFactor final : public Factor {
     const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols, nonzero);
+    const auto row = [=](int k) {
+      return Eigen::Map<Eigen::RowVectorXd>(X + static_cast<std::ptrdiff_t>(perm[k]) * ld + first, cols);
+    };
+    if (!near_.empty()) near_.before(row, cols);
     ldl_.solve_panel(X, ld, first, cols, nonzero);
+    if (!near_.empty()) near_.after(row, ldl_.pattern->size());
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
@@ -72,6 +83,7 @@ class DependentRowsFactor final : public Factor {
 
   // Of the rows kept, as LDL has it, and of the projections, which J^T N = 0 is in but for what the rows dropped leave.
   double panel_error(const KktMatrix& K) override {
+    if (!near_.empty()) return std::numeric_limits<double>::infinity();
     double *of_factor = ldl_.work(), *of_K = of_factor + ldl_.D.size();
     kept_.assign(ldl_.D.begin(), ldl_.D.end());
     for (int k : dependence_.dropped) kept_[k] = 0;
@@ -95,6 +107,7 @@ class DependentRowsFactor final : public Factor {
 
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     dependence_.dropped.clear();
+    greedy_.clear();
     penalised_.resize(pattern->K.nonzeros());
     kept_.resize(pattern->size());
     row_size_.assign(pattern->size(), 0.0);
@@ -106,6 +119,33 @@ class DependentRowsFactor final : public Factor {
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
   }
 
+  // Rows that depend on those before them, and the null space.
+  Reason drop_in_order(const KktMatrix& K, FactorScratch& scratch) {
+    if (drop_again(K, scratch)) return Reason::kNone;  // those of the K before
+    if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
+    if (ldl_.schedule && !dependence_.dropped.empty()) {
+      if (drop_again(K, scratch)) return Reason::kNone;  // numbers must not depend on what was before
+      if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
+    }
+    growth_ = growth(K, scratch.scale);
+    find_null_space(K);
+    return Reason::kNone;
+  }
+
+  // Other rows in the place of those, where rows kept are much smaller than those dropped, and the null space. False
+  // where those kept then are not plainly independent.
+  bool exchange(const KktMatrix& K, FactorScratch& scratch) {
+    if (!sparse::exchange_rows(dependence_)) return false;
+    factorize_kept(K, scratch);
+    if (!kept_are_sound(K, scratch.scale, 1)) return false;
+    growth_ = growth(K, scratch.scale);
+    if (grows_too_much()) return false;
+    find_null_space(K);
+    return true;
+  }
+  // Then panels would be judged by the norms of their columns, beside which small numbers are lost.
+  bool grows_too_much() const { return !(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged); }
+
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const int done =
@@ -115,40 +155,67 @@ class DependentRowsFactor final : public Factor {
     return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
 
-  // The rows dropped last once more, by the compiled schedule: as if they were damped beyond all numbers, which leaves
-  // the others as they are without them. False where `drop` would drop others, or J's rows tell that these do not
-  // depend on the others.
-  bool drop_again(const KktMatrix& K, std::vector<double>& scale) {
+  // The factor without the rows dropped: as if they were damped beyond all numbers, which leaves the others as they are
+  // without them.
+  void factorize_kept(const KktMatrix& K, FactorScratch& scratch) {
     constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
-    if (!ldl_.schedule || dependence_.dropped.empty()) return false;
+    std::vector<double>& scale = scratch.scale;
     std::copy(K.values.begin(), K.values.end(), penalised_.begin());
     for (int k : dependence_.dropped) penalised_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
-    sparse::panel_kernels().factor(*ldl_.schedule, penalised_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
+    if (ldl_.schedule) {
+      sparse::panel_kernels().factor(*ldl_.schedule, penalised_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
+    } else {  // what fails leaves pivots that are not finite
+      (void)sparse::ldl_factor(ldl_.pattern->K, ldl_.pattern->ldl, penalised_.data(), scratch.ldl, ldl_.L.data(),
+                               ldl_.D.data());
+      (void)sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, penalised_.data(), ldl_.L.data(),
+                                         ldl_.D.data(), scale.data());
+    }
     for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scale[k] = 0;
-    if (!drops_the_same(K, scale)) return false;
-    growth_ = std::max(1.0, internal::growth_of(K, scale.data()));
-    return depends(K);
+  }
+
+  // The rows dropped last once more, by the compiled schedule. False where `drop` would drop others.
+  bool drop_again(const KktMatrix& K, FactorScratch& scratch) {
+    if (!ldl_.schedule || dependence_.dropped.empty()) return false;
+    factorize_kept(K, scratch);
+    if (!drops_the_same(K, scratch.scale)) return false;
+    growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
+    find_null_space(K);
+    return true;
   }
   // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
   // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
   bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
     constexpr double kMargin = 10;
-    const sparse::UpperCsc& A = ldl_.pattern->K;
+    return kept_are_sound(K, scale, kMargin) &&
+           std::all_of(dependence_.dropped.begin(), dependence_.dropped.end(), [&](int k) {
+             const auto [d, terms] = pivot_of(k, K.values[ldl_.pattern->K.p[k + 1] - 1]);
+             return std::isfinite(terms) && !is_left(K, k, d, terms, 1 / kMargin);
+           });
+  }
+  bool kept_are_sound(const KktMatrix& K, const std::vector<double>& scale, double margin) const {
     auto dropped = dependence_.dropped.begin();
     internal::PassedOn passed_on;
     for (int k = 0; k < K.size(); ++k) {
-      const bool of_M = k < ldl_.pattern->nv, is_dropped = dropped != dependence_.dropped.end() && *dropped == k;
-      double d = ldl_.D[k], terms = scale[k], size = 0;
-      if (is_dropped) std::tie(d, terms) = pivot_of(k, K.values[A.p[k + 1] - 1]), ++dropped;
-      for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
-        if (A.i[p] < ldl_.pattern->nv) size = std::max(size, std::abs(K.values[p]));
-      const double margin = is_dropped ? 1 / kMargin : kMargin;
-      const bool moves = of_M || size > margin * tolerance::kRank * row_size_[k];
-      const bool left = moves && std::abs(d) > margin * tolerance::kPivotLeft * terms;
-      if (!is_dropped && passed_on.next(of_M, std::abs(d) / (kMargin * terms))) return false;
-      if (!std::isfinite(terms) || left == is_dropped || (left && (d > 0) != of_M)) return false;
+      if (dropped != dependence_.dropped.end() && *dropped == k) {
+        ++dropped;
+        continue;
+      }
+      const bool of_M = k < ldl_.pattern->nv;
+      const double d = ldl_.D[k];
+      if (passed_on.next(of_M, std::abs(d) / (margin * scale[k]))) return false;
+      if (!std::isfinite(scale[k]) || !is_left(K, k, d, scale[k], margin) || (d > 0) != of_M) return false;
     }
     return true;
+  }
+  // Whether more is left of row k than rounding, `margin` times over: d of its pivot's terms, and its own entries.
+  bool is_left(const KktMatrix& K, int k, double d, double terms, double margin) const {
+    const sparse::UpperCsc& A = ldl_.pattern->K;
+    const bool of_M = k < ldl_.pattern->nv;
+    double size = 0;
+    for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
+      if (A.i[p] < ldl_.pattern->nv) size = std::max(size, std::abs(K.values[p]));
+    const bool moves = of_M || size > margin * tolerance::kRank * row_size_[k];
+    return moves && std::abs(d) > margin * tolerance::kPivotLeft * terms;
   }
   // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
   std::pair<double, double> pivot_of(int k, double d) const {
@@ -161,11 +228,10 @@ class DependentRowsFactor final : public Factor {
     }
     return {d, terms};
   }
-  bool depends(const KktMatrix& K) {
+  void find_null_space(const KktMatrix& K) {
     const KktPattern& p = *ldl_.pattern;
     sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
                             dependence_);
-    return dependence_.accepted();
   }
 
   // As growth_of, without the rows dropped, of which D is infinite.
@@ -179,10 +245,12 @@ class DependentRowsFactor final : public Factor {
   }
 
   internal::LdlNumbers ldl_;
+  std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
   std::vector<double> kept_;       // D, of the rows dropped nothing
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // in K's order; of M's rows nothing
   sparse::DependentRows dependence_;
+  internal::NearRows near_;  // dropped as well, and bordered
   double growth_ = 1;
 };
 

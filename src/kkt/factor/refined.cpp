@@ -65,36 +65,41 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 
 }  // namespace
 
-double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, bool judged, PanelWork& work) {
+void solve_panel_refined(Factor& factor, const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
+  if (factor.refines_panels()) return factor.solve_panel_refined(K, X, ld, first, cols, work.nonzero.data());
+  constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
+  const KktPattern& p = *K.pattern;
+  double* B = work.B.data();
+  for (int c = first; c < first + cols; c += kChunk) {
+    const int n = std::min(kChunk, first + cols - c);
+    for (std::ptrdiff_t k = 0; k < K.size(); ++k) std::copy_n(X + k * ld + c, n, B + k * ld);
+    if (c > first) std::fill_n(work.nonzero.begin(), K.size(), 1);
+    factor.solve_panel(X, ld, c, n, work.nonzero.data());
+    sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B, ld, n);
+    std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
+    factor.solve_panel(B, ld, 0, n, work.nonzero.data());
+    for (std::ptrdiff_t k = 0; k < K.size(); ++k)
+      for (int i = 0; i < n; ++i) X[k * ld + c + i] += B[k * ld + i];
+  }
+}
+
+double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work) {
   const KktPattern& p = *K.pattern;
   const std::size_t size = static_cast<std::size_t>(K.size()) * ld;
   double* B = work.B.data();
-  const auto correct_by = [&](std::vector<double>& R, int first, int cols) {
-    std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
-    factor.solve_panel(R.data(), ld, first, cols, work.nonzero.data());
-    for (std::ptrdiff_t at = first; at < static_cast<std::ptrdiff_t>(size); at += ld)
-      for (int c = 0; c < cols; ++c) X[at + c] += R[at + c];
-  };
-  if (!judged) {
-    constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
-    for (int c = 0; c < ld; c += kChunk) {
-      const int cols = std::min(kChunk, ld - c);
-      sparse::refine_unjudged(
-          1, [&] { sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B + c, ld, cols); },
-          [&] { correct_by(work.B, c, cols); });
-    }
-    return 0;
-  }
+  if (work.R.size() < size) work.R.resize(size);
   const auto residual = [&] {
-    if (work.R.size() < size) work.R.resize(size);
     std::copy_n(B, size, work.R.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, work.R.data(), ld, ld);
     if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // what is left of least squares
     return column_error(K, ld, B, X, work.R.data(), work.sums);
   };
-  return sparse::refine(tolerance::kPanelSteps - 1, tolerance::kPanelRefined, residual,
-                        [&] { correct_by(work.R, 0, ld); })
-      .backward_error;
+  const auto correct = [&] {
+    std::fill_n(work.nonzero.begin(), K.size(), 1);
+    factor.solve_panel(work.R.data(), ld, 0, ld, work.nonzero.data());
+    for (std::size_t at = 0; at < size; ++at) X[at] += work.R[at];
+  };
+  return sparse::refine(tolerance::kPanelSteps - 1, tolerance::kPanelRefined, residual, correct).backward_error;
 }
 
 }  // namespace manycontact

@@ -19,15 +19,17 @@ namespace manycontact::sparse {
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
   std::vector<int> dropped;     // rows of K, ascending
+  std::vector<char> turned;     // of K's rows: dropped in another's place, may depend on later ones. Or empty: none
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
+  std::vector<double> left;     // per column: max |J_k - sum z_j J_j|, beside the largest of the rows' sizes
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
   int largest_cluster = 0;      // most entries of N that project a row, see Cluster
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
-  /// rounding hides which rows are dependent, and a dense decomposition must tell.
+  /// others are to be dropped (exchange_rows), fewer (take_near_rows), or a dense decomposition must tell.
   bool accepted() const;
 
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
@@ -41,7 +43,15 @@ struct DependentRows {
 
   // scratch
   std::vector<double> inverse, noise, x, residual, panel, t;
-  std::vector<int> owner;
+  std::vector<int> owner, cluster_rows;
+};
+
+/// Rows dropped that others nearly explain: N's columns e_k - z, and what they leave, R_k = J_k - sum z_j J_j.
+struct NearlyDependentRows {
+  std::vector<int> rows;  // of K
+  std::vector<int> Zp, Zi, Rp, Ri;
+  std::vector<double> Zx, Rx;
+  std::vector<double> size;  // of each row of R: its largest entry
 };
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
@@ -56,6 +66,16 @@ struct DependentRows {
 /// when the dropped rows depend on the others in truth, and largest_entry.
 void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows);
+
+/// Other rows to drop, after find_null_space: those of a cluster take turns with rows of its null space until no entry
+/// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
+/// False where nothing was exchanged, or a cluster is too large for that.
+[[nodiscard]] bool exchange_rows(DependentRows& rows);
+
+/// After find_null_space: the rows dropped of which more than rounding is left (kNearRowLeft) go to `near`; `rows` is
+/// what it would be without them.
+void take_near_rows(const UpperCsc& K, const double* Kx, int nv, const double* row_scale, DependentRows& rows,
+                    NearlyDependentRows& near);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
 /// unused.

@@ -38,28 +38,23 @@ struct Reach {
 
 constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 
-void solve_columns_once(MatrixSystem& m, double* X, int ld, int first, int cols, bool refined,
-                        std::vector<char>& nonzero) {
+void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool refined, PanelWork& work) {
   if (refined)
-    m.factor->solve_panel_refined(m.K, X, ld, first, cols, nonzero.data());
+    solve_panel_refined(*m.factor, m.K, X, ld, first, cols, work);
   else
-    m.factor->solve_panel(X, ld, first, cols, nonzero.data());
+    m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }
 
 // Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
-// refined: once, by a factor that does.
-void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined,
-                  std::vector<char>& nonzero) {
+void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
-  const auto solve = [&](int first, int cols) {
-    solve_columns_once(m, out.X.data(), ld, first, cols, refined, nonzero);
-  };
+  const auto solve = [&](int first, int cols) { solve_chunk(m, out.X.data(), ld, first, cols, refined, work); };
   if (island.robots.size() == 1) {
-    std::fill_n(nonzero.begin(), island.size(), 1);
+    std::fill_n(work.nonzero.begin(), island.size(), 1);
     return solve(0, ld);
   }
-  Reach reach{scene, island, m.K.pattern->iperm.data(), nonzero};
+  Reach reach{scene, island, m.K.pattern->iperm.data(), work.nonzero};
   for (int begin = 0; begin < out.cols; begin += kChunk) {
     const int end = std::min(begin + kChunk, ld);
     reach.none();
@@ -101,7 +96,16 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined) by the factor, refined by itself or not.
+// Whether an unrefined panel is good enough, by the answer's own error before refinement or a bound for every column.
+// Where rows depend, small entries are lost in the projections of large ones: both must say so.
+bool needs_no_refinement(MatrixSystem& m) {
+  if (m.factor->own_refinements() > 0) return true;
+  const bool good = m.first_error <= tolerance::kRefinePanel;
+  if (good != m.deficient()) return good;
+  return m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
+}
+
+// X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined): by the factor, once refined or not.
 // False where that cannot be believed.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
@@ -110,15 +114,13 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, size);
   reserve(work.R, size);
-  const bool judged = !m.factor->panel_is_like_solve() || grows_too_much(*m.factor);
-  const bool doubtful = m.deficient() || m.first_error > tolerance::kRefinePanel;
-  const bool refine = m.factor->own_refinements() == 0 &&
-                      (judged || (doubtful && !(m.factor->panel_error(m.K) <= tolerance::kRefinePanel)));
-  const bool at_once = refine && !judged && m.factor->refines_panels();
-  if (refine && !at_once) std::copy_n(X, size, work.B.data());
-  solve(at_once);
-  if (!refine || at_once) return true;
-  return refine_panel(*m.factor, m.K, X, ld, judged, work) <= tolerance::kConverged;
+  if (m.factor->panel_is_like_solve() && !grows_too_much(*m.factor)) {
+    solve(!needs_no_refinement(m));
+    return true;
+  }
+  std::copy_n(X, size, work.B.data());
+  solve(false);
+  return m.factor->own_refinements() > 0 || refine_panel(*m.factor, m.K, X, ld, work) <= tolerance::kConverged;
 }
 
 }  // namespace
@@ -126,14 +128,14 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
 void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
   if (out.cols == 0 || m.owner.island.size() == 0) return;
   const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work,
-                                        [&](bool refined) { solve_blocks(scene, m, out, refined, work.nonzero); });
+                                        [&](bool refined) { solve_blocks(scene, m, out, refined, work); });
   if (!believed) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 bool solve_columns(MatrixSystem& m, double* X, int ld, PanelWork& work) {
   return solve_as_needed(m, X, ld, work, [&](bool refined) {
     std::fill_n(work.nonzero.begin(), m.owner.island.size(), 1);
-    solve_columns_once(m, X, ld, 0, ld, refined, work.nonzero);
+    solve_chunk(m, X, ld, 0, ld, refined, work);
   });
 }
 
