@@ -90,7 +90,9 @@ TEST(Cholmod, SupernodalEqualsDense) {
       EXPECT_DOUBLE_EQ(left[0], 1);
       EXPECT_GT(left.minCoeff(), 0);
       EXPECT_LE(left.maxCoeff(), 1 + 64 * kEps);
-      if (!order_rows) EXPECT_NEAR(left[79], 1 / (A.dense.inverse()(79, 79) * A.dense(79, 79)), 1e-10);
+      if (!order_rows) {
+        EXPECT_NEAR(left[79], 1 / (A.dense.inverse()(79, 79) * A.dense(79, 79)), 1e-10);
+      }
     }
   }
 }
