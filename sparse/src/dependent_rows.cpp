@@ -89,8 +89,8 @@ std::pair<double, double> dependence_residual(const UpperCsc& K, const double* K
 // Of the last column, one beside the other.
 double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
                            const DependentRows& rows, std::vector<double>& residual) {
-  const auto [largest, size] =
-      dependence_residual(K, Kx, nv, row_scale, rows, rows.Np[rows.Np.size() - 2], rows.Np.back(), residual);
+  const auto [largest, size] = dependence_residual(K, Kx, nv, row_scale, rows, rows.Np[rows.Np.size() - 2],
+                                                   rows.Np.back(), residual);
   return largest == 0 ? 0 : largest / size;
 }
 

@@ -269,8 +269,7 @@ TEST_P(DroppedRows, CountWhereMoreThanRoundingIsLeft) {
     const MatrixXd dense = dense_of(near);
     VectorXd b = dense * random_vector(near.size(), rng);
     fresh->project_out(b.data(), nullptr);
-    const Answers x = answers_of(*fresh, near, b), y = answers_of(*again, near, b),
-                  truth = answers_of(*oracle, near, b);
+    const Answers x = answers_of(*fresh, near, b), y = answers_of(*again, near, b), truth = answers_of(*oracle, near, b);
     EXPECT_EQ(y.x, x.x);
     EXPECT_EQ(y.X, x.X);
     VectorXd left = b - dense * x.x, of_column = left;

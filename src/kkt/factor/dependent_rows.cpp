@@ -144,7 +144,9 @@ class DependentRowsFactor final : public Factor {
     return true;
   }
   // Then panels would be judged by the norms of their columns, beside which small numbers are lost.
-  bool grows_too_much() const { return !(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged); }
+  bool grows_too_much() const {
+    return !(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged);
+  }
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;

@@ -22,9 +22,9 @@ class NearRows {
   bool empty() const { return count_ == 0; }
   void clear() { count_ = 0; }
 
-  /// Takes those rows dropped that nearly depend out of `rows`, which keeps the others and their null space, and
-  /// factorizes S. False where a row is neither, or S has a pivot that is nothing. ldl: of the rows kept. row_scale: as
-  /// in find_null_space.
+  /// Takes those rows dropped that nearly depend out of `rows`, which keeps the others and their null space, and factors
+  /// S. False where a row is neither, or S has a pivot that is nothing. K, the LDL of the rows kept, nv, row_scale: as in
+  /// find_null_space.
   bool take(const KktMatrix& K, const LdlNumbers& ldl, const double* row_scale, sparse::DependentRows& rows) {
     const int n = K.size(), nv = K.nv();
     if (rows.largest_entry > tolerance::kLargestEntry) return false;

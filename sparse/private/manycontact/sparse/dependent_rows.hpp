@@ -19,7 +19,7 @@ namespace manycontact::sparse {
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
   std::vector<int> dropped;     // rows of K, ascending
-  std::vector<char> turned;     // of K's rows: dropped in another's place, may depend on later ones. Or empty: none
+  std::vector<char> turned;     // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
   std::vector<double> left;     // per column: max |J_k - sum z_j J_j|, beside the largest of the rows' sizes
@@ -29,7 +29,7 @@ struct DependentRows {
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
-  /// others are to be dropped (exchange_rows), fewer (take_near_rows), or a dense decomposition must tell.
+  /// rounding hides which rows are dependent, and a dense decomposition must tell.
   bool accepted() const;
 
   /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
@@ -45,6 +45,14 @@ struct DependentRows {
   std::vector<double> inverse, noise, x, residual, panel, t;
   std::vector<int> owner, cluster_rows;
 };
+
+}  // namespace manycontact::sparse
+namespace manycontact::tolerance {
+/// Of a row's size, what J_k - sum z_j J_j leaves of a row that counts beyond doubt: ten times kRank. Between kRowLeft and
+/// this the dense oracle decides. Used by: take_near_rows.
+inline constexpr double kNearRowLeft = 1e-10;
+}  // namespace manycontact::tolerance
+namespace manycontact::sparse {
 
 /// Rows dropped that others nearly explain: N's columns e_k - z, and what they leave, R_k = J_k - sum z_j J_j.
 struct NearlyDependentRows {

@@ -59,7 +59,7 @@ inline constexpr double kHeldKept = 1e-2;
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
 /// 1e-14 for the 30 terms of kLargestEntry, with room for J's own. A row that is independent but kept only kPivotLeft
-/// leaves 3e-6, so there are seven orders between the two; in between, see kNearRowLeft.
+/// leaves 3e-6, so there are seven orders between the two; in between the dense oracle decides.
 /// Used by: DependentRows::accepted.
 inline constexpr double kRowLeft = 1e-13;
 
@@ -71,10 +71,6 @@ inline constexpr double kLargestEntry = 30;
 /// Where they are larger, rows take turns until none is larger than this: each turn makes the dropped rows' share of
 /// the null space as many times larger, so that there is an end. Used by: exchange_rows.
 inline constexpr double kExchanged = 2;
-
-/// Of a row's size, what J_k - sum z_j J_j leaves of a row that counts beyond doubt: ten times kRank. Between kRowLeft
-/// and this the dense oracle decides. Used by: take_near_rows.
-inline constexpr double kNearRowLeft = 1e-10;
 
 /// Coefficients z_j are zero below this (beside 1, the entry of the dropped row): a few eps, what substitution leaves.
 /// Used by: find_null_space.

@@ -14,8 +14,7 @@ namespace manycontact {
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// The same, damping 0, where rows of J may depend on each other: those that do are dropped
-/// (sparse/dependent_rows.hpp), and those that nearly do border the others. K must be in leaf-to-root order. Refused
-/// where rounding hides which rows these are.
+/// (sparse/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.
 std::unique_ptr<Factor> make_dependent_rows_factor();
 
 /// K = L D L^T by CHOLMOD's simplicial part, in K's order.
