@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/memory.hpp"
@@ -70,27 +69,18 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 
 namespace {
 
-// residual <- J_k - sum_j z_j J_j for the column of N from `begin` to `end`; returns its largest entry, and the largest
-// of the sizes of the rows.
-std::pair<double, double> dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
-                                              const DependentRows& rows, int begin, int end,
-                                              std::vector<double>& residual) {
+// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
+double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
+                           const DependentRows& rows, std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
   double size = 0;
-  for (int p = begin; p < end; ++p) {
+  for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
     size = std::max(size, std::abs(rows.Nx[p]) * row_scale[rows.Ni[p]]);
     for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
       if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
   }
   double largest = 0;
   for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
-  return {largest, size};
-}
-// Of the last column, one beside the other.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
-                           const DependentRows& rows, std::vector<double>& residual) {
-  const auto [largest, size] = dependence_residual(K, Kx, nv, row_scale, rows, rows.Np[rows.Np.size() - 2],
-                                                   rows.Np.back(), residual);
   return largest == 0 ? 0 : largest / size;
 }
 
@@ -250,22 +240,6 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-namespace {
-
-// What N says of itself, and its projector.
-void take_null_space(int n, DependentRows& rows) {
-  rows.largest_residual = rows.largest_entry = 0;
-  rows.largest_cluster = 0;
-  rows.clusters.clear();
-  for (double left : rows.left) rows.largest_residual = larger_or_nan(rows.largest_residual, left);
-  for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
-  if (rows.dropped.empty()) return;
-  make_clusters(n, rows);
-  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(n, rows, cluster);
-}
-
-}  // namespace
-
 void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows) {
   rows.Np.assign(1, 0);
@@ -273,7 +247,10 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(nv, 0.0);
-  rows.left.clear();
+  rows.largest_residual = rows.largest_entry = 0;
+  rows.largest_cluster = 0;
+  rows.clusters.clear();
+  if (rows.dropped.empty()) return;
   for (int k : rows.dropped) {
     if (is_turned(rows, k)) {
       rows.Ni.push_back(k);
@@ -288,46 +265,11 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] { return dependence_residual(K, Kx, nv, row_scale, rows, rows.residual); },
         [&] { refine_column(s, nv, Lx, D, rows); });
-    rows.left.push_back(refinement.backward_error);
+    rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
-  take_null_space(s.n, rows);
-}
-
-void take_near_rows(const UpperCsc& K, const double* Kx, int nv, const double* row_scale, DependentRows& rows,
-                    NearlyDependentRows& near) {
-  near.rows.clear(), near.size.clear();
-  for (auto* starts : {&near.Zp, &near.Rp}) starts->assign(1, 0);
-  near.Zi.clear(), near.Zx.clear(), near.Ri.clear(), near.Rx.clear();
-  std::size_t kept = 0;
-  int end = 0;  // of the columns kept
-  for (std::size_t c = 0; c < rows.dropped.size(); ++c) {
-    const int begin = rows.Np[c], count = rows.Np[c + 1] - begin;
-    const auto i = rows.Ni.begin() + begin;
-    const auto x = rows.Nx.begin() + begin;
-    if (rows.left[c] >= tolerance::kNearRowLeft) {
-      const double size = dependence_residual(K, Kx, nv, row_scale, rows, begin, begin + count, rows.residual).first;
-      near.rows.push_back(rows.dropped[c]);
-      near.size.push_back(size);
-      near.Zi.insert(near.Zi.end(), i, i + count);
-      near.Zx.insert(near.Zx.end(), x, x + count);
-      near.Zp.push_back(static_cast<int>(near.Zi.size()));
-      for (int k = 0; k < nv; ++k) {
-        if (std::abs(rows.residual[k]) <= tolerance::kNullEntry * size) continue;
-        near.Ri.push_back(k);
-        near.Rx.push_back(rows.residual[k]);
-      }
-      near.Rp.push_back(static_cast<int>(near.Ri.size()));
-      continue;
-    }
-    std::copy_n(i, count, rows.Ni.begin() + end);
-    std::copy_n(x, count, rows.Nx.begin() + end);
-    rows.dropped[kept] = rows.dropped[c];
-    rows.left[kept] = rows.left[c];
-    rows.Np[++kept] = end += count;
-  }
-  rows.dropped.resize(kept), rows.left.resize(kept), rows.Np.resize(kept + 1);
-  rows.Ni.resize(end), rows.Nx.resize(end);
-  take_null_space(K.n, rows);
+  for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
+  make_clusters(s.n, rows);
+  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
 }
 
 bool exchange_rows(DependentRows& rows) {
@@ -368,23 +310,19 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
-  constexpr int kChunk = 64;  // columns, for the caches; and memory must not depend on how many there are
+  const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + first, cols); };
   for (const DependentRows::Cluster& cluster : rows.clusters) {
     if (nonzero && !spread(rows, cluster, nonzero)) continue;
-    const std::size_t size = static_cast<std::size_t>(cluster.count) * kChunk;
+    const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
     if (rows.panel.size() < size) rows.panel.resize(size);
-    for (int c = first; c < first + cols; c += kChunk) {
-      const int n = std::min(kChunk, first + cols - c);
-      const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + c, n); };
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
-                                                                                           cluster.count, n);
-      T.setZero();
-      for (int a = 0; a < cluster.count; ++a)
-        each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
-      solve_gram(rows, cluster, T);
-      for (int a = 0; a < cluster.count; ++a)
-        each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
-    }
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
+                                                                                         cluster.count, cols);
+    T.setZero();
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
+    solve_gram(rows, cluster, T);
+    for (int a = 0; a < cluster.count; ++a)
+      each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
   }
 }
 

@@ -234,62 +234,6 @@ TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
   EXPECT_GT(exchanged, 0);
 }
 
-// Rows that others nearly explain count: pivots do not see what is left of them, J's rows do.
-TEST_P(DroppedRows, CountWhereMoreThanRoundingIsLeft) {
-  const Matrices m(GetParam(), 1);
-  FactorScratch scratch;
-  const KktMatrix K = m.K(0);
-  std::vector<int> dropped, now;
-  const auto before = make_dependent_rows_factor();
-  if (before->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
-  before->dependent_rows(dropped);
-  ASSERT_FALSE(dropped.empty());
-  std::mt19937 rng(GetParam());
-  const auto again = make_dependent_rows_factor();
-  const sparse::UpperCsc& A = m.pattern->K;
-  int answered = 0;
-  for (double apart : {1e-3, 1e-5, 1e-7, 1e-8}) {
-    SCOPED_TRACE(apart);
-    KktMatrix near = K;
-    const int row = m.pattern->iperm[m.pattern->nv + dropped[0]];
-    for (int p = A.p[row]; p < A.p[row + 1] - 1; ++p) near.values[p] += apart * uniform(rng, 0.5, 1) * K.row_scale;
-    const auto fresh = make_dependent_rows_factor(), oracle = make_dense_factor();
-    const Reason reason = fresh->factorize(near, scratch);
-    ASSERT_EQ(again->factorize(near, scratch), reason);
-    if (reason != Reason::kNone) continue;
-    ASSERT_EQ(oracle->factorize(near, scratch), Reason::kNone);
-    EXPECT_EQ(fresh->rank(), oracle->rank());
-    if (fresh->rank() == before->rank()) continue;  // all that moves the row is held
-    ++answered;
-    fresh->dependent_rows(now);
-    EXPECT_EQ(fresh->rank(), before->rank() + 1);
-    EXPECT_EQ(static_cast<int>(now.size()), near.nc() - fresh->rank());
-    EXPECT_EQ(std::count(now.begin(), now.end(), dropped[0]), 0);
-    // K x of any x: what K^+ is asked for then has an answer
-    const MatrixXd dense = dense_of(near);
-    VectorXd b = dense * random_vector(near.size(), rng);
-    fresh->project_out(b.data(), nullptr);
-    const Answers x = answers_of(*fresh, near, b), y = answers_of(*again, near, b), truth = answers_of(*oracle, near, b);
-    EXPECT_EQ(y.x, x.x);
-    EXPECT_EQ(y.X, x.X);
-    VectorXd left = b - dense * x.x, of_column = left;
-    fresh->solve(left.data());
-    const VectorXd refined = x.x + left;
-    left = b - dense * refined;
-    EXPECT_LE(size_of(left), 1e-14 * near.size() * (size_of(dense) * size_of(refined) + size_of(b)));
-    EXPECT_LE(error_of(refined, truth.x), 1e2 * kEps * condition_of(K) / (apart * apart));
-    const MatrixXd X = x.X;
-    for (int c = 0; c < 24; ++c) {  // a panel's columns are a vector's
-      of_column = VectorXd::Unit(near.size(), m.pattern->iperm[c]);
-      fresh->solve(of_column.data());
-      VectorXd in_order(near.size());
-      for (int k = 0; k < near.size(); ++k) in_order[m.pattern->perm[k]] = of_column[k];
-      EXPECT_LE(error_of(VectorXd(X.col(c)), in_order), 1e-13 / (apart * apart)) << c;
-    }
-  }
-  if (answered == 0) GTEST_SKIP() << "no row of its own, or for the oracle";
-}
-
 TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;

@@ -11,7 +11,6 @@
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "near_rows.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -30,25 +29,17 @@ class DependentRowsFactor final : public Factor {
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     scratch.ldl.reserve(ldl_.pattern->ldl);
     take_sizes(K, scratch);
-    near_.clear();
     dependence_.dropped = greedy_;
     dependence_.turned.clear();
     if (const Reason reason = drop_in_order(K, scratch); reason != Reason::kNone) return reason;
     greedy_ = dependence_.dropped;
-    if (dependence_.largest_entry > tolerance::kLargestEntry && !exchange(K, scratch)) return Reason::kSmallPivot;
-    if (dependence_.accepted()) return Reason::kNone;
-    if (!grows_too_much() && near_.take(K, ldl_, row_size_.data(), dependence_)) return Reason::kNone;
-    near_.clear();
-    return Reason::kSmallPivot;
+    return dependence_.accepted() || exchange(K, scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
-    const auto row = [x](int k) { return Eigen::Map<Eigen::RowVectorXd>(x + k, 1); };
     sparse::project_out(dependence_, x);
-    if (!near_.empty()) near_.before(row, 1);
     ldl_.solve(x);
-    if (!near_.empty()) near_.after(row, ldl_.pattern->size());
     sparse::project_out(dependence_, x);
   }
 
@@ -56,12 +47,7 @@ class DependentRowsFactor final : public Factor {
     const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols, nonzero);
-    const auto row = [=](int k) {
-      return Eigen::Map<Eigen::RowVectorXd>(X + static_cast<std::ptrdiff_t>(perm[k]) * ld + first, cols);
-    };
-    if (!near_.empty()) near_.before(row, cols);
     ldl_.solve_panel(X, ld, first, cols, nonzero);
-    if (!near_.empty()) near_.after(row, ldl_.pattern->size());
     if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
@@ -83,7 +69,6 @@ class DependentRowsFactor final : public Factor {
 
   // Of the rows kept, as LDL has it, and of the projections, which J^T N = 0 is in but for what the rows dropped leave.
   double panel_error(const KktMatrix& K) override {
-    if (!near_.empty()) return std::numeric_limits<double>::infinity();
     double *of_factor = ldl_.work(), *of_K = of_factor + ldl_.D.size();
     kept_.assign(ldl_.D.begin(), ldl_.D.end());
     for (int k : dependence_.dropped) kept_[k] = 0;
@@ -132,20 +117,17 @@ class DependentRowsFactor final : public Factor {
     return Reason::kNone;
   }
 
-  // Other rows in the place of those, where rows kept are much smaller than those dropped, and the null space. False
-  // where those kept then are not plainly independent.
+  // Other rows in the place of those, where rows kept are much smaller than those dropped. False where these are not
+  // plainly independent, the others do not plainly depend on them, or entries grow so much that panels would be judged
+  // by the norms of their columns, beside which small numbers are lost.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
-    if (!sparse::exchange_rows(dependence_)) return false;
+    if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
     factorize_kept(K, scratch);
     if (!kept_are_sound(K, scratch.scale, 1)) return false;
     growth_ = growth(K, scratch.scale);
-    if (grows_too_much()) return false;
+    if (!(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
     find_null_space(K);
-    return true;
-  }
-  // Then panels would be judged by the norms of their columns, beside which small numbers are lost.
-  bool grows_too_much() const {
-    return !(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged);
+    return dependence_.accepted();
   }
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
@@ -252,7 +234,6 @@ class DependentRowsFactor final : public Factor {
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // in K's order; of M's rows nothing
   sparse::DependentRows dependence_;
-  internal::NearRows near_;  // dropped as well, and bordered
   double growth_ = 1;
 };
 

@@ -22,7 +22,6 @@ struct DependentRows {
   std::vector<char> turned;     // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
-  std::vector<double> left;     // per column: max |J_k - sum z_j J_j|, beside the largest of the rows' sizes
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
   int largest_cluster = 0;      // most entries of N that project a row, see Cluster
@@ -46,22 +45,6 @@ struct DependentRows {
   std::vector<int> owner, cluster_rows;
 };
 
-}  // namespace manycontact::sparse
-namespace manycontact::tolerance {
-/// Of a row's size, what J_k - sum z_j J_j leaves of a row that counts beyond doubt: ten times kRank. Between kRowLeft and
-/// this the dense oracle decides. Used by: take_near_rows.
-inline constexpr double kNearRowLeft = 1e-10;
-}  // namespace manycontact::tolerance
-namespace manycontact::sparse {
-
-/// Rows dropped that others nearly explain: N's columns e_k - z, and what they leave, R_k = J_k - sum z_j J_j.
-struct NearlyDependentRows {
-  std::vector<int> rows;  // of K
-  std::vector<int> Zp, Zi, Rp, Ri;
-  std::vector<double> Zx, Rx;
-  std::vector<double> size;  // of each row of R: its largest entry
-};
-
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
 /// of J is dropped when less than `tolerance` of its pivot is left, or no more than the rounding that small pivots
 /// before it passed on, or when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never.
@@ -79,11 +62,6 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const doubl
 /// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
 /// False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
-
-/// After find_null_space: the rows dropped of which more than rounding is left (kNearRowLeft) go to `near`; `rows` is
-/// what it would be without them.
-void take_near_rows(const UpperCsc& K, const double* Kx, int nv, const double* row_scale, DependentRows& rows,
-                    NearlyDependentRows& near);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
 /// unused.
