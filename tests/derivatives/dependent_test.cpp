@@ -2,7 +2,6 @@
 // contacts agree, and of the least-squares accelerations where they contradict each other. The truth ranks by the same
 // tolerance.
 
-
 #include "derivatives/judge.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
@@ -81,11 +80,11 @@ TEST(Redundant, FeetOnTheGroundAndTiedTogether) {
                                 to="humanoid/right_sole" reference_frame="world"/></scene>)"}}));
 }
 
-// Two links of one arm, a wrist of three joints apart: rows of the hand's turning are kept, not those of its short lever.
+// Two links of one arm, a wrist of three joints apart: rows of the hand's turning are kept, not those of its short
+// lever.
 TEST(Redundant, ForearmAndHandHeld) {
-  const SceneFile file = load_edited(
-      kModels + "humanoid_standing.xml",
-      {{"</scene>", R"(<contact name="forearm" type="6d" frame="humanoid/left_forearm"/>
+  const SceneFile file = load_edited(kModels + "humanoid_standing.xml",
+                                     {{"</scene>", R"(<contact name="forearm" type="6d" frame="humanoid/left_forearm"/>
                        <contact name="palm" type="6d" frame="humanoid/left_hand" reference_frame="world"/></scene>)"}});
   SceneData data(file.scene);
   const Report& report = solve(file.scene, file.q, file.v, file.u, data);

@@ -129,8 +129,8 @@ TEST(Products, OfRandomScenesWhoseContactsDepend) {
     options.nrobots = 1 + seed % 3;
     options.redundant = 3;
     options.contradicting = seed % 2;
-    options.frames = {std::array{ReferenceFrame::kLocal, ReferenceFrame::kWorld,
-                                 ReferenceFrame::kLocalWorldAligned}[seed / 3 % 3]};
+    options.frames = {
+        std::array{ReferenceFrame::kLocal, ReferenceFrame::kWorld, ReferenceFrame::kLocalWorldAligned}[seed / 3 % 3]};
     options.between_bodies = seed % 4 < 2 ? 1 : 0.5;
     options.passive = seed % 5 == 0 ? 0.3 : 0;
     const RandomScene s = random_scene(rng, options);
@@ -144,10 +144,10 @@ TEST(Products, OfARowWithOneOnCorners) {
   for (const char* at : {"-0.1 -0.05 0", "-0.1 0.05 0", "0.1 -0.05 0", "0.1 0.05 0"})
     corners += std::string(R"(<contact name="at )") + at + R"(" type="3d" frame="humanoid1/left_sole" offset=")" + at +
                R"(" gains="25 10" reference_frame="world"/>)";
-  SceneFile file = load_edited(
-      kModels + "humanoid_standing.xml",
-      {{R"(<robot name="humanoid")", R"(<robot name="humanoid" copies="3" arrange="line" spacing="1")"},
-       {"</scene>", corners + R"(<contact name="hold" type="6d" frame="humanoid/left_hand"
+  SceneFile file =
+      load_edited(kModels + "humanoid_standing.xml",
+                  {{R"(<robot name="humanoid")", R"(<robot name="humanoid" copies="3" arrange="line" spacing="1")"},
+                   {"</scene>", corners + R"(<contact name="hold" type="6d" frame="humanoid/left_hand"
                                           to="humanoid+1/right_hand"/></scene>)"}});
   expect_products("as given", file.scene, {file.q, file.v, file.u}, true);
   std::mt19937 rng(11);

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "kkt/island_numbers.hpp"
 #include "support/dense.hpp"
 

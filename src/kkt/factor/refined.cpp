@@ -66,8 +66,7 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 }  // namespace
 
 void solve_panel_refined(Factor& factor, const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
-  if (factor.refines_panels())
-    return factor.solve_panel_refined(K, X, ld, first, cols, work.nonzero.data());
+  if (factor.refines_panels()) return factor.solve_panel_refined(K, X, ld, first, cols, work.nonzero.data());
   constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
   const KktPattern& p = *K.pattern;
   double* B = work.B.data();

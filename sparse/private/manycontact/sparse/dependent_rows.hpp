@@ -18,10 +18,10 @@ namespace manycontact::sparse {
 
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
-  std::vector<int> dropped;     // rows of K, ascending
-  std::vector<char> turned;     // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
-  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
-  std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
+  std::vector<int> dropped;  // rows of K, ascending
+  std::vector<char> turned;  // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
+  std::vector<int> Np, Ni;   // N by columns, one per dropped row: rows of K ...
+  std::vector<double> Nx;    // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
   int largest_cluster = 0;      // most entries of N that project a row, see Cluster

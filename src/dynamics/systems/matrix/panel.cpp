@@ -49,9 +49,7 @@ void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool r
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
-  const auto solve = [&](int first, int cols) {
-    solve_chunk(m, out.X.data(), ld, first, cols, refined, work);
-  };
+  const auto solve = [&](int first, int cols) { solve_chunk(m, out.X.data(), ld, first, cols, refined, work); };
   if (island.robots.size() == 1) {
     std::fill_n(work.nonzero.begin(), island.size(), 1);
     return solve(0, ld);
@@ -98,8 +96,8 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether an unrefined panel is good enough, by what the answer's own refinement had to do and a bound for every column.
-// Where rows depend, small entries are lost in the projections of large ones: both must say so.
+// Whether an unrefined panel is good enough, by what the answer's own refinement had to do and a bound for every
+// column. Where rows depend, small entries are lost in the projections of large ones: both must say so.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   const bool good = m.first_error <= tolerance::kRefinePanel;
@@ -129,9 +127,8 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
 
 void solve_panel(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, PanelWork& work) {
   if (out.cols == 0 || m.owner.island.size() == 0) return;
-  const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work, [&](bool refined) {
-    solve_blocks(scene, m, out, refined, work);
-  });
+  const bool believed = solve_as_needed(m, out.X.data(), static_cast<int>(out.X.cols()), work,
+                                        [&](bool refined) { solve_blocks(scene, m, out, refined, work); });
   if (!believed) out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
