@@ -310,19 +310,23 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
-  const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + first, cols); };
+  using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  constexpr int kColumns = 64;  // at a time; clusters may vary with rounding, and memory must not
+  const std::size_t size = rows.dropped.size() * kColumns;
+  if (rows.panel.size() < size) rows.panel.resize(size);
   for (const DependentRows::Cluster& cluster : rows.clusters) {
     if (nonzero && !spread(rows, cluster, nonzero)) continue;
-    const std::size_t size = static_cast<std::size_t>(cluster.count) * cols;
-    if (rows.panel.size() < size) rows.panel.resize(size);
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> T(rows.panel.data(),
-                                                                                         cluster.count, cols);
-    T.setZero();
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
-    solve_gram(rows, cluster, T);
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+    for (int c = first; c < first + cols; c += kColumns) {
+      const int count = std::min(kColumns, first + cols - c);
+      const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + c, count); };
+      Panel T(rows.panel.data(), cluster.count, count);
+      T.setZero();
+      for (int a = 0; a < cluster.count; ++a)
+        each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
+      solve_gram(rows, cluster, T);
+      for (int a = 0; a < cluster.count; ++a)
+        each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+    }
   }
 }
 
