@@ -8,7 +8,6 @@
 
 #include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
-#include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pivots.hpp"
@@ -67,34 +66,19 @@ class DependentRowsFactor final : public Factor {
     for (int k : dependence_.Ni) rows[ldl_.pattern->perm[k] - ldl_.pattern->nv] = 1;
   }
 
-  // Of the rows kept, as LDL has it, and of the projections, which J^T N = 0 is in but for what the rows dropped leave.
-  double panel_error(const KktMatrix& K) override {
-    double *of_factor = ldl_.work(), *of_K = of_factor + ldl_.D.size();
-    kept_.assign(ldl_.D.begin(), ldl_.D.end());
-    for (int k : dependence_.dropped) kept_[k] = 0;
-    sparse::ldl_row_sums(ldl_.pattern->K, K.values.data(), ldl_.pattern->ldl, ldl_.L.data(), kept_.data(), of_factor,
-                         of_K);
-    return sparse::ldl_rounding(ldl_.pattern->ldl) * *std::max_element(of_factor, of_K) /
-               *std::max_element(of_K, of_K + ldl_.D.size()) +
-           projector_rounding() + (1 + dependence_.largest_entry) * dependence_.largest_residual;
+  // Coefficients z of the null space enter by their square; sums go over as many as a cluster has.
+  double projector_error() const override {
+    const double z = dependence_.largest_entry, sums = dependence_.largest_cluster;
+    return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
   }
-
-  double projector_error() const override { return tolerance::kBoundRounding * projector_rounding(); }
 
   int nonzeros() const override { return ldl_.nonzeros(); }
 
  private:
-  // Coefficients z of the null space enter by their square; sums go over as many as a cluster has.
-  double projector_rounding() const {
-    const double z = dependence_.largest_entry, sums = dependence_.largest_cluster;
-    return std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
-  }
-
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     dependence_.dropped.clear();
     greedy_.clear();
     penalised_.resize(pattern->K.nonzeros());
-    kept_.resize(pattern->size());
     row_size_.assign(pattern->size(), 0.0);
     ldl_.take(pattern, true);
   }
@@ -230,7 +214,6 @@ class DependentRowsFactor final : public Factor {
 
   internal::LdlNumbers ldl_;
   std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
-  std::vector<double> kept_;       // D, of the rows dropped nothing
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // in K's order; of M's rows nothing
   sparse::DependentRows dependence_;

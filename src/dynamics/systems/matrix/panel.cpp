@@ -96,13 +96,12 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether an unrefined panel is good enough, by what the answer's own refinement had to do and a bound for every
-// column. Where rows depend, small entries are lost in the projections of large ones: both must say so.
+// Whether an unrefined panel is good enough, by the answer's own error before refinement or a bound for every column.
+// Where rows depend neither tells: small entries are lost in the projections of large ones.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
-  const bool good = m.first_error <= tolerance::kRefinePanel;
-  if (good != m.deficient()) return good;
-  return m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
+  if (m.deficient()) return false;
+  return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
 // X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined): by the factor, once refined or not.
