@@ -146,12 +146,11 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
       }
 }
 
-// A leg of three turning joints gives a point contact its pivots before the body is reached.
-TEST(ContactsEarly, FillsLessThanContactsLast) {
-  std::mt19937 rng(3);
+// A floating body with limbs of three turning joints each.
+Model body_with_limbs(std::mt19937& rng, int limbs) {
   RandomScene s = random_scene(rng, {.nrobots = 1, .models = {{.njoints = 1, .floating_base = true}}, .ncontacts = 0});
   Model model = *s.scene.robots[0].model;
-  for (int leg = 0; leg < 4; ++leg)
+  for (int limb = 0; limb < limbs; ++limb)
     for (int k = 0; k < 3; ++k) {
       Joint joint;
       joint.parent = k == 0 ? 0 : model.njoints() - 1;
@@ -161,6 +160,13 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
     }
   model.armature.resize(0);
   finalize(model);
+  return model;
+}
+
+// A leg of three turning joints gives a point contact its pivots before the body is reached.
+TEST(ContactsEarly, FillsLessThanContactsLast) {
+  std::mt19937 rng(3);
+  const Model model = body_with_limbs(rng, 4);
   RandomScene legged;
   add_robot(legged.scene, "legged", std::make_shared<Model>(model));
   for (int leg = 0; leg < 4; ++leg) {
@@ -240,18 +246,7 @@ TEST(ContactsEarly, AHubGoesLastWhereverItStands) {
 // A contact at the origin of the last joint, which does not move it but for rounding.
 TEST(ContactsEarly, RoundingMovesNothing) {
   std::mt19937 rng(8);
-  RandomScene s = random_scene(rng, {.nrobots = 1, .models = {{.njoints = 1, .floating_base = true}}, .ncontacts = 0});
-  Model model = *s.scene.robots[0].model;
-  for (int finger = 0; finger < 6; ++finger)
-    for (int k = 0; k < 3; ++k) {
-      Joint joint;
-      joint.parent = k == 0 ? 0 : model.njoints() - 1;
-      joint.placement = random_placement(rng);
-      joint.inertia = random_inertia(rng);
-      model.joints.push_back(joint);
-    }
-  model.armature.resize(0);
-  finalize(model);
+  const Model model = body_with_limbs(rng, 6);
   RandomScene hand;
   add_robot(hand.scene, "hand", std::make_shared<Model>(model));
   for (int finger = 0; finger < 6; ++finger) {

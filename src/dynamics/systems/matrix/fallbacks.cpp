@@ -63,22 +63,23 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
   return largest;
 }
 
-// |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the null space of J^T: what dependent rows cannot
-// agree on, which is all that exact arithmetic leaves of J a + a0. (What rounding leaves there beside it was judged as
-// a residual.) It may still be rounding of the terms of drift_size: that is no contradiction.
-// Derivatives take note of what is left above rounding alone (of_rows: kDriftRounding, too).
-bool contradictory(const MatrixSystem& m, double drift, double of_rows) {
+// How far the contacts contradict each other: |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the
+// null space of J^T: what dependent rows cannot agree on, which is all that exact arithmetic leaves of J a + a0. (What
+// rounding leaves there beside it was judged as a residual.) It may still be rounding of the terms of drift_size: that
+// is no contradiction. Derivatives take note of what is left above rounding alone. As in lanes (lanes::Contradiction),
+// but for rows that were made dependent.
+lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
-  double left = 0, Ja = 0, a0 = 0;
+  lanes::Contradiction of{0, 0, 0, drift};
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
-    left = sparse::larger_or_nan(left, std::abs(v.null_component[at]));
-    Ja = std::max(Ja, v.scale[at] - std::abs(v.b[at]));
-    a0 = std::max(a0, std::abs(v.b[at]));
+    of.left = sparse::larger_or_nan(of.left, std::abs(v.null_component[at]));
+    of.Ja = std::max(of.Ja, v.scale[at] - std::abs(v.b[at]));
+    of.a0 = std::max(of.a0, std::abs(v.b[at]));
   }
-  const double tolerated = m.tolerated * (Ja + a0 + drift);
-  return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift) && !(left <= tolerated);
+  if (of.left <= m.tolerated * (of.Ja + of.a0 + drift)) of.left = 0;
+  return of;
 }
 
 bool all_finite(const std::vector<double>& x) {
@@ -116,10 +117,9 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.status = Status::kOk;
   m.contradiction = false;
   if (m.deficient()) {
-    const double drift = drift_size(scene, *data.workspace, m.owner.island);
-    m.contradiction = contradictory(m, drift, tolerance::kDriftRounding);
-    const bool told = contradictory(m, drift, tolerance::kContradiction);
-    report.status = told ? Status::kInconsistent : Status::kRedundant;
+    const lanes::Contradiction of = contradiction_of(m, drift_size(scene, *data.workspace, m.owner.island));
+    m.contradiction = of.exceeds(tolerance::kDriftRounding);
+    report.status = of.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
     name_dependent_rows(data, m.owner.island, m.dependent, report);
   }

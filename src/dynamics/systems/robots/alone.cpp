@@ -24,7 +24,7 @@ namespace {
 void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   report.method = Method::kSparseLdl;
-  report.order = &by == d.alone.group ? d.choice.order : Order::kLeafToRoot;
+  report.order = d.choice.order;
   report.factor_nonzeros = by.plan->factor_nonzeros() + d.island.size();
   report.refinement_steps = answer.refinement_steps;
   report.residual_dynamics = answer.residual_dynamics;
@@ -40,14 +40,10 @@ void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer
 }
 
 void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
-  report.status = answer.contradiction.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
-  report.reason = Reason::kSmallPivot;
-  report.changed_order = d.choice.order != Order::kLeafToRoot;
-  report.rank -= static_cast<int>(d.alone.by->plan->dropped.size());
   d.matrix.dependent.clear();
   const KktPattern& p = *d.alone.by->plan->pattern;
   for (int k : d.alone.by->plan->dropped) d.matrix.dependent.push_back(p.perm[k] - p.nv);
-  name_dependent_rows(data, d.island, d.matrix.dependent, report);
+  report_dropped_rows(data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
 // The islands that wanted(island, group) holds for into w.lanes, in batches of as many as stand side by side.

@@ -284,16 +284,28 @@ void prepare_robots(const Scene& scene, Workspace& w) {
   }
 }
 
+namespace {
+
+constexpr std::size_t kMostDropped = 64;  // rows of a robot
+
+// The rows of the island's J that its factor dropped, ascending; and memory for their report, should derivatives ask
+// for that factor again.
+std::vector<int>& take_dropped_rows(Workspace& w, IslandWork& d) {
+  std::vector<int>& rows = d.matrix.dependent;
+  d.matrix.factor->dependent_rows(rows);
+  std::sort(rows.begin(), rows.end());
+  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);
+  return rows;
+}
+
+}  // namespace
+
 bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
-  constexpr std::size_t kMostDropped = 64;  // of a robot
   IslandWork& d = system.owner;
-  std::vector<int>& dropped = d.matrix.dependent;
-  d.matrix.factor->dependent_rows(dropped);
-  std::sort(dropped.begin(), dropped.end());
+  const std::vector<int>& dropped = take_dropped_rows(w, d);
   if (dropped == system.dropped) return true;
   system.dropped.clear();
   system.tried = 0;
-  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);  // of its derivatives
   forget_groups(w);
   std::size_t found = 0;
   for (std::size_t k = 0; k < system.robots.size(); ++k) {
@@ -324,10 +336,7 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
 }
 
 void find_dependent_group(Workspace& w, IslandWork& d) {
-  constexpr std::size_t kMostDropped = 64;
-  d.matrix.factor->dependent_rows(d.matrix.dependent);
-  std::vector<int>& dropped = d.matrix.dependent;
-  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);  // of its derivatives
+  std::vector<int>& dropped = take_dropped_rows(w, d);
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(Order::kLeafToRoot);
   if (dropped.size() > kMostDropped || !pattern->schedule().compiled) {
     d.alone.dependent = nullptr;

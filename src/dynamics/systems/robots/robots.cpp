@@ -217,13 +217,8 @@ void report_dependence(const SceneData& data, const RobotsSystem& s, IslandRepor
     all.Ja = std::max(all.Ja, s.scale[k] - std::abs(s.b[k]));
     all.a0 = std::max(all.a0, std::abs(s.b[k]));
   }
-  report.status = all.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
-  report.reason = Reason::kSmallPivot;
-  report.changed_order = s.owner.choice.order != Order::kLeafToRoot;
-  report.order = Order::kLeafToRoot;
-  report.rank -= static_cast<int>(s.dropped.size());
   report.backward_error = backward_error_of(s);
-  name_dependent_rows(data, s.owner.island, s.dropped, report);
+  report_dropped_rows(data, s.owner, s.dropped, all, report);
 }
 
 // The answer, in the scene's coordinates.
@@ -276,6 +271,16 @@ void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, Pr
 void begin_interface(double damping, RobotsSystem& s) {
   std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
   for (int k = 0; k < s.interface->rows(); ++k) s.Sx[s.interface->S.p[k + 1] - 1] = -damping;
+}
+
+void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<const int> rows,
+                         const lanes::Contradiction& contradiction, IslandReport& report) {
+  report.status = contradiction.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
+  report.reason = Reason::kSmallPivot;
+  report.changed_order = d.choice.order != Order::kLeafToRoot;
+  report.order = Order::kLeafToRoot;
+  report.rank -= static_cast<int>(rows.size());
+  name_dependent_rows(data, d.island, rows, report);
 }
 
 bool sound_interface_pivots(const RobotsSystem& s) {
