@@ -1,9 +1,10 @@
-// Robots side by side whose contact rows depend on each other: rank, forces of least norm and products as those of the
-// whole K and of the dense oracle, each robot by itself, whatever was solved before.
+// Robots side by side whose contact rows depend on each other: rank, forces of least norm, derivatives and products as
+// those of the whole K and of the dense oracle, each robot by itself, whatever was solved before.
 
 #include <gtest/gtest.h>
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/random.hpp"
@@ -62,7 +63,16 @@ Case on_corners(std::mt19937& rng, int count, Hold hold, double gain) {
   return out;
 }
 
-double relative(const VectorXd& x, const VectorXd& truth) { return (x - truth).norm() / truth.norm(); }
+template <class X>
+double relative(const X& x, const X& truth) {
+  return (x - truth).norm() / truth.norm();
+}
+
+std::vector<Eigen::MatrixXd> derivatives(const Case& c, SceneData& data, const DerivativeRequest& request = {}) {
+  differentiate(c.scene, data, request);
+  const SceneDerivatives d = dense_derivatives(c.scene, data);
+  return {d.da_dq, d.da_dv, d.da_du, d.dforces_dq, d.dforces_dv, d.dforces_du};
+}
 
 struct Products {
   VectorXd of_tangent, of_adjoint;
@@ -102,6 +112,8 @@ void expect_as_without_lanes(const Case& c, Lanes lanes) {
   const Products x = products(c, data), y = products(c, oracle);
   EXPECT_LT(relative(x.of_tangent, y.of_tangent), 1e-9);
   EXPECT_LT(relative(x.of_adjoint, y.of_adjoint), 1e-9);
+  const auto X = derivatives(c, data), Y = derivatives(c, oracle);
+  for (std::size_t k = 0; k < X.size(); ++k) EXPECT_LT(relative(X[k], Y[k]), 1e-9) << k;
 }
 
 class DependentInLanes : public testing::TestWithParam<Lanes> {};
@@ -126,6 +138,26 @@ TEST_P(DependentInLanes, ConsistentStatesAreRedundant) {
     EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kRedundant);
     EXPECT_EQ(data.report.nc - data.report.rank, 3 * 12 + 6 * 2);
     expect_as_without_lanes(c, GetParam());
+    c.v = data.a / data.a.norm();  // as J a = 0
+    c.u = random_vector(c.scene.nu, rng, 5);
+    EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kRedundant);
+    expect_as_without_lanes(c, GetParam());
+  }
+}
+
+// Of some of q, v, u, and of all torques: the same numbers, whatever was asked for before.
+TEST_P(DependentInLanes, DerivativesByRequest) {
+  std::mt19937 rng(7);
+  Case c = on_corners(rng, 9, Hold::kApart, 0);
+  c.v.setZero();
+  SceneData data(c.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(c.scene, {Method::kDense, {}, Lanes::kOff});
+  (void)solve(c.scene, c.q, c.v, c.u, data);
+  (void)solve(c.scene, c.q, c.v, c.u, oracle);
+  for (const DerivativeRequest& request : {DerivativeRequest{.q = false}, DerivativeRequest{.v = false, .u = false},
+                                           DerivativeRequest{.tau = true}, DerivativeRequest{.forces = false}}) {
+    const auto X = derivatives(c, data, request), Y = derivatives(c, oracle, request);
+    for (std::size_t k = 0; k < X.size(); ++k)
+      EXPECT_LE((X[k] - Y[k]).norm(), 1e-9 * Y[k].norm()) << k;
   }
 }
 
@@ -133,9 +165,13 @@ TEST_P(DependentInLanes, ConsistentStatesAreRedundant) {
 TEST_P(DependentInLanes, LeaveNothingBehind) {
   std::mt19937 rng(6);
   for (const Hold hold : {Hold::kApart, Hold::kInARow}) {
-    const Case c = on_corners(rng, 9, hold, 20);
+    Case c = on_corners(rng, 9, hold, 20);
     SceneData used(c.scene, {Method::kSparseLdl, {}, GetParam()});
     for (int k = 0; k < 12; ++k) {
+      if (k == 6) {  // from here on contacts do not contradict each other
+        c.v.setZero();
+        for (Contact& contact : c.scene.contacts) contact.alpha = 0;
+      }
       VectorXd q = c.q;
       for (const Robot& r : c.scene.robots) q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
       if (k % 3 == 2)  // other rows depend, or none
@@ -148,6 +184,7 @@ TEST_P(DependentInLanes, LeaveNothingBehind) {
       EXPECT_EQ(used.report.status, fresh.report.status);
       const Products x = products(c, used), y = products(c, fresh);
       EXPECT_TRUE(x.of_tangent == y.of_tangent && x.of_adjoint == y.of_adjoint) << k;
+      EXPECT_TRUE(derivatives(c, used) == derivatives(c, fresh)) << k;
     }
   }
 }

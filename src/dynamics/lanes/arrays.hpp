@@ -8,6 +8,18 @@
 
 namespace manycontact::lanes {
 
+/// To the sparse kernels one robot alone is doubles: they take several rows of a column at a time then.
+inline double* as_scalar(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
+inline const double* as_scalar(const Pack<1>* x) { return x ? &x->v : nullptr; }
+template <int W>
+Pack<W>* as_scalar(Pack<W>* x) {
+  return x;
+}
+template <int W>
+const Pack<W>* as_scalar(const Pack<W>* x) {
+  return x;
+}
+
 /// to[k] lane l = from[l][k] for k < count. Lanes beyond those given repeat the last one.
 template <int W>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W>* to) {

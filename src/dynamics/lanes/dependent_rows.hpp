@@ -7,8 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "block.hpp"
+#include "arrays.hpp"
 #include "checks.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 
 namespace manycontact::lanes {
 
@@ -24,6 +25,9 @@ class DependentRows {
         left_(nv_),
         x_(plan.pattern->size()),
         t_(dropped_.size()) {}
+
+  /// Memory to project so many columns at a time.
+  void reserve(int columns) { t_.resize(std::max(t_.size(), dropped_.size() * columns)); }
 
   /// Where the numbers of the robots at hand are: BlockPlan::dependence_size of each.
   void use(double* memory) {
@@ -79,18 +83,36 @@ class DependentRows {
 
   /// x -= P x, of the rows of J; P x into null_component where `keep`.
   void project_out(S* x, bool keep = false) {
-    for (std::size_t a = 0; a < dropped_.size(); ++a) {
-      S sum(0);
-      for (int j : column(a)) sum = multiply_add(N(a, j), x[j], sum);
-      t_[a] = sum;
-    }
-    solve_gram();
-    if (keep) std::fill(null_component_ + nv_, null_component_ + rows_, S(0));
+    project_out<1>(as_scalar(x));
+    if (!keep) return;
+    std::fill(null_component_ + nv_, null_component_ + rows_, S(0));
     for (std::size_t a = 0; a < dropped_.size(); ++a)
+      for (int j : column(a)) null_component_[j] = multiply_add(N(a, j), t_[a], null_component_[j]);
+  }
+  /// x -= P x of C columns, row after row.
+  template <int C, class V>
+  void project_out(V* x) {
+    subtract_null_component<C>(x, x);
+  }
+  /// x -= P y, likewise.
+  template <int C, class V>
+  void subtract_null_component(const V* y, V* x) {
+    using Row = sparse::kernel::Tile<V, C>;
+    V* t = as_scalar(t_.data());
+    for (std::size_t a = 0; a < dropped_.size(); ++a) {
+      Row sum = Row::all(V(0));
+      for (int j : column(a)) sum.add(*as_scalar(&N(a, j)), y + std::ptrdiff_t{j} * C);
+      sum.store(t + a * C);
+    }
+    solve_gram<C>(t);
+    for (std::size_t a = 0; a < dropped_.size(); ++a) {
+      const Row of_column = Row::load(t + a * C);
       for (int j : column(a)) {
-        x[j] = subtract_product(N(a, j), t_[a], x[j]);
-        if (keep) null_component_[j] = multiply_add(N(a, j), t_[a], null_component_[j]);
+        Row row = Row::load(x + std::ptrdiff_t{j} * C);
+        row.subtract(*as_scalar(&N(a, j)), of_column);
+        row.store(x + std::ptrdiff_t{j} * C);
       }
+    }
   }
 
  private:
@@ -220,14 +242,23 @@ class DependentRows {
       row[a] = S(1) / row[a];
     }
   }
-  void solve_gram() {
-    const std::size_t n = dropped_.size();
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < a; ++b) t_[a] = subtract_product(gram_[a * n + b], t_[b], t_[a]);
-    for (std::size_t a = n; a-- > 0;) {
-      t_[a] *= gram_[a * n + a];
-      for (std::size_t b = a + 1; b < n; ++b) t_[a] = subtract_product(gram_[b * n + a], t_[b], t_[a]);
-    }
+  /// t <- (N^T N)^-1 t of C columns.
+  template <int C, class V>
+  void solve_gram(V* t) {
+    using Row = sparse::kernel::Tile<V, C>;
+    const int n = static_cast<int>(dropped_.size());
+    const auto row = [&](int a, int from, int to, auto&& l, const V& scale) {
+      Row sum = Row::load(t + a * C).times(scale);
+      for (int b = from; b < to; ++b) sum.subtract(l(b), Row::load(t + b * C));
+      sum.store(t + a * C);
+    };
+    const V* gram = as_scalar(gram_);
+    for (int a = 0; a < n; ++a)
+      row(
+          a, 0, a, [&](int b) { return gram[a * n + b]; }, V(1));
+    for (int a = n; a-- > 0;)
+      row(
+          a, a + 1, n, [&](int b) { return gram[b * n + a]; }, gram[a * n + a]);
   }
 
   const KktPattern& pattern_;
@@ -237,7 +268,7 @@ class DependentRows {
   S *row_size_, *null_component_;  // per row of K, from nv on
   S *N_, *gram_;                   // N by columns, as these; of the factor of N^T N
   int* columns_;
-  std::vector<S> left_, x_, t_;
+  std::vector<S> left_, x_, t_;  // t: of each column of N, what is projected at a time
 };
 
 }  // namespace manycontact::lanes

@@ -25,9 +25,10 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         const int place = place_[i * job.columns + sample.column];
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
+  if (dependent_) least_norm_columns(job, robots);
   const S* L = inner_L();
   Mask plain = all();
-  if (std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
+  if (!dependent_ && std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
     S wanted(0);
     for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
     plain = select(wanted > S(0), select(accurate_unrefined(L), S(1), S(0)), S(1)) > S(0);
@@ -110,6 +111,13 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
     if (job.request.v) set(i, job.v_first + j);
   }
   for (int i = 0; job.request.u && i < torques(job); ++i) set(torque(job, i), job.u_first + i);
+  if (dependent_) {  // projections spread over the rows of J, which are the last
+    for (std::vector<char>& rows : reach)
+      if (std::find(rows.begin(), rows.end(), 1) != rows.end()) std::fill(rows.begin() + model_->nv, rows.end(), 1);
+    correction_.resize(static_cast<std::size_t>(size) * kColumns);
+    rate_.resize(static_cast<std::size_t>(size - model_->nv) * model_->nv);
+    dependent_->reserve(kColumns);
+  }
   std::vector<Chunk> chunks = form_chunks(reach, ld);
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   unset_.clear();
@@ -119,6 +127,7 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   }
   chunks_ = std::move(chunks);
   request_ = job.request;
+  q_first_ = job.q_first;
 }
 
 /// Bands of columns whose answers stay in the second cache; in each, chunks of parts that reach much the same rows.
@@ -308,13 +317,43 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
   using Row = sparse::kernel::Tile<Number, N>;
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = static_cast<std::size_t>(rows_);
-  const char *reach = reach_.data() + chunk * size, *reached = reached_.data() + chunk * size;
-  const Number* b = as_scalar(B_.data()) + chunks_[chunk].at;
+  const char* reached = reached_.data() + chunk * size;
   Number* x = answer() + chunks_[chunk].answer;
   if (std::find(reached, reached + size, 1) == reached + size) {  // none but columns that fill up the last chunk
     std::fill_n(x, size * N, Number(0));
     return;
   }
+  load_chunk<N>(chunk, x);
+  const auto solve = [&](const char* rows, Number* X) {
+    if (dependent_) dependent_->template project_out<N>(X);
+    sparse::kernel::solve_columns<N, kInRegisters>(inner_schedule_, as_scalar(L), as_scalar(packed_.data()),
+                                                   as_scalar(inverse_.data()), rows, X, [](int, const auto&) {});
+    if (dependent_) dependent_->template project_out<N>(X);
+  };
+  solve(reached, x);
+  if (!dependent_) return;
+  // Where rows depend, small entries are lost in the projections of large ones: X += K^+ (B - K X).
+  Number* r = as_scalar(correction_.data());
+  std::fill_n(r, size * N, Number(0));
+  load_chunk<N>(chunk, r);
+  subtract_product<N>(x, r);
+  std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  solve(nonzero_.data(), r);
+  for (std::size_t k = 0; k < size; ++k) {
+    Row row = Row::load(x + k * N);
+    row.add(Number(1), r + k * N);
+    row.store(x + k * N);
+  }
+  subtract_least_norm_columns<N>(chunk, x);
+}
+
+/// A chunk's right-hand sides; rows of blocks that none reaches are left as they are.
+template <class S>
+template <int N>
+void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
+  using Row = sparse::kernel::Tile<Number, N>;
+  const char *reach = reach_.data() + chunk * rows_, *reached = reached_.data() + chunk * rows_;
+  const Number* b = as_scalar(B_.data()) + chunks_[chunk].at;
   const sparse::LdlSchedule& schedule = inner_schedule_;
   for (int block = 0; block < schedule.blocks(); ++block) {
     const int end = schedule.block[block + 1];
@@ -326,8 +365,63 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
         Row::all(Number(0)).store(x + k * N);
     }
   }
-  sparse::kernel::solve_columns<N, kInRegisters>(schedule, as_scalar(L), as_scalar(packed_.data()),
-                                                 as_scalar(inverse_.data()), reached, x, [](int, const auto&) {});
+}
+
+/// R -= K X, N columns of each.
+template <class S>
+template <int N>
+void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
+  using Row = sparse::kernel::Tile<Number, N>;
+  const sparse::UpperCsc& K = pattern_.K;
+  const Number* values = as_scalar(n_.K);
+  for (int k = 0; k < rows_; ++k) {
+    const Row x = Row::load(X + std::ptrdiff_t{k} * N);
+    Row r = Row::load(R + std::ptrdiff_t{k} * N);
+    for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
+      const std::ptrdiff_t i = K.i[p];
+      if (i == k) {
+        r.subtract(values[p], x);
+        continue;
+      }
+      r.subtract(values[p], Row::load(X + i * N));
+      Row above = Row::load(R + i * N);
+      above.subtract(values[p], x);
+      above.store(R + i * N);
+    }
+    r.store(R + std::ptrdiff_t{k} * N);
+  }
+}
+
+/// D = d(J y)/dq, J y = f (products.hpp).
+template <class S>
+void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) {
+  if (!job.request.q) return;
+  motion_of_forces();
+  std::fill(rate_.begin(), rate_.end(), S(0));
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    jacobian_rate(job.scene, robots, k).of_motion(y_, [&](int j, const Vec6<S>& dnu) {
+      for (Eigen::Index i = 0; i < contacts_[k].W.rows(); ++i)
+        rate_[(rows_of(k)[i] - model_->nv) * model_->nv + j] += contacts_[k].W.row(i).dot(dnu);
+    });
+}
+
+/// X = [da; -df]: df += P D, of a chunk's columns.
+template <class S>
+template <int N>
+void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
+  const int nv = model_->nv;
+  const Chunk& of = chunks_[chunk];
+  if (!request_.q) return;
+  Number *D = as_scalar(correction_.data()), *rate = as_scalar(rate_.data());
+  std::fill_n(D + std::ptrdiff_t{nv} * N, std::ptrdiff_t{rows_ - nv} * N, Number(0));
+  bool any = false;
+  for (int c = 0; c < of.parts * kPart; ++c) {
+    const int j = of.first[c / kPart] + c % kPart - q_first_;
+    if (j < 0 || j >= nv) continue;
+    any = true;
+    for (int k = nv; k < rows_; ++k) D[std::ptrdiff_t{k} * N + c] = rate[(k - nv) * nv + j];
+  }
+  if (any) dependent_->template subtract_null_component<N>(D, X);
 }
 
 /// X + K^-1 (B - K X) of one lane, X = K^-1 B.

@@ -25,18 +25,6 @@
 
 namespace manycontact::lanes {
 
-/// To the sparse kernels one robot alone is doubles: they take several rows of a column at a time then.
-inline double* as_scalar(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
-inline const double* as_scalar(const Pack<1>* x) { return x ? &x->v : nullptr; }
-template <int W>
-Pack<W>* as_scalar(Pack<W>* x) {
-  return x;
-}
-template <int W>
-const Pack<W>* as_scalar(const Pack<W>* x) {
-  return x;
-}
-
 template <class S>
 class RobotBlock {
  public:
@@ -174,6 +162,9 @@ class RobotBlock {
   // where rows depend
   internal::JacobianRate<S> jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const;
   void motion_of_forces();
+  void least_norm_columns(const DerivativeJob& job, Robots robots);
+  template <int N>
+  void subtract_least_norm_columns(std::size_t chunk, Number* X);
   void add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq);
   void project_forces();
   void add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq);
@@ -193,6 +184,10 @@ class RobotBlock {
   void solve_chunk(const S* L, std::size_t chunk);
   template <int N>
   void solve_columns(const S* L, std::size_t chunk);
+  template <int N>
+  void load_chunk(std::size_t chunk, Number* x) const;
+  template <int N>
+  void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
 
   /// In work_, from a cache line on.
@@ -259,6 +254,7 @@ class RobotBlock {
   std::vector<std::vector<int>> columns_;  // per contact: its coordinates
   std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
   DerivativeRequest request_;              // that reach_ is of
+  int q_first_ = 0;                        // of its columns
   std::vector<Chunk> chunks_;              // of all columns
   std::vector<Band> bands_;
   // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
@@ -278,8 +274,9 @@ class RobotBlock {
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  std::vector<S> y_, along_;  // where rows depend: J y = f; of jvp dq, of vjp what is added to wq
-  std::vector<S> slope_;      // nv, where joints have friction: -d tau_f / dv
+  // Where rows depend: J y = f; of jvp dq, of vjp what is added to wq; d(J y)/dq, in K's order; a chunk's correction.
+  std::vector<S> y_, along_, rate_, correction_;
+  std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
 };
 
 template <class S>
@@ -613,8 +610,8 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     answers[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_->drift()[lane]};
-    answers[l].panel_is_safe = false;  // the whole K differentiates
-    if (answers[l].contradiction.exceeds(tolerance::kDriftRounding)) answers[l].products_are_safe = false;
+    if (answers[l].contradiction.exceeds(tolerance::kDriftRounding))  // the whole K has the term of what is left
+      answers[l].panel_is_safe = answers[l].products_are_safe = false;
   }
 }
 

@@ -110,22 +110,24 @@ void solve_in_lanes(const Scene& scene, SceneData& data, Wanted&& wanted) {
   });
 }
 
-// The islands whose rows of their own choice of group depend, of those that `wanted` holds for.
+// The islands that `wanted` holds for, without the rows that depended at the solve before or were found to depend now.
 template <class Wanted>
 void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
   Workspace& w = *data.workspace;
-  for (auto& [key, group] : w.lanes.groups)
-    if (!group.plan->dropped.empty()) group.islands.clear();
   bool any = false;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    IslandWork& d = *w.islands[i];
+    const IslandWork& d = *w.islands[i];
     if (!d.alone.dependent || !wanted(d)) continue;
-    d.alone.tried = w.state;
     d.alone.dependent->islands.push_back(static_cast<int>(i));
     any = true;
   }
-  if (any)
-    solve_in_lanes(scene, data, [](const IslandWork&, const BlockGroup& by) { return !by.plan->dropped.empty(); });
+  if (!any) return;
+  solve_in_lanes(scene, data, [&w](const IslandWork& d, const BlockGroup& by) {
+    return d.alone.dependent == &by && d.alone.tried != w.state;
+  });
+  for (auto& [key, group] : w.lanes.groups)
+    for (int i : group.islands)
+      if (w.islands[i]->alone.dependent == &group) w.islands[i]->alone.tried = w.state;
 }
 
 bool may_drop_rows(const Scene& scene, const IslandWork& d) {
@@ -144,6 +146,8 @@ void solve_alone(const Scene& scene, SceneData& data) {
 }
 
 void solve_alone_as_dependent(const Scene& scene, SceneData& data) {
+  for (auto& [key, group] : data.workspace->lanes.groups)
+    if (!group.plan->dropped.empty()) group.islands.clear();
   solve_as_dependent(scene, data, [&scene](const IslandWork& d) {
     return may_drop_rows(scene, d) && static_cast<int>(d.alone.dependent->plan->dropped.size()) >= d.depended;
   });
