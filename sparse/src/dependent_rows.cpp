@@ -123,6 +123,86 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
   rows.Np.back() = static_cast<int>(rows.Ni.size());
 }
 
+// use(row of K, value) for each entry of columns of N or B.
+template <class Use>
+void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x, int column,
+                Use&& use) {
+  for (int k = p[column]; k < p[column + 1]; ++k) use(i[k], x[k]);
+}
+// ... of a cluster's column of N.
+template <class Use>
+void each_of_null(const DependentRows& rows, const DependentRows::Cluster& cluster, int member, Use&& use) {
+  each_entry(rows.Np, rows.Ni, rows.Nx, rows.members[cluster.first + member], use);
+}
+// ... of its column of B.
+template <class Use>
+void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& cluster, int column, Use&& use) {
+  each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
+}
+
+// The rows of K that a cluster's columns of N are in: those dropped, then those kept.
+void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
+  std::vector<int>& all = rows.cluster_rows;
+  cluster.row = static_cast<int>(all.size());
+  const auto add = [&](bool first) {
+    for (int a = 0; a < cluster.count; ++a) {
+      const int c = rows.members[cluster.first + a], begin = rows.Np[c];
+      if (first)
+        all.push_back(rows.Ni[begin]);
+      else
+        all.insert(all.end(), rows.Ni.begin() + begin + 1, rows.Ni.begin() + rows.Np[c + 1]);
+    }
+  };
+  add(true);
+  const auto kept = static_cast<std::ptrdiff_t>(all.size());
+  add(false);
+  std::sort(all.begin() + kept, all.end());
+  all.erase(std::unique(all.begin() + kept, all.end()), all.end());
+  cluster.row_end = static_cast<int>(all.size());
+}
+
+// [Z; 1] of a cluster, a column for each of its kept rows.
+void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
+  std::vector<int>& place = rows.owner;  // of kept rows: where the next entry of their column stands
+  const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
+  for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
+  const auto each = [&](auto&& use) {  // but the dropped rows' own
+    for (int a = 0; a < cluster.count; ++a) {
+      const int k = rows.dropped[rows.members[cluster.first + a]];
+      each_of_null(rows, cluster, a, [&](int j, double value) {
+        if (j != k) use(j, k, value);
+      });
+    }
+  };
+  each([&](int j, int, double) { ++place[j]; });
+  for (int j = 0; j < cluster.size; ++j) {
+    const int first = rows.Bp.back();
+    rows.Bp.push_back(first + place[kept[j]]);
+    place[kept[j]] = first;
+  }
+  rows.Bi.resize(rows.Bp.back());
+  rows.Bx.resize(rows.Bp.back());
+  const auto put = [&](int j, int row, double value) {
+    rows.Bi[place[j]] = row;
+    rows.Bx[place[j]++] = value;
+  };
+  for (int j = 0; j < cluster.size; ++j) put(kept[j], kept[j], 1);
+  each([&](int j, int k, double value) { put(j, k, -value); });
+}
+
+// B of a cluster.
+void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
+  const int kept = cluster.row_end - cluster.row - cluster.count;
+  cluster.basis = static_cast<int>(rows.Bp.size()) - 1;
+  cluster.complement = kept < cluster.count;
+  cluster.size = cluster.complement ? kept : cluster.count;
+  if (cluster.complement) return take_complement(rows, cluster);
+  for (int a = 0; a < cluster.count; ++a) {
+    each_of_null(rows, cluster, a, [&](int k, double value) { rows.Bi.push_back(k), rows.Bx.push_back(value); });
+    rows.Bp.push_back(static_cast<int>(rows.Bi.size()));
+  }
+}
+
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
@@ -138,59 +218,55 @@ void make_clusters(int n, DependentRows& rows) {
     }
   }
   constexpr std::size_t kReserved = 64 * 64;  // which rows share may vary with rounding, and memory must not
-  const std::size_t most = static_cast<std::size_t>(d) * d;
+  const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
+  rows.cluster_rows.clear();
   rows.gram.clear();
+  rows.Bp.assign(1, 0);
+  rows.Bi.clear();
+  rows.Bx.clear();
   rows.clusters.reserve(d);
   rows.members.reserve(d);
+  rows.cluster_rows.reserve(entries);
   rows.gram.reserve(std::min(most, kReserved));
+  rows.Bp.reserve(d + 1);
+  rows.Bi.reserve(entries);
+  rows.Bx.reserve(entries);
   rows.t.resize(d);
   for (int c = 0; c < d; ++c) {
     if (sets.root(c) != c) continue;
-    const int first = static_cast<int>(rows.members.size());
+    DependentRows::Cluster cluster;
+    cluster.first = static_cast<int>(rows.members.size());
     for (int e = c; e < d; ++e)
       if (sets.root(e) == c) rows.members.push_back(e);
-    const int count = static_cast<int>(rows.members.size()) - first;
-    int entries = 0;
-    for (int k = 0; k < count; ++k) entries += rows.Np[rows.members[first + k] + 1] - rows.Np[rows.members[first + k]];
-    rows.largest_cluster = std::max(rows.largest_cluster, entries);
-    rows.clusters.push_back({first, count, rows.gram.size()});
-    require_memory(16.0 * count * count + 12.0 * static_cast<double>(rows.Ni.size()));
-    rows.gram.resize(rows.gram.size() + static_cast<std::size_t>(count) * count);
+    cluster.count = static_cast<int>(rows.members.size()) - cluster.first;
+    take_rows(rows, cluster);
+    take_basis(rows, cluster);
+    const int first = rows.Bp[cluster.basis], end = rows.Bp[cluster.basis + cluster.size];
+    rows.largest_cluster = std::max(rows.largest_cluster, end - first);
+    const std::size_t square = static_cast<std::size_t>(cluster.size) * cluster.size;
+    cluster.gram = rows.gram.size();
+    require_memory(16.0 * static_cast<double>(square) + 24.0 * static_cast<double>(rows.Ni.size()));
+    rows.gram.resize(rows.gram.size() + square);
+    rows.clusters.push_back(cluster);
   }
-}
-
-// use(row of K, value) for each entry of the column of N of a cluster's member.
-template <class Use>
-void each_entry(const DependentRows& rows, const DependentRows::Cluster& cluster, int member, Use&& use) {
-  const int c = rows.members[cluster.first + member];
-  for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) use(rows.Ni[p], rows.Nx[p]);
 }
 
 void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster) {
-  Eigen::Map<Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.count, cluster.count);
+  Eigen::Map<Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.size, cluster.size);
   std::vector<double>& x = rows.x;
   x.assign(n, 0.0);
-  for (int a = 0; a < cluster.count; ++a) {
-    each_entry(rows, cluster, a, [&](int k, double value) { x[k] = value; });
-    for (int b = 0; b < cluster.count; ++b) {
+  for (int a = 0; a < cluster.size; ++a) {
+    each_of_basis(rows, cluster, a, [&](int k, double value) { x[k] = value; });
+    for (int b = 0; b < cluster.size; ++b) {
       double sum = 0;
-      each_entry(rows, cluster, b, [&](int k, double value) { sum += value * x[k]; });
+      each_of_basis(rows, cluster, b, [&](int k, double value) { sum += value * x[k]; });
       G(a, b) = sum;
     }
-    each_entry(rows, cluster, a, [&](int k, double) { x[k] = 0; });
+    each_of_basis(rows, cluster, a, [&](int k, double) { x[k] = 0; });
   }
   Eigen::Ref<Eigen::MatrixXd> in_place(G);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
-}
-
-// The rows that a cluster's columns of N are in, ascending.
-void take_rows(DependentRows& rows, const DependentRows::Cluster& cluster) {
-  rows.cluster_rows.clear();
-  for (int a = 0; a < cluster.count; ++a)
-    each_entry(rows, cluster, a, [&](int k, double) { rows.cluster_rows.push_back(k); });
-  std::sort(rows.cluster_rows.begin(), rows.cluster_rows.end());
-  rows.cluster_rows.erase(std::unique(rows.cluster_rows.begin(), rows.cluster_rows.end()), rows.cluster_rows.end());
 }
 
 // The largest volume of N's square parts, or nearly: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How
@@ -198,22 +274,21 @@ void take_rows(DependentRows& rows, const DependentRows::Cluster& cluster) {
 // j is a pivot on N_ij.
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
   constexpr std::size_t kMost = 1 << 20;  // entries
-  take_rows(rows, cluster);
-  const std::size_t n = rows.cluster_rows.size();
+  const int* row = rows.cluster_rows.data() + cluster.row;
+  const std::size_t n = static_cast<std::size_t>(cluster.row_end - cluster.row);
   if (n * static_cast<std::size_t>(cluster.count) > kMost) return false;
   if (rows.panel.size() < n * cluster.count) rows.panel.resize(n * cluster.count);
   Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), static_cast<Eigen::Index>(n), cluster.count);
   N.setZero();
+  for (std::size_t i = 0; i < n; ++i) rows.owner[row[i]] = static_cast<int>(i);
   for (int a = 0; a < cluster.count; ++a)
-    each_entry(rows, cluster, a, [&](int k, double value) {
-      N(std::lower_bound(rows.cluster_rows.begin(), rows.cluster_rows.end(), k) - rows.cluster_rows.begin(), a) = value;
-    });
+    each_of_null(rows, cluster, a, [&](int k, double value) { N(rows.owner[k], a) = value; });
   bool exchanged = false;
   for (int turn = 0; turn < 50 * cluster.count; ++turn) {
     Eigen::Index i = 0, j = 0;
     const double largest = N.cwiseAbs().maxCoeff(&i, &j);
     if (!(largest > tolerance::kExchanged)) break;
-    rows.dropped[rows.members[cluster.first + j]] = rows.cluster_rows[i];
+    rows.dropped[rows.members[cluster.first + j]] = row[i];
     exchanged = true;
     N.col(j) /= N(i, j);
     for (Eigen::Index k = 0; k < N.cols(); ++k)
@@ -223,10 +298,10 @@ bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& clus
   return exchanged;
 }
 
-// T's rows times (N^T N)^-1, with its factor.
+// T's rows times (B^T B)^-1, with its factor.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
-  const int n = cluster.count;
+  const int n = cluster.size;
   const Eigen::Map<const Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, n, n);
   for (int a = 0; a < n; ++a) {
     for (int b = 0; b < a; ++b) t.row(a) -= G(a, b) * t.row(b);
@@ -283,13 +358,21 @@ bool exchange_rows(DependentRows& rows) {
 
 void project_out(DependentRows& rows, double* y, double* null_component) {
   for (const DependentRows::Cluster& cluster : rows.clusters) {
-    Eigen::Map<Eigen::VectorXd> t(rows.t.data(), cluster.count);
+    Eigen::Map<Eigen::VectorXd> t(rows.t.data(), cluster.size);
     t.setZero();
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
+    for (int a = 0; a < cluster.size; ++a)
+      each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
-    for (int a = 0; a < cluster.count; ++a)
-      each_entry(rows, cluster, a, [&](int k, double value) {
+    if (cluster.complement) {  // all goes, and B t comes back
+      t = -t;
+      for (int i = cluster.row; i < cluster.row_end; ++i) {
+        const int k = rows.cluster_rows[i];
+        if (null_component) null_component[k] += y[k];
+        y[k] = 0;
+      }
+    }
+    for (int a = 0; a < cluster.size; ++a)
+      each_of_basis(rows, cluster, a, [&](int k, double value) {
         y[k] -= value * t[a];
         if (null_component) null_component[k] += value * t[a];
       });
@@ -300,9 +383,9 @@ namespace {
 
 // Whether a row that the cluster's columns of N are in is not zero; then none of them will be.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
-  bool any = false;
-  for (int a = 0; a < cluster.count; ++a) each_entry(rows, cluster, a, [&](int k, double) { any |= nonzero[k] != 0; });
-  for (int a = 0; any && a < cluster.count; ++a) each_entry(rows, cluster, a, [&](int k, double) { nonzero[k] = 1; });
+  const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
+  const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });
+  for (int k : of) nonzero[k] = any;
   return any;
 }
 
@@ -319,13 +402,17 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
     for (int c = first; c < first + cols; c += kColumns) {
       const int count = std::min(kColumns, first + cols - c);
       const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + c, count); };
-      Panel T(rows.panel.data(), cluster.count, count);
+      Panel T(rows.panel.data(), cluster.size, count);
       T.setZero();
-      for (int a = 0; a < cluster.count; ++a)
-        each_entry(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
+      for (int a = 0; a < cluster.size; ++a)
+        each_of_basis(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
       solve_gram(rows, cluster, T);
-      for (int a = 0; a < cluster.count; ++a)
-        each_entry(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
+      if (cluster.complement) {
+        T = -T;
+        for (int i = cluster.row; i < cluster.row_end; ++i) at(rows.cluster_rows[i]).setZero();
+      }
+      for (int a = 0; a < cluster.size; ++a)
+        each_of_basis(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
     }
   }
 }

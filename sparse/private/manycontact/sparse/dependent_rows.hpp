@@ -24,25 +24,31 @@ struct DependentRows {
   std::vector<double> Nx;    // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
-  int largest_cluster = 0;      // most entries of N that project a row, see Cluster
+  int largest_cluster = 0;      // most entries of B that project a row, see Cluster
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
   /// rounding hides which rows are dependent, and a dense decomposition must tell.
   bool accepted() const;
 
-  /// Dropped rows whose columns of N share rows, and the Cholesky factor of N^T N of them.
+  /// Dropped rows whose columns of N share rows. They are projected by whichever is smaller: these columns, or those of
+  /// the complement, which [Z; 1] spans in the rows dropped and kept where N is [1; -Z].
   struct Cluster {
     int first = 0, count = 0;  // in `members`
-    std::size_t gram = 0;      // in `gram`: count x count, by columns
+    int row = 0, row_end = 0;  // in `cluster_rows`: rows of K that N has there
+    int basis = 0, size = 0;   // columns of B ...
+    bool complement = false;   // ... and what they span
+    std::size_t gram = 0;      // in `gram`: size x size, by columns: the Cholesky factor of B^T B
   };
   std::vector<Cluster> clusters;
   std::vector<int> members;  // positions in `dropped`
-  std::vector<double> gram;
+  std::vector<int> cluster_rows;
+  std::vector<int> Bp, Bi;  // the clusters' columns, as N's
+  std::vector<double> Bx, gram;
 
   // scratch
   std::vector<double> inverse, noise, x, residual, panel, t;
-  std::vector<int> owner, cluster_rows;
+  std::vector<int> owner;
 };
 
 /// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
