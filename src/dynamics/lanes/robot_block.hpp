@@ -777,6 +777,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   spread([](const Robot& r) { return r.b; }, n_.b);
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.x + rows_);
   std::fill_n(n_.b + rows_, plan_->border, S(0));
+  if (dependent_) dependent_->project_out(n_.b);
   (void)check_residual(robots, prefetch_of(memory));
 }
 

@@ -205,7 +205,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
 }
 
 // Of an island that drops rows: which, and what they contradict each other by.
-void report_dependence(const SceneData& data, const RobotsSystem& s, IslandReport& report) {
+void report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
   lanes::Contradiction all;
   for (const Member& m : s.members) {
     all.left = sparse::larger_or_nan(m.contradiction.left, all.left);
@@ -218,6 +218,7 @@ void report_dependence(const SceneData& data, const RobotsSystem& s, IslandRepor
     all.a0 = std::max(all.a0, std::abs(s.b[k]));
   }
   report.backward_error = backward_error_of(s);
+  s.contradiction = all.exceeds(tolerance::kDriftRounding);
   report_dropped_rows(data, s.owner, s.dropped, all, report);
 }
 

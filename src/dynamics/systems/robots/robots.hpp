@@ -131,9 +131,10 @@ class RobotsSystem final : public IslandSystem {
   bool solves = false;     // it is the island's first way: predicted to be cheaper than its factor
   std::vector<int> order;  // robots of the island, group by group
   std::vector<OfRobot> robots;
-  std::vector<int> dropped;  // rows of the island that depended on others when last solved, robots' own all of them
-  bool drops = false;        // robots' groups are those without them
-  std::uint64_t tried = 0;   // of the last solve that was done so
+  std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
+  bool drops = false;          // robots' groups are those without them
+  bool contradiction = false;  // of the last answer that was given so: derivatives have a term of it, in the whole K
+  std::uint64_t tried = 0;     // of the last solve that was done so
   // by prepare, for the island at hand
   std::vector<Coupling> contacts;  // group by group, like ones together
   std::vector<Robot> members;      // as `order`; filled by solve
