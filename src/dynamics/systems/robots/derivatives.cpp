@@ -331,7 +331,8 @@ bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
 }  // namespace
 
 bool differentiates_by_robots(const IslandWork& d) {
-  if (!d.robots || !d.robots->derivatives || !d.robots->derivatives->cheaper) return false;
+  if (!d.robots || !d.robots->derivatives || !d.robots->derivatives->has_room) return false;
+  if (!d.robots->derivatives->cheaper[d.robots->drops]) return false;
   if (d.robots->drops && d.robots->contradiction) return false;
   if (d.robots->solves) return d.answered_by(d.robots.get());
   return d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.chosen.get();

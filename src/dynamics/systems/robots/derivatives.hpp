@@ -54,7 +54,8 @@ struct RobotsDerivatives {
 
   bool laid_out = false;  // for `request`
   DerivativeRequest request;
-  bool cheaper = false;  // than the island's factor, for that
+  bool cheaper[2] = {};  // than the island's factor, for that: where no rows are dropped, and where some are
+  bool has_room = false;
 
   std::vector<double> terms;    // lanes::JoinTerms of the contacts that join robots, one after the other
   std::vector<std::size_t> at;  // per contact that joins robots: where, in `terms`
