@@ -234,12 +234,17 @@ void make_clusters(int n, DependentRows& rows) {
   rows.Bx.reserve(entries);
   rows.t.resize(d);
   for (int c = 0; c < d; ++c) {
-    if (sets.root(c) != c) continue;
+    rows.members.push_back(c);
+    owner[n + c] = sets.root(c);
+  }
+  const auto root = [&](int c) { return owner[n + c]; };
+  std::sort(rows.members.begin(), rows.members.end(),
+            [&](int a, int b) { return root(a) != root(b) ? root(a) < root(b) : a < b; });
+  for (int next = 0; next < d;) {
     DependentRows::Cluster cluster;
-    cluster.first = static_cast<int>(rows.members.size());
-    for (int e = c; e < d; ++e)
-      if (sets.root(e) == c) rows.members.push_back(e);
-    cluster.count = static_cast<int>(rows.members.size()) - cluster.first;
+    cluster.first = next;
+    while (next < d && root(rows.members[next]) == root(rows.members[cluster.first])) ++next;
+    cluster.count = next - cluster.first;
     take_rows(rows, cluster);
     take_basis(rows, cluster);
     const int first = rows.Bp[cluster.basis], end = rows.Bp[cluster.basis + cluster.size];
@@ -322,10 +327,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(nv, 0.0);
-  rows.largest_residual = rows.largest_entry = 0;
-  rows.largest_cluster = 0;
-  rows.clusters.clear();
-  if (rows.dropped.empty()) return;
+  rows.largest_residual = 0;
   for (int k : rows.dropped) {
     if (is_turned(rows, k)) {
       rows.Ni.push_back(k);
@@ -342,9 +344,16 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
         [&] { refine_column(s, nv, Lx, D, rows); });
     rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
+  make_projector(s.n, rows);
+}
+
+void make_projector(int n, DependentRows& rows) {
+  rows.largest_entry = 0;
+  rows.largest_cluster = 0;
+  rows.clusters.clear();
   for (double z : rows.Nx) rows.largest_entry = std::max(rows.largest_entry, std::abs(z));
-  make_clusters(s.n, rows);
-  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(s.n, rows, cluster);
+  make_clusters(n, rows);
+  for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(n, rows, cluster);
 }
 
 bool exchange_rows(DependentRows& rows) {

@@ -32,6 +32,8 @@ void BodyLdl::resize(const BodyPattern& s) {
   hold.resize(s.own_first.size() - 1);
   for (auto* x : {&pivot_sum, &least_inertia, &most_inertia}) x->resize(s.nc);
   place.assign(s.nc, -1);
+  dropped.assign(s.nc, 0);
+  found.clear();
 }
 
 namespace {
@@ -105,14 +107,18 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
     const int first = d.eliminated[child];
     for (int k = first; k < from.m; ++k) {
       const int row = from.row[k];
+      if (d.dropped[row]) continue;
       const int to = d.place[row] >= 0 ? d.place[row] : open_row(at, row, d.place);
       at.G[to] += pairs::force_from(from.H[k], system.r[child]);  // G a = H X a
     }
     for (int k = first; k < from.m; ++k)
-      for (int j = first; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
+      for (int j = first; j < from.m; ++j)
+        if (!d.dropped[from.row[k]] && !d.dropped[from.row[j]])
+          at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
   }
   for (int q = s.at_first[i]; q < s.at_first[i + 1]; ++q) {
     const int row = s.at[q];
+    if (d.dropped[row]) continue;
     const bool known = d.place[row] >= 0;
     const int to = known ? d.place[row] : open_row(at, row, d.place);
     if (s.A[row] == i) at.G[to] += system.GA.col(row), at.e(to, to) += system.delta;
@@ -204,7 +210,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
     int best = -1, complete = 0;
     double most = -1;
     for (int k = done; k < at.m; ++k) {
-      if (!s.complete(at.row[k], i)) continue;
+      if (d.dropped[at.row[k]] || !s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
       const bool left = E > least_left(d, at.row[k]) * d.pivot_sum[at.row[k]];
@@ -237,14 +243,16 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   for (int i = 0; i < s.nodes; i = s.end[i]) {
     Rows from = rows_of(s, d, i);
     for (int k = d.eliminated[i]; k < from.m; ++k) {
-      if (d.place[from.row[k]] >= 0) continue;
+      if (d.dropped[from.row[k]] || d.place[from.row[k]] >= 0) continue;
       const int n = at.m++;
       at.row[n] = from.row[k];
       d.place[from.row[k]] = n;
       for (int j = 0; j <= n; ++j) at.e(n, j) = at.e(j, n) = 0;
     }
     for (int k = d.eliminated[i]; k < from.m; ++k)
-      for (int j = d.eliminated[i]; j < from.m; ++j) at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
+      for (int j = d.eliminated[i]; j < from.m; ++j)
+        if (!d.dropped[from.row[k]] && !d.dropped[from.row[j]])
+          at.e(d.place[from.row[k]], d.place[from.row[j]]) += from.e(k, j);
   }
   for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
   d.base_row.resize(at.m);
@@ -268,17 +276,32 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
+// Whether a row from below says nothing that those which hold node i, along Q, do not: no joint below has moved its
+// body, and all of it is along Q.
+template <class Q>
+bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
+  const int row = at.row[k];
+  if (!s.complete(row, i) || (s.A[row] >= 0 && s.B[row] >= 0)) return false;
+  if (at.e(k, k) > least_left(d, row) * d.pivot_sum[row]) return false;
+  const V6& G = at.G[k];
+  return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
+}
+
 // N C N and N G_j in place of C and G_j (BodyHold).
 void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
   BodyHold& h = d.hold[s.hold[i]];
-  const int* own = s.own.data() + s.own_first[s.hold[i]];
-  const int m = s.own_first[s.hold[i] + 1] - s.own_first[s.hold[i]];
-  if (!factorize_hold(system, i, own, m, h)) return;
+  const HeldRows own = held_rows(s, d, i);
+  const int m = own.count;
+  if (!factorize_hold(system, i, own.row, m, h)) return;
   const auto Q = h.Q.leftCols(m);
   for (int k = 0; k < at.m; ++k) {
-    if (std::find(own, own + m, at.row[k]) != own + m) continue;
+    if (std::find(own.row, own.row + m, at.row[k]) != own.row + m) continue;
+    if (d.drops && says_nothing_new(s, d, i, at, k, Q)) {
+      d.dropped[at.row[k]] = 1;
+      d.found.push_back({at.row[k], i});
+    }
     if (m == 6)
       at.G[k].setZero();
     else

@@ -3,10 +3,17 @@
 
 namespace manycontact {
 
+HeldRows held_rows(const BodyPattern& s, const BodyLdl& d, int node) {
+  HeldRows out;
+  for (int k = s.own_first[s.hold[node]]; k < s.own_first[s.hold[node] + 1]; ++k)
+    if (!d.dropped[s.own[k]]) out.row[out.count++] = s.own[k];
+  return out;
+}
+
 // By Gram and Schmidt.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& h) {
   h.rows = 0;
-  if (system.delta > 0) return false;
+  if (system.delta > 0 || count == 0) return false;
   for (int k = 0; k < count; ++k) {
     Vec6<double> G = system.pattern->A[row[k]] == node ? system.GA.col(row[k]) : system.GB.col(row[k]);
     const double length = G.norm();

@@ -13,10 +13,10 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
   if (h.rows == 0) return;
-  const int* own = s.own.data() + s.own_first[s.hold[i]];
+  const HeldRows own = held_rows(s, d, i);
   const auto Q = h.Q.leftCols(h.rows);
   V6 w;
-  for (int k = 0; k < h.rows; ++k) w[k] = d.g[own[k]];
+  for (int k = 0; k < h.rows; ++k) w[k] = d.g[own.row[k]];
   const V6 a = Q * solve_transposed(h, w).head(h.rows);
   for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
     const V6 at_child = pairs::motion_at(a, system.r[child]);
@@ -97,7 +97,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
   if (h.rows == 0) return;
-  const int* own = s.own.data() + s.own_first[s.hold[i]];
+  const HeldRows own = held_rows(s, d, i);
   V6 f = x.force[i] - b.force[i] - pairs::times(system.Y[i], x.motion[i]);
   for (int child = i + 1; child < s.end[i]; child = s.end[child])
     f -= pairs::force_from(x.force[child], system.r[child]);
@@ -107,11 +107,12 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
     f -= (s.A[row] == i ? system.GA.col(row) : system.GB.col(row)) * x.rows[row];
   }
   const V6 y = forces_of(h, f);
-  for (int k = 0; k < h.rows; ++k) x.rows[own[k]] = y[k];
+  for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
 // y of the rows left at the bases.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
+  for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());
   const auto L = [&](int i, int j) { return d.base_E[static_cast<std::size_t>(i) * most + j]; };
   for (int k = 0; k < m; ++k)

@@ -64,6 +64,9 @@ struct DependentRows {
 void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_scale,
                      const double* Lx, const double* D, DependentRows& rows);
 
+/// The clusters and their projectors, of N of n rows.
+void make_projector(int n, DependentRows& rows);
+
 /// Other rows to drop, after find_null_space: those of a cluster take turns with rows of its null space until no entry
 /// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
 /// False where nothing was exchanged, or a cluster is too large for that.

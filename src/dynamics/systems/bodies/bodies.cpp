@@ -101,32 +101,44 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
+// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp); terms of a0 are
+// what bodies accelerate with where no joint does.
+lanes::Contradiction contradiction_of(const BodiesSystem& bodies) {
+  const BodySolve& v = bodies.solution;
+  lanes::Contradiction of;
+  of.left = bodies.dependence.null_component.cwiseAbs().maxCoeff();
+  of.a0 = v.b.rows.cwiseAbs().maxCoeff();
+  of.Ja = (v.residual.row_scale - v.b.rows.cwiseAbs()).maxCoeff();
+  for (const V6& c : v.b.motion) of.drift = std::max(of.drift, c.cwiseAbs().maxCoeff());
+  for (const BodyKinematics<double>& kin : bodies.kin)
+    for (const V6& velocity : kin.v) of.drift = std::max(of.drift, velocity.cwiseAbs2().maxCoeff());
+  return of;
+}
+
+// Without the rows that depend on others. What these contradict each other by is back in b, and in the residual.
+Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
+  BodySolve& v = bodies.solution;
+  const BodySystem& s = bodies.factor.system;
+  const Reason reason = factorize_dependent(s, bodies.factor.ldl, bodies.dependence);
+  if (reason != Reason::kNone) return reason;
+  refinement = solve_dependent(s, bodies.factor.ldl, v, tolerance::kRefinementSteps, bodies.dependence);
+  if (!(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
+  v.b.rows += bodies.dependence.null_component;
+  refinement.backward_error = backward_error(s, v.b, v.x, v.residual);
+  bodies.drops = true;
+  return Reason::kNone;
+}
+
 // kNone: the factor and the solution are sound.
 Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
   evaluate_bodies(scene, data, bodies);
-  const Reason reason = factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.solution, refinement);
+  bodies.drops = false;
+  Reason reason =
+      factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.dependence, bodies.solution, refinement);
+  if (reason == Reason::kSmallPivot && scene.damping == 0) reason = solve_without_dependent(bodies, refinement);
   bodies.state = data.workspace->state;
   bodies.sound = reason == Reason::kNone;
   return reason;
-}
-
-// Whether a row moves no coordinate by more than rounding: its E_kk is then noise, and has nothing to cancel with.
-bool has_vanishing_row(const BodySystem& s) {
-  const BodyPattern& p = *s.pattern;
-  if (s.delta > 0) return false;
-  const auto moved = [&](int node, V6 G) {  // the largest entry of J met first that is no rounding
-    double largest = 0, size = 0;
-    for (; node >= 0; G = force_from(G, s.r[node]), node = p.parent[node])
-      for (int k = p.first_dof[node]; k < p.first_dof[node] + p.ndof[node]; ++k) {
-        largest = std::max(largest, std::abs(G.dot(s.S.col(k))));
-        size = std::max(size, G.cwiseAbs().dot(s.S.col(k).cwiseAbs()));
-        if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
-      }
-    return largest > tolerance::kRank * size;
-  };
-  for (int k = 0; k < p.nc; ++k)
-    if (!moved(p.A[k], s.GA.col(k)) && !moved(p.B[k], s.GB.col(k))) return true;
-  return false;
 }
 
 }  // namespace
@@ -141,8 +153,10 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
   }
 }
 
-Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& solve, sparse::Refinement& refinement) {
-  if (has_vanishing_row(system)) return Reason::kSmallPivot;
+Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
+                           sparse::Refinement& refinement) {
+  if (has_vanishing_row(system, work)) return Reason::kSmallPivot;
+  forget_dropped(ldl);
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
   refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);
@@ -191,6 +205,10 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   if (!sound) return false;
   whole.add(factor.nonzeros(), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
+  if (drops) {
+    internal::report_dropped_rows(data, owner, dependence.rows.dropped, internal::contradiction_of(*this), report);
+    report.changed_order = false;
+  }
   const BodyVectors& x = solution.x;
   each_velocity_block(scene, owner.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });
@@ -202,7 +220,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
 bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
   sparse::Refinement refinement;
   if (state != data.workspace->state) (void)internal::solve_whole(scene, data, *this, refinement);
-  return sound;
+  return sound && !drops;
 }
 
 bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork&, IslandDerivatives& out) {

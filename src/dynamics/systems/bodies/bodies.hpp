@@ -6,7 +6,7 @@
 #include "../system.hpp"
 #include "manycontact/algorithm/body_kinematics.hpp"
 #include "manycontact/algorithm/rnea_products.hpp"
-#include "manycontact/kkt/bodies/factor.hpp"
+#include "manycontact/kkt/bodies/dependent_rows.hpp"
 
 namespace manycontact {
 
@@ -60,6 +60,8 @@ class BodiesSystem final : public IslandSystem {
   bool sound = false;       // and whether they can be used
   BodyFactor factor;
   BodySolve solution;
+  bool drops = false;  // rows that depend on others; then derivatives are left to the whole K
+  BodyDependence dependence;
 
   // by jvp, vjp; made when first needed
   std::vector<ContactData<double>> contacts;  // per contact of the island, at the solution
@@ -89,7 +91,8 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem
 /// Before the first node: where the bases are; no joint-space terms are known.
 void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies);
 /// After the last: x of `solve`, refined. kNone: it is sound.
-Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodySolve& solve, sparse::Refinement& refinement);
+Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
+                           sparse::Refinement& refinement);
 
 /// Of an attachment's robot; nullptr where its body cannot move.
 const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);

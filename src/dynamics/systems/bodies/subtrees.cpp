@@ -96,7 +96,8 @@ bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, Bod
     BodiesSystem::Slot& slot = shape.slots[k];
     auto& [system, solution, sound, factor_nonzeros, refinement] = shape.side_by_side[k];
     if (!sound) {
-      if (factorize_and_solve(*system, shape.ldl, *solution, refinement) != Reason::kNone) return false;
+      if (factorize_and_solve(*system, shape.ldl, bodies.dependence, *solution, refinement) != Reason::kNone)
+        return false;
       factor_nonzeros = nonzeros(*shape.pattern, shape.ldl);
     }
     put_subtree(scene, data, bodies, slot);

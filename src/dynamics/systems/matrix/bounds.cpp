@@ -230,21 +230,24 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const std::vector<double> turned =
       contradicts ? turned_contradiction(scene, *data.workspace, *this) : std::vector<double>();
   const auto twice = [this](double* x) { factor->solve(x), factor->solve(x); };
-  const auto relative = [&](int first, int count, double more) {
-    double size = 0;
+  const auto relative = [&](int first, int count, double size, double more) {
     std::fill(kept.begin(), kept.end(), 0);
-    for (int k = first; k < first + count; ++k) {
-      kept[iperm[k]] = 1;
-      size = std::max(size, std::abs(v.x[iperm[k]]));
-    }
+    for (int k = first; k < first + count; ++k) kept[iperm[k]] = 1;
     const double error =
         count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
     return error == 0 ? 0 : error / size;
   };
-  report.error_acceleration = relative(0, owner.island.nv, moved_a);
+  double a = 0, f = 0;  // sizes of the answer given, which x may be no more than rounding beside
+  each_velocity_block(scene, owner.island, [&](int at, int, int n) {
+    for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[at + i]));
+  });
+  each_force_block(scene, data.f_offset, owner.island, [&](int at, int, int n) {
+    for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[at + i]));
+  });
+  report.error_acceleration = relative(0, owner.island.nv, a, moved_a);
   double more = moved_f;
   if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
-  report.error_forces = relative(owner.island.nv, owner.island.nc, more);
+  report.error_forces = relative(owner.island.nv, owner.island.nc, f, more);
   return true;
 }
 

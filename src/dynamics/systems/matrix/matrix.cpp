@@ -84,7 +84,9 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) return factor;
   if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||
-      (owner.answered_by(owner.robots.get()) && owner.robots->drops)) {  // rows that K has to drop, too
+      (owner.answered_by(owner.robots.get()) && owner.robots->drops) ||
+      (owner.answered_by(owner.bodies.get()) && owner.bodies->drops &&
+       internal::joint_space_fits(owner))) {  // rows that K has to drop, too
     internal::evaluate_at_solution(scene, data, owner);
     if (internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, thread.spare_report)) return true;
   }

@@ -61,6 +61,14 @@ struct BodyLdl {  // block LDL from leaves to root
   double growth = 1;               // of P
   std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, rows held before included
 
+  // rows that others say (dependent_rows.hpp): they have no part in the factor, and y of them is zero
+  std::vector<char> dropped;  // per row
+  bool drops = false;         // as they are found
+  struct Drop {
+    int row, node;  // whose rows say what this one does; as many as there are nodes: it moves nothing
+  };
+  std::vector<Drop> found;
+
   // by solve_bodies
   std::vector<Vec6<double>> p;  // per node
   Eigen::VectorXd u, g;         // D^-1 u; rows' right-hand sides
@@ -70,6 +78,12 @@ struct BodyLdl {  // block LDL from leaves to root
 
   void resize(const BodyPattern& pattern);
 };
+
+/// The rows that hold a node and are not dropped, six at most.
+struct HeldRows {
+  int row[6], count = 0;
+};
+HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 
 /// kNone: sound. kSingularInertia: a joint has nothing to move, or no more than rounding. kSmallPivot: rows depend on
 /// each other, or nearly. kNotFinite. With b, right-hand sides are lifted in the same sweep.

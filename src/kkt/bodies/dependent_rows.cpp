@@ -1,0 +1,304 @@
+#include "manycontact/kkt/bodies/dependent_rows.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "manycontact/sparse/tolerances.hpp"
+#include "pairs.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using V6 = Vec6<double>;
+
+using Basis = BodyDependence::Basis;
+
+void add(V6 S, Basis& basis) {
+  const double length = S.norm();
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < basis.rank; ++k) S -= basis.Q.col(k) * basis.Q.col(k).dot(S);
+  if (basis.rank < 6 && S.norm() > tolerance::kRank * length) basis.Q.col(basis.rank++) = S.normalized();
+}
+
+// How each body can move by the joints above it: orthonormal bases of its motions, about its own origin.
+void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
+  const BodyPattern& p = *s.pattern;
+  bases.resize(p.nodes);
+  for (int i = 0; i < p.nodes; ++i) {
+    bases[i].rank = 0;
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) add(s.S.col(k), bases[i]);
+    if (p.parent[i] < 0) continue;
+    const Basis& above = bases[p.parent[i]];
+    for (int k = 0; k < above.rank; ++k) add(pairs::motion_at(above.Q.col(k), s.r[i]), bases[i]);
+  }
+}
+
+// Of a force on a body, how much moves any joint, beside its size.
+double moved_by(const V6& F, const Basis& basis) {
+  double sum = 0;
+  for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
+  return std::sqrt(sum) / F.norm();
+}
+
+// use(row) for each row that moves no coordinate by more than rounding, until it says false.
+template <class Use>
+void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
+  constexpr int kMany = 64;
+  const BodyPattern& p = *s.pattern;
+  bool known = false;  // bases
+  // the largest entry of J met first that is none tells, or many joints up how the body can move at all
+  const auto moves = [&](int node, V6 G) {
+    double largest = 0, size = 0;
+    for (int met = 0; node >= 0; G = pairs::force_from(G, s.r[node]), node = p.parent[node], ++met) {
+      for (int k = p.first_dof[node]; k < p.first_dof[node] + p.ndof[node]; ++k) {
+        largest = std::max(largest, std::abs(G.dot(s.S.col(k))));
+        size = std::max(size, G.cwiseAbs().dot(s.S.col(k).cwiseAbs()));
+        if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
+      }
+      if (met < kMany) continue;
+      if (!known) find_bases(s, bases), known = true;
+      return largest > tolerance::kRank * size || moved_by(G, bases[node]) > tolerance::kRank;
+    }
+    return largest > tolerance::kRank * size;
+  };
+  for (int k = 0; s.delta == 0 && k < p.nc; ++k)
+    if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
+}
+
+// A row between a body and what stands still.
+bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
+
+// Rows whose forces, times what `solve` finds, balance each other: no joint between the bodies that they are on feels
+// them, and nothing goes past the last one. A few rows, and of any number of joints, whose equations are made
+// triangular as they come.
+class Balance {
+ public:
+  Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
+    (void)add(row);
+  }
+
+  int node() const { return node_; }
+  /// False where these are too many.
+  bool add(int row) {
+    if (count_ == kRows) return false;
+    row_[count_] = row;
+    F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
+    return true;
+  }
+  /// The node's joint, and on to its parent.
+  void pass() {
+    const BodyPattern& p = *s_.pattern;
+    for (int k = p.first_dof[node_]; k < p.first_dof[node_] + p.ndof[node_]; ++k)
+      balance([&](const V6& F) { return s_.S.col(k).dot(F); });
+    for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
+    node_ = p.parent[node_];
+  }
+  /// put(row, its part), 1 of the first row. False where they do not balance but for rounding.
+  template <class Put>
+  bool solve(Put&& put) {
+    for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
+    const Matrix A = A_.topLeftCorner(equations_, count_);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRows, 1> y(count_);
+    y[0] = 1;
+    if (count_ > 1) {
+      const Matrix others = A.rightCols(count_ - 1);
+      y.tail(count_ - 1) = Eigen::ColPivHouseholderQR<Matrix>(others).solve(-A.col(0));
+    }
+    const double size = largest_ * y.cwiseAbs().maxCoeff();
+    if (!((A * y).cwiseAbs().maxCoeff() <= tolerance::kRank * size)) return false;
+    for (int k = 0; k < count_; ++k)
+      if (std::abs(y[k]) > tolerance::kNullEntry) put(row_[k], y[k]);
+    return true;
+  }
+
+ private:
+  static constexpr int kRows = 24, kEquations = 64;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kEquations, kRows>;
+
+  template <class Of>
+  void balance(Of&& of) {
+    if (equations_ == kEquations) {
+      const Eigen::HouseholderQR<Matrix> qr(A_.leftCols(count_));
+      A_.leftCols(count_) = qr.matrixQR().template triangularView<Eigen::Upper>();
+      equations_ = count_;
+    }
+    A_.row(equations_).setZero();  // rows to come have no part in it
+    for (int k = 0; k < count_; ++k) {
+      A_(equations_, k) = of(F_[k]);
+      largest_ = std::max(largest_, std::abs(A_(equations_, k)));
+    }
+    ++equations_;
+  }
+
+  const BodySystem& s_;
+  int node_, count_ = 0, equations_ = 0;
+  int row_[kRows];
+  V6 F_[kRows];  // on the node's body
+  Eigen::Matrix<double, kEquations, kRows> A_ = Eigen::Matrix<double, kEquations, kRows>::Zero();
+  double largest_ = 0;
+};
+
+// The column of N of a row that those which hold drop.node say, of rows that were not dropped before: between the two
+// nodes rows stand that do not move.
+template <class Put>
+bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
+  const BodyPattern& p = *s.pattern;
+  Balance balance(s, drop.row);
+  const auto add_rows = [&] {
+    const int node = balance.node();
+    for (int q = p.at_first[node]; q < p.at_first[node + 1]; ++q)
+      if (stands(p, p.at[q]) && dropped_at[p.at[q]] < drop.node && !balance.add(p.at[q])) return false;
+    return true;
+  };
+  while (add_rows()) {
+    if (balance.node() == drop.node) return balance.solve(put);
+    balance.pass();
+  }
+  return false;
+}
+
+// N, from the last row dropped to the first: its rows may be dropped further on, and are what the others say then.
+bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
+  const BodyPattern& p = *s.pattern;
+  sparse::DependentRows& rows = work.rows;
+  std::vector<int>&dropped_at = work.dropped_at, &column = work.column, &entries = work.entries;
+  std::vector<double>& x = work.x;
+  dropped_at.assign(p.nc, -1);
+  column.assign(p.nc, -1);
+  x.assign(p.nc, 0);
+  entries.clear();
+  for (const BodyLdl::Drop& drop : d.found) dropped_at[drop.row] = drop.node;
+  rows.dropped.clear();
+  rows.turned.clear();
+  rows.Np.assign(1, 0);
+  rows.Ni.clear();
+  rows.Nx.clear();
+  const auto add = [&](int row, double value) {
+    if (x[row] == 0) entries.push_back(row);
+    x[row] += value;
+  };
+  for (std::size_t k = d.found.size(); k-- > 0;) {
+    const BodyLdl::Drop& drop = d.found[k];
+    const auto put = [&](int row, double value) {
+      if (row == drop.row || column[row] < 0) return add(row, value);
+      for (int q = rows.Np[column[row]] + 1; q < rows.Np[column[row] + 1]; ++q) add(rows.Ni[q], -value * rows.Nx[q]);
+    };
+    if (drop.node == p.nodes)  // it moves nothing
+      put(drop.row, 1.0);
+    else if (!null_column(s, drop, dropped_at, put))
+      return false;
+    column[drop.row] = static_cast<int>(rows.dropped.size());
+    rows.dropped.push_back(drop.row);
+    for (int row : entries) {  // its own first
+      if (std::abs(x[row]) > tolerance::kNullEntry) rows.Ni.push_back(row), rows.Nx.push_back(x[row]);
+      x[row] = 0;
+    }
+    entries.clear();
+    rows.Np.push_back(static_cast<int>(rows.Ni.size()));
+  }
+  sparse::make_projector(p.nc, rows);
+  return rows.largest_entry <= tolerance::kLargestEntry;
+}
+
+// rows -= what the bodies' accelerations without any of the joints make of them; motion: these.
+void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
+  const BodyPattern& p = *s.pattern;
+  for (int i = 0; i < p.nodes; ++i) {
+    x.motion[i] = b.motion[i];
+    if (p.parent[i] >= 0) x.motion[i] += pairs::motion_at(x.motion[p.parent[i]], s.r[i]);
+    for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q)
+      x.rows[p.at[q]] -= (p.A[p.at[q]] == i ? s.GA : s.GB).col(p.at[q]).dot(x.motion[i]);
+  }
+}
+
+// The bodies' forces of x's accelerations and rows.
+void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
+  const BodyPattern& p = *s.pattern;
+  for (int i = 0; i < p.nodes; ++i) {
+    x.force[i] = b.force[i] + pairs::times(s.Y[i], x.motion[i]);
+    for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q)
+      x.force[i] += (p.A[p.at[q]] == i ? s.GA : s.GB).col(p.at[q]) * x.rows[p.at[q]];
+  }
+  for (int i = p.nodes - 1; i >= 0; --i)
+    if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
+}
+
+// Rows on one body that others on it say, the largest kept first.
+void drop_rows_of_one_body(const BodySystem& s, BodyLdl& d, std::vector<BodyDependence::OnBody>& rows) {
+  const BodyPattern& p = *s.pattern;
+  const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
+  for (int i = p.nodes - 1; i >= 0; --i) {
+    rows.clear();
+    for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q) {
+      const int row = p.at[q];
+      if (!stands(p, row) || d.dropped[row]) continue;
+      const V6 F = p.A[row] == i ? s.GA.col(row) : s.GB.col(row);
+      rows.push_back({row, F, F.norm()});
+    }
+    while (!rows.empty()) {
+      const auto best =
+          std::max_element(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return share(a) < share(b); });
+      if (!(share(*best) > tolerance::kRank)) break;
+      const V6 direction = best->F.normalized();
+      std::swap(*best, rows.back());
+      rows.pop_back();
+      for (BodyDependence::OnBody& r : rows) r.F -= direction * direction.dot(r.F);
+    }
+    std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
+    for (const BodyDependence::OnBody& r : rows) d.dropped[r.row] = 1, d.found.push_back({r.row, i});
+  }
+}
+
+}  // namespace
+
+bool has_vanishing_row(const BodySystem& s, BodyDependence& work) {
+  bool any = false;
+  each_vanishing_row(s, work.bases, [&](int) { return any = true, false; });
+  return any;
+}
+
+void forget_dropped(BodyLdl& d) {
+  for (const BodyLdl::Drop& drop : d.found) d.dropped[drop.row] = 0;
+  d.found.clear();
+}
+
+Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence& work) {
+  forget_dropped(d);
+  each_vanishing_row(system, work.bases, [&](int row) {
+    d.dropped[row] = 1;
+    d.found.push_back({row, system.pattern->nodes});
+    return true;
+  });
+  drop_rows_of_one_body(system, d, work.on_body);
+  d.drops = true;
+  const Reason reason = factorize_bodies(system, d);
+  d.drops = false;
+  if (reason != Reason::kNone) return reason;
+  if (d.found.empty() || !find_null_space(system, d, work)) return Reason::kSmallPivot;
+  return factorize_bodies(system, d);  // rows that hold bodies are fewer now
+}
+
+sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
+                                   BodyDependence& work) {
+  v.dx.rows = v.b.rows;
+  take_away(system, v.b, v.dx);
+  work.null_component.setZero(system.pattern->nc);
+  sparse::project_out(work.rows, v.dx.rows.data(), work.null_component.data());
+  v.b.rows -= work.null_component;
+  (void)solve_refined(system, ldl, v, max_steps);
+  sparse::project_out(work.rows, v.x.rows.data());
+  balance_bodies(system, v.b, v.x);
+  // The bodies' forces are other ones now, and so is their rounding.
+  double error = backward_error(system, v.b, v.x, v.residual);
+  return sparse::refine(
+      max_steps, tolerance::kRefined, [&] { return error; },
+      [&] {
+        backward_sweep(system, ldl, v.residual.r);
+        (void)correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
+        error = backward_error(system, v.b, v.x, v.residual);
+      });
+}
+
+}  // namespace manycontact
