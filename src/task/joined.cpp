@@ -42,6 +42,8 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     const Contact& contact = scene.contacts[c];
     if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
   }
+  for (const Spring& spring : scene.springs)
+    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms) {
       if (joins_its_robots(term))
