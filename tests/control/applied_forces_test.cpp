@@ -27,7 +27,7 @@ RandomScene pushed(int seed, bool free) {
 // (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold.
 Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, const Eigen::VectorXd& dx,
                              const Eigen::VectorXd& du) {
-  const double e = 1e-4;
+  const double e = 1e-3;
   const NodeDataPtr data = model->createData();
   model->calc(data, p.x, p.u);
   const Eigen::VectorXd middle = data->xnext;

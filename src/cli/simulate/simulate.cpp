@@ -122,7 +122,14 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
     if (run.view) {
       const Eigen::VectorXd& u = around.control.at(sim.time(), sim.q, sim.v);
-      add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
+      around.push(sim.time(), sim);
+      add_state({.t = sim.time(),
+                 .q = sim.q,
+                 .v = sim.v,
+                 .active = sim.dynamics.active,
+                 .u = u,
+                 .pushes = sim.dynamics.pushes},
+                *run.view);
     }
   };
   write_trajectory_header(scene, csv);
