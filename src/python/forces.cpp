@@ -41,7 +41,28 @@ Items<Handle<T>> items_of(const std::shared_ptr<Scene>& scene, std::vector<T> Sc
           }};
 }
 
-void add_classes(py::module_& m) {
+}  // namespace
+
+Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene) {
+  return items_of(scene, &Scene::pushes, &Scene::push_index, &add_push, "push");
+}
+Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene) {
+  return items_of(scene, &Scene::springs, &Scene::spring_index, &add_spring, "spring");
+}
+
+py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner) {
+  static_assert(sizeof(Vec6<double>) == 6 * sizeof(double));
+  const double* x = w.empty() ? nullptr : w.front().data();
+  return view(x, {static_cast<py::ssize_t>(w.size()), 6}, {6, 1}, owner, true);
+}
+
+void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w) {
+  const Doubles x = checked_doubles(values, 2, static_cast<Eigen::Index>(w.size()), 6, true);
+  check_numbers(name, x.data(), x.size());
+  for (std::size_t k = 0; k < w.size(); ++k) w[k] = Eigen::Map<const Vec6<double>>(x.data() + 6 * k);
+}
+
+void add_force_classes(py::module_& m) {
   py::class_<Handle<Push>> push(
       m, "Push",
       "A wrench from outside on a body, at a frame: see attach(). That of a scene\n"
@@ -84,29 +105,7 @@ void add_classes(py::module_& m) {
   add_items<Handle<Spring>>(m, "SpringList", "A scene's springs between points, by number or name.", true);
 }
 
-}  // namespace
-
-Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene) {
-  return items_of(scene, &Scene::pushes, &Scene::push_index, &add_push, "push");
-}
-Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene) {
-  return items_of(scene, &Scene::springs, &Scene::spring_index, &add_spring, "spring");
-}
-
-py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner) {
-  static_assert(sizeof(Vec6<double>) == 6 * sizeof(double));
-  const double* x = w.empty() ? nullptr : w.front().data();
-  return view(x, {static_cast<py::ssize_t>(w.size()), 6}, {6, 1}, owner, true);
-}
-
-void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w) {
-  const Doubles x = checked_doubles(values, 2, static_cast<Eigen::Index>(w.size()), 6, true);
-  check_numbers(name, x.data(), x.size());
-  for (std::size_t k = 0; k < w.size(); ++k) w[k] = Eigen::Map<const Vec6<double>>(x.data() + 6 * k);
-}
-
 void add_forces(py::module_& m) {
-  add_classes(m);
   m.def("add_push", &add_push, py::arg("scene"), py::arg("push"), "Appends a push; returns its number.");
   m.def("add_spring", &add_spring, py::arg("scene"), py::arg("spring"), "Appends a spring; returns its number.");
   m.def("add_joint_spring", &add_joint_spring, py::arg("scene"), py::arg("robot"), py::arg("joint"),

@@ -60,7 +60,9 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-void add_forces(py::module_& m);  // after contacts' classes, before scenes'
+// pushes and springs: classes before, functions after those of scenes
+void add_force_classes(py::module_& m);
+void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);
 void add_options(py::module_& m);
 void add_dynamics(py::module_& m);

@@ -298,9 +298,10 @@ void add_files(py::module_& m) {
 
 void add_scenes(py::module_& m) {
   add_contacts(m);
-  add_forces(m);
+  add_force_classes(m);
   add_robots(m);
   add_scene(m);
+  add_forces(m);
   add_configurations(m);
   add_files(m);
 }

@@ -26,8 +26,7 @@ RandomScene pushed(int seed, bool free) {
 
 // (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold.
 Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, const Eigen::VectorXd& dx,
-                             const Eigen::VectorXd& du) {
-  const double e = 1e-3;
+                             const Eigen::VectorXd& du, double e) {
   const NodeDataPtr data = model->createData();
   model->calc(data, p.x, p.u);
   const Eigen::VectorXd middle = data->xnext;
@@ -48,8 +47,14 @@ void expect_node_derivatives(const Problem& p, const NodePtr& model) {
     SCOPED_TRACE("column " + std::to_string(c));
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(n), du = Eigen::VectorXd::Zero(m);
     (c < n ? dx[c] : du[c - n]) = 1;
-    const Eigen::VectorXd mine = c < n ? data->Fx.col(c) : data->Fu.col(c - n), twin = fourth_order(p, model, dx, du);
-    EXPECT_LT(difference_of(mine, twin), 1e-7 * (1e-2 + size_of(twin)));
+    const Eigen::VectorXd mine = c < n ? data->Fx.col(c) : data->Fu.col(c - n);
+    double error = kInfinity, size = 0;  // of the better of two differences: one has rounding, the other a remainder
+    for (const double e : {1e-3, 1e-4}) {
+      const Eigen::VectorXd twin = fourth_order(p, model, dx, du, e);
+      error = std::min(error, difference_of(mine, twin));
+      size = size_of(twin);
+    }
+    EXPECT_LT(error, 1e-7 * (1e-2 + size));
   }
 }
 

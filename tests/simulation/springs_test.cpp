@@ -126,8 +126,10 @@ TEST(SpringSteps, OfAMass) {
     return shortest_spring_step(s.scene, {}, s.q, integrator).largest;
   };
   for (const double damping : {0.0, 4.0, 400.0}) {
-    const RandomScene s = oscillator(damping);
+    RandomScene s = oscillator(damping);
+    s.q[0] = 1e-12;  // as far as it grows, the spring stays about as long as it is
     for (const Integrator integrator : kIntegrators) {
+      SCOPED_TRACE(to_string(integrator) + ", damping " + std::to_string(damping));
       const double most = largest(s, integrator);
       const auto growth = [&](double h) {  // of the energy, in 100 steps
         SimulationData sim(s.scene, s.q, s.v, integrator, h);
