@@ -5,6 +5,7 @@
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/model/applied_forces.hpp"
 
 namespace manycontact::internal {
 
@@ -102,6 +103,7 @@ class AtRest {
  private:
   static Scene without_forces(Scene scene) {
     scene.gravity.setZero();
+    drop_applied_forces(scene);
     scene.damping = 0;
     for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is e
     return scene;

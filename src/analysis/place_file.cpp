@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/place.hpp"
@@ -40,6 +41,8 @@ void place(SceneFile& file) {
   file.q = found.q;
   for (const OpenReference& reference : file.open_references)
     resolve_reference(scene, file.q, reference.position, reference.orientation, scene.contacts[reference.contact]);
+  for (const int spring : file.open_lengths)
+    scene.springs[spring].length = spring_length(scene, file.q, scene.springs[spring]);
   if (!moved.empty())
     file.findings.push_back(
         {"pose", scene.name, "made to meet the poses" + moved, file.poses[0].file, file.poses[0].line});

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "parallel.hpp"
 
@@ -24,6 +25,7 @@ namespace {
 
 Scene copies_of(const Scene& scene, int count) {
   Scene out;
+  std::vector<int> robot_at(scene.robots.size());
   for (int k = 0; k < count; ++k) {
     for (Robot robot : scene.robots) {
       robot.idx_q += k * scene.nq, robot.idx_v += k * scene.nv, robot.idx_u += k * scene.nu;
@@ -34,6 +36,8 @@ Scene copies_of(const Scene& scene, int count) {
         if (at->robot >= 0) at->robot += k * scene.nrobots();
       out.contacts.push_back(std::move(contact));
     }
+    for (std::size_t r = 0; r < robot_at.size(); ++r) robot_at[r] = k * scene.nrobots() + static_cast<int>(r);
+    take_applied_forces(scene, robot_at, out);
   }
   out.nq = count * scene.nq, out.nv = count * scene.nv, out.nu = count * scene.nu;
   return out;
@@ -52,6 +56,21 @@ void refresh(const Scene& scene, BatchCopies& copies) {
     contact = scene.contacts[c % scene.contacts.size()];
     contact.A.robot = A, contact.B.robot = B;
   }
+  const auto each = [](auto& list, const auto& from, auto&& take) {
+    for (std::size_t k = 0; k < list.size(); ++k) take(list[k], from[k % from.size()]);
+  };
+  each(copies.scene.pushes, scene.pushes, [](Push& push, const Push& from) {
+    push.at.placement = from.at.placement;
+    push.reference_frame = from.reference_frame;
+  });
+  each(copies.scene.springs, scene.springs, [](Spring& spring, const Spring& from) {
+    spring.A.placement = from.A.placement;
+    spring.B.placement = from.B.placement;
+    spring.stiffness = from.stiffness, spring.length = from.length, spring.damping = from.damping;
+  });
+  each(copies.scene.joint_springs, scene.joint_springs, [](JointSpring& spring, const JointSpring& from) {
+    spring.stiffness = from.stiffness, spring.rest = from.rest;
+  });
 }
 
 }  // namespace
@@ -65,6 +84,7 @@ BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
 
 BatchData::BatchData(const Scene& scene, int count, const Options& opts) : options(opts) {
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
   Options of_thread = options;
@@ -100,6 +120,9 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   if (batch.active.size() != scene.contacts.size())
     throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.active.size()) +
                                 " active flags for " + std::to_string(scene.contacts.size()) + " contacts");
+  if (batch.pushes.size() != scene.pushes.size())
+    throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.pushes.size()) + " wrenches for " +
+                                std::to_string(scene.pushes.size()) + " pushes");
   const Eigen::Index count = s.q.rows();
   check(function, "q", s.q, count, scene.nq);
   check(function, "v", s.v, count, scene.nv);
@@ -133,6 +156,7 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
     SceneData& data = thread.copies->data;
     data.options = thread.data.options;
     for (std::size_t c = 0; c < data.active.size(); ++c) data.active[c] = batch.active[c % batch.active.size()];
+    for (std::size_t k = 0; k < data.pushes.size(); ++k) data.pushes[k] = batch.pushes[k % batch.pushes.size()];
   }
 }
 
@@ -197,6 +221,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     thread.data.options = batch.options;
     thread.data.options.threads = 1;
     thread.data.active = batch.active;
+    thread.data.pushes = batch.pushes;
     thread.error = nullptr;
   }
   const std::ptrdiff_t count = s.q.rows();

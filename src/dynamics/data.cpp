@@ -15,11 +15,13 @@ Workspace::Workspace(const Scene& s) : scene(s) {
   joint_space.assign(s.contacts.size(), 0);
   rows_state.assign(s.contacts.size(), 0);
   for (const Contact& contact : s.contacts) contacts.emplace_back(contact, ContactSupport{});
+  if (has_applied_forces(s)) applied = std::make_unique<AppliedWork>(s);
 }
 
 SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts) {
   for (Eigen::VectorXd* x : {&v, &tau, &a}) x->setZero(scene.nv);
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
   workspace = std::make_unique<Workspace>(scene);
   prepare(scene, *this);
 }

@@ -18,25 +18,36 @@ void IslandDerivatives::check() const {
 
 namespace internal {
 
+void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out) {
+  out.u_offset.assign(1, 0);
+  for (int r : island.robots)
+    out.u_offset.push_back(out.u_offset.back() +
+                           (out.request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu()));
+  out.nu = out.u_offset.back();
+  out.cols = out.u_first + (out.request.u ? out.nu : 0);
+}
+
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
+  const auto pad = [](std::size_t columns) { return static_cast<Eigen::Index>((columns + 7) / 8 * 8); };
   out.u_offset.clear();  // so that it is not taken for laid out, should memory run out
   out.request = request;
   out.nv = island.nv;
   out.nc = island.nc;
-  out.nu = 0;
-  for (int r : island.robots) out.nu += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
   out.q_first = 0;
   out.v_first = request.q ? out.nv : 0;
   out.u_first = out.v_first + (request.v ? out.nv : 0);
-  out.cols = out.u_first + (request.u ? out.nu : 0);
-  remake(out.X, island.size(), (out.cols + 7) / 8 * 8);
+  out.pushes.clear();
+  for (std::size_t k = 0; request.pushes && k < scene.pushes.size(); ++k)
+    if (std::binary_search(island.robots.begin(), island.robots.end(), scene.pushes[k].at.robot))
+      out.pushes.push_back(static_cast<int>(k));
+  remake(out.W, island.size(), pad(6 * out.pushes.size()));
+  out.W.setZero();
+  int columns = out.u_first;
+  for (int r : island.robots)
+    columns += !request.u ? 0 : request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
+  remake(out.X, island.size(), pad(columns));
   out.X.setZero();
-  int first = 0;
-  for (int r : island.robots) {
-    out.u_offset.push_back(first);
-    first += request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
-  }
-  out.u_offset.push_back(first);
+  number_torques(scene, island, out);
 }
 
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
@@ -55,7 +66,9 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
     check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
     make_joint_space(scene, w, d);
   }
-  if (out.request != request || out.X.rows() != d.island.size() || out.u_offset.size() != d.island.robots.size() + 1)
+  // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
+  if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
+      out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
   if (d.answered && !d.alone.differentiates(w) && !differentiates_by_robots(d))
@@ -77,9 +90,11 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
 
 }  // namespace internal
 
-const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
+const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& wanted) {
   internal::check_not_prescribed(scene, data, "differentiate");
   Workspace& w = *data.workspace;
+  const bool applied = internal::forces_are_applied(w);
+  const DerivativeRequest request = applied ? internal::by_all_torques(wanted) : wanted;
   w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
@@ -94,6 +109,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
       [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
         internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
       });
+  if (applied) internal::join_applied_forces(scene, data, wanted);
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
   w.derivatives_serial = data.serial;
   return w.derivatives;
@@ -134,10 +150,13 @@ void release_derivatives(SceneData& data) {
 namespace {
 
 struct BlockOffsets {
-  std::vector<int> v, u, f;  // scene's coordinate of each of the island's
+  std::vector<int> v, u, f, w;  // scene's coordinate of each of the island's
 };
-BlockOffsets block_offsets(const Scene& scene, const SceneData& data, const Island& island, bool tau) {
+BlockOffsets block_offsets(const Scene& scene, const SceneData& data, const Island& island,
+                           const IslandDerivatives& d) {
   BlockOffsets p;
+  for (int push : d.pushes)
+    for (int k = 0; k < 6; ++k) p.w.push_back(6 * push + k);
   const auto list = [](std::vector<int>& out) {
     return [&out](int first, int, int n) {
       for (int i = 0; i < n; ++i) out.push_back(first + i);
@@ -145,7 +164,7 @@ BlockOffsets block_offsets(const Scene& scene, const SceneData& data, const Isla
   };
   each_velocity_block(scene, island, list(p.v));
   each_force_block(scene, data.f_offset, island, list(p.f));
-  if (tau)
+  if (d.request.tau)
     p.u = p.v;
   else
     each_torque_block(scene, island, list(p.u));
@@ -166,22 +185,27 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
   const DerivativeRequest request = dd.islands.empty() ? DerivativeRequest{} : dd.islands[0].request;
   SceneDerivatives out;
   const Eigen::Index nf = request.forces ? data.f.size() : 0;
+  const auto nw = static_cast<Eigen::Index>(request.pushes ? 6 * scene.pushes.size() : 0);
   out.da_dq.setZero(scene.nv, request.q ? scene.nv : 0);
   out.da_dv.setZero(scene.nv, request.v ? scene.nv : 0);
   out.da_du.setZero(scene.nv, !request.u ? 0 : request.tau ? scene.nv : scene.nu);
   out.dforces_dq.setZero(nf, out.da_dq.cols());
   out.dforces_dv.setZero(nf, out.da_dv.cols());
   out.dforces_du.setZero(nf, out.da_du.cols());
+  out.da_dw.setZero(scene.nv, nw);
+  out.dforces_dw.setZero(nf, nw);
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d.request.tau);
+    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d);
     scatter(d.da_dq(), p.v, p.v, out.da_dq);
     scatter(d.da_dv(), p.v, p.v, out.da_dv);
     scatter(d.da_du(), p.v, p.u, out.da_du);
+    scatter(d.da_dw(), p.v, p.w, out.da_dw);
     if (!request.forces) continue;
     scatter(d.dforces_dq(), p.f, p.v, out.dforces_dq);
     scatter(d.dforces_dv(), p.f, p.v, out.dforces_dv);
     scatter(d.dforces_du(), p.f, p.u, out.dforces_du);
+    scatter(d.dforces_dw(), p.f, p.w, out.dforces_dw);
   }
   return out;
 }
@@ -193,10 +217,11 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
   int cols = 0, nf = 0;
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d.request.tau);
+    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d);
     nf = d.request.forces ? static_cast<int>(data.f.size()) : 0;
     const int v_first = d.request.q ? scene.nv : 0, u_first = v_first + (d.request.v ? scene.nv : 0);
-    cols = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);
+    const int w_first = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);
+    cols = w_first + (d.request.pushes ? 6 * static_cast<int>(scene.pushes.size()) : 0);
     const auto add = [&](const auto& block, const std::vector<int>& rows, int row, const std::vector<int>& columns,
                          int column) {
       for (Eigen::Index k = 0; k < block.rows(); ++k)
@@ -206,10 +231,12 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
     add(d.da_dq(), p.v, 0, p.v, 0);
     add(d.da_dv(), p.v, 0, p.v, v_first);
     add(d.da_du(), p.v, 0, p.u, u_first);
+    add(d.da_dw(), p.v, 0, p.w, w_first);
     if (!d.request.forces) continue;
     add(d.dforces_dq(), p.f, scene.nv, p.v, 0);
     add(d.dforces_dv(), p.f, scene.nv, p.v, v_first);
     add(d.dforces_du(), p.f, scene.nv, p.u, u_first);
+    add(d.dforces_dw(), p.f, scene.nv, p.w, w_first);
   }
   Eigen::SparseMatrix<double> out(scene.nv + nf, cols);
   out.setFromTriplets(entries.begin(), entries.end());

@@ -40,6 +40,8 @@ void reset_warm_starts(SceneData& data);
 /// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
+/// Which columns of an island's derivatives are by torques, of those of out.request.
+void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
 /// -dr into the panel out.X, which is laid out and zero where it may stand. After derivative_terms.

@@ -20,6 +20,7 @@ ProductWork::ProductWork(const Scene& scene) {
   for (const Contact& contact : scene.contacts) rows += contact.rows();
   a.resize(scene.nv);
   y.resize(rows);
+  tau.resize(scene.nv);
 }
 
 namespace {
@@ -54,10 +55,31 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
 }
 
-}  // namespace
+// All robots, as an island has them.
+void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv,
+                         const double* dw, Eigen::VectorXd& dtau) {
+  const Workspace& w = *data.workspace;
+  if (!internal::forces_are_applied(w)) return;
+  for (const auto& d : w.islands)
+    add_applied_tangent(scene, data.v.data(), w.applied->forces, d->island.robots, dq.data(), dv.data(), dw,
+                        w.applied->threads.front().scratch, dtau.data());
+}
 
+// Overwrites ww, which may be nullptr.
+void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::VectorXd& wtau,
+                         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, double* ww) {
+  const Workspace& w = *data.workspace;
+  if (!internal::forces_are_applied(w)) return;
+  for (const auto& d : w.islands)
+    add_applied_adjoint(scene, data.v.data(), w.applied->forces, d->island.robots, wtau.data(),
+                        w.applied->threads.front().scratch, wq.data(), wv.data(), ww);
+}
+
+Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.pushes.size()); }
+
+// dw: nullptr for zero.
 void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
-         Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
+         const double* dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
   begin(scene, data, "jvp");
   internal::check_size("jvp", "dq", dq.size(), scene.nv);
   internal::check_size("jvp", "dv", dv.size(), scene.nv);
@@ -65,9 +87,15 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "da", da.size(), scene.nv);
   internal::check_size("jvp", "df", df.size(), data.f.size());
   set_nan(da), set_nan(df);
+  Eigen::VectorXd& torques = data.workspace->products->tau;
+  torques.setZero();
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k) torques[robot.idx_v + robot.model->actuated[k]] = du[robot.idx_u + k];
+  add_applied_tangent(scene, data, dq, dv, dw, torques);
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
-  internal::jvp_alone(scene, data, dq.data(), dv.data(), du.data(), da.data(), df.data());
-  const TangentProduct product{dq, dv, du, da, df};
+  internal::jvp_alone(scene, data, dq.data(), dv.data(), torques.data(), da.data(), df.data());
+  const ConstVector dtau = torques;
+  const TangentProduct product{dq, dv, dtau, da, df};
   each_product(
       scene, data, [&](IslandSystem& system, ThreadWork& thread) { return system.jvp(scene, data, thread, product); },
       [&](const Island& island) {
@@ -76,27 +104,57 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
       });
 }
 
+// ww: nullptr where it is not asked for.
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
-         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
+         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu, double* ww) {
   begin(scene, data, "vjp");
   internal::check_size("vjp", "wa", wa.size(), scene.nv);
   internal::check_size("vjp", "wf", wf.size(), data.f.size());
   internal::check_size("vjp", "wq", wq.size(), scene.nv);
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
-  set_nan(wq), set_nan(wv), set_nan(wu);
+  Eigen::VectorXd& torques = data.workspace->products->tau;
+  Eigen::Ref<Eigen::VectorXd> wtau = torques;
+  set_nan(wq), set_nan(wv), set_nan(wtau);
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
-  internal::vjp_alone(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wu.data());
-  const AdjointProduct product{wa, wf, wq, wv, wu};
+  internal::vjp_alone(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wtau.data());
+  const AdjointProduct product{wa, wf, wq, wv, wtau};
   each_product(
       scene, data, [&](IslandSystem& system, ThreadWork& thread) { return system.vjp(scene, data, thread, product); },
       [&](const Island& island) {
-        for (int r : island.robots) {
-          const Robot& robot = scene.robots[r];
-          set_nan(wq.segment(robot.idx_v, robot.model->nv)), set_nan(wv.segment(robot.idx_v, robot.model->nv));
-          set_nan(wu.segment(robot.idx_u, robot.model->nu()));
-        }
+        each_velocity_block(scene, island, [&](int at, int, int n) {
+          set_nan(wq.segment(at, n)), set_nan(wv.segment(at, n)), set_nan(wtau.segment(at, n));
+        });
       });
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k) wu[robot.idx_u + k] = torques[robot.idx_v + robot.model->actuated[k]];
+  add_applied_adjoint(scene, data, torques, wq, wv, ww);
+}
+
+}  // namespace
+
+void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
+         Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
+  jvp(scene, data, dq, dv, du, nullptr, da, df);
+}
+
+void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
+         const ConstVector& dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
+  internal::check_size("jvp", "dw", dw.size(), wrench_numbers(scene));
+  jvp(scene, data, dq, dv, du, dw.data(), da, df);
+}
+
+void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
+         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu) {
+  vjp(scene, data, wa, wf, wq, wv, wu, nullptr);
+}
+
+void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
+         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu,
+         Eigen::Ref<Eigen::VectorXd> ww) {
+  internal::check_size("vjp", "ww", ww.size(), wrench_numbers(scene));
+  ww.setZero();
+  vjp(scene, data, wa, wf, wq, wv, wu, ww.data());
 }
 
 }  // namespace manycontact

@@ -77,6 +77,8 @@ std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, boo
     if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot])
       sets.join(contact.A.robot, contact.B.robot);
   }
+  for (const Spring& spring : scene.springs)
+    if (joins_robots(spring) && s.loose[spring.A.robot]) sets.join(spring.A.robot, spring.B.robot);
   std::size_t count = 0;
   for (int r = 0; r < scene.nrobots(); ++r) {
     if (!s.loose[r]) continue;
@@ -174,10 +176,10 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   if (data.active.size() != scene.contacts.size())
     throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
                                 std::to_string(scene.contacts.size()) + " contacts");
-  const bool same_options = w.prepared && w.options == data.options;
-  if (same_options && w.active == data.active) return;
+  const bool same_options = w.prepared && w.options == data.options, same_springs = w.springs == scene.springs.size();
+  if (same_options && same_springs && w.active == data.active) return;
   internal::give_up_solution(data);
-  const bool all = !same_options || data.options.method == Method::kDenseSchur;
+  const bool all = !same_options || !same_springs || data.options.method == Method::kDenseSchur;
   w.prepared = false;
   keep_derivatives(w);
   if (!same_options) {  // other factors, in other orders
@@ -195,6 +197,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());
   w.active = data.active;
+  w.springs = scene.springs.size();
   ++w.layout;
   w.prepared = true;
 }

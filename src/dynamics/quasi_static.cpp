@@ -23,6 +23,10 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   std::vector<Eigen::Triplet<double>> A;  // [B J^T]
   for (int u = 0; u < nu; ++u)
     for (Eigen::SparseMatrix<double>::InnerIterator it(B, u); it; ++it) A.emplace_back(it.row(), u, it.value());
+  Eigen::VectorXd applied = Eigen::VectorXd::Zero(scene.nv);
+  internal::check_pushes(scene, data, "quasi_static");
+  internal::add_applied_forces(scene, data, q.data(), rest.data(), applied.data());
+  h -= applied;
   ++w.state;
   for (const auto& d : w.islands) {
     const Island& island = d->island;

@@ -10,6 +10,10 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
   for (const Robot& robot : scene.robots) models_.push_back(robot.model);
   for (const Contact& c : scene.contacts)
     contacts_.push_back({c.type, c.A.robot, c.A.joint, c.B.robot, c.B.joint, c.A.placement, c.axis});
+  for (const Push& push : scene.pushes) pushes_.push_back({push.at.robot, push.at.joint});
+  for (const Spring& spring : scene.springs)
+    for (const Attachment* end : {&spring.A, &spring.B}) springs_.push_back({end->robot, end->joint});
+  for (const JointSpring& spring : scene.joint_springs) joint_springs_.push_back({spring.robot, spring.joint});
 }
 
 namespace {
@@ -43,6 +47,23 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t c = 0; c < contacts_.size(); ++c)
     if (const char* what = changed(contacts_[c], scene.contacts[c]))
       return "contact '" + scene.contacts[c].name + "' has another " + what;
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // without any: none act
+}
+
+std::string SceneIdentity::difference_of_forces(const Scene& scene) const {
+  if (pushes_.size() != scene.pushes.size()) return counts("pushes", pushes_.size(), scene.pushes.size());
+  if (springs_.size() != 2 * scene.springs.size()) return counts("springs", springs_.size() / 2, scene.springs.size());
+  if (joint_springs_.size() != scene.joint_springs.size())
+    return counts("springs in joints", joint_springs_.size(), scene.joint_springs.size());
+  for (std::size_t k = 0; k < pushes_.size(); ++k)
+    if (!pushes_[k].is(scene.pushes[k].at)) return "push '" + scene.pushes[k].name + "' is on another body";
+  for (std::size_t k = 0; k < scene.springs.size(); ++k)
+    if (!springs_[2 * k].is(scene.springs[k].A) || !springs_[2 * k + 1].is(scene.springs[k].B))
+      return "spring '" + scene.springs[k].name + "' is on other bodies";
+  for (std::size_t k = 0; k < joint_springs_.size(); ++k)
+    if (scene.joint_springs[k].robot != joint_springs_[k].robot ||
+        scene.joint_springs[k].joint != joint_springs_[k].joint)
+      return "spring " + std::to_string(k) + " in a joint is in another one";
   return "";
 }
 

@@ -12,6 +12,7 @@ class SceneIdentity {
   std::string difference(const Scene& scene) const;
 
  private:
+  std::string difference_of_forces(const Scene& scene) const;
   std::vector<std::shared_ptr<const Model>> models_;  // kept: another model must not pass for one at its address
   struct OfContact {
     ContactType type;
@@ -21,6 +22,11 @@ class SceneIdentity {
   };
   static const char* changed(const OfContact& was, const Contact& is);
   std::vector<OfContact> contacts_;
+  struct Body {
+    int robot, joint;
+    bool is(const Attachment& at) const { return at.robot == robot && at.joint == joint; }
+  };
+  std::vector<Body> pushes_, springs_, joint_springs_;  // springs: A, B of each
 };
 
 }  // namespace manycontact

@@ -54,6 +54,8 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
   };
   if (!d.bodies) evaluate_at_solution(scene, data, d);  // to be looked at even where the input is refused
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
+  if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
+    report.reason = Reason::kSpringWithoutDirection;
   if (report.reason != Reason::kNone || (!is_inexact(scene, d) && solve_by(d.bodies.get()))) return;
   const Reason refused = report.reason;  // by sparse-bodies
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
@@ -121,6 +123,7 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   check_size(function, "q", q.size(), scene.nq);
   check_size(function, "v", v.size(), scene.nv);
   check_size(function, name, torques.size(), size);
+  check_pushes(scene, data, function);
   give_up_solution(data);
   prepare_checked(scene, data);
 }
@@ -136,8 +139,9 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   if (tau.data() != data.tau.data()) data.tau = tau;
   for (const Robot& robot : scene.robots)
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
-  data.report.method = data.options.method;
   w.q = q;
+  add_applied_forces(scene, data, w.q.data(), data.v.data(), data.tau.data());
+  data.report.method = data.options.method;
   ++w.state;  // never given twice, whatever became of the solve that had it
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
   const OneBlasOfThreads one_blas_thread(w);

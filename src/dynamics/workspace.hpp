@@ -5,6 +5,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "applied_forces.hpp"
 #include "derivatives/linearisation.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -64,6 +65,7 @@ struct ProductWork {
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
   Eigen::VectorXd a, y;  // of the scene, all contacts active: right-hand sides and solutions x = [a; y]
+  Eigen::VectorXd tau;   // of the scene, nv: dtau or wtau
 };
 
 /// Scratch of prepare.
@@ -98,6 +100,7 @@ struct Workspace {
   // by prepare, for `active` and `options`
   bool prepared = false;  // all of this fits; false while it is being changed
   std::vector<char> active;
+  std::size_t springs = 0;  // of the scene: they join robots to islands
   Options options;
   std::vector<ThreadWork> threads;                   // one at least
   std::vector<internal::Failure> failures;           // one per thread
@@ -123,7 +126,8 @@ struct Workspace {
   bool prescribes = false;             // the solution at hand is of such
 
   // by solve
-  Eigen::VectorXd q;  // nq: the configuration solved at
+  std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither pushes nor springs
+  Eigen::VectorXd q;                     // nq: the configuration solved at
 
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;

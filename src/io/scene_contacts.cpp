@@ -10,8 +10,7 @@ namespace {
 struct ContactElement {
   Contact contact;
   SE3<double> A_offset, B_offset;  // B_offset: in the world without `to`
-  End A, B;
-  bool to_robot = false, wrap = false;
+  EndPair ends;
   bool position_given = false, orientation_given = false;
 };
 
@@ -21,21 +20,13 @@ class ContactReader {
 
   void add(const Element& e) {
     const ContactElement c = read(e);
-    ContactGroup group{c.contact.name, c.A.copied, static_cast<int>(out_.scene.contacts.size()), 0, e.line()};
+    ContactGroup group{c.contact.name, c.ends.A.copied, static_cast<int>(out_.scene.contacts.size()), 0, e.line()};
     const auto [at, is_new] = names_.emplace(group.name, e.where());
     if (!is_new)
       e.where("name").fail("a contact named " + quote(group.name) + " exists already on " +
                            line_of(at->second, e.where()) + ", expected names used once");
-    for (int i = 0; i < c.A.count; ++i) {
-      long long target = c.B.first;  // robot
-      if (c.to_robot && c.B.copied) {
-        long long k = i + c.B.shift;
-        if (c.wrap) k = (k % c.B.count + c.B.count) % c.B.count;
-        if (k < 0 || k >= c.B.count) continue;
-        target += k;
-      }
-      add_one(e, c, i, static_cast<int>(target));
-    }
+    for (int i = 0; i < c.ends.A.count; ++i)
+      if (const std::optional<int> target = c.ends.target(i)) add_one(e, c, i, *target);
     group.count = static_cast<int>(out_.scene.contacts.size()) - group.first;
     out_.contact_groups.push_back(group);
   }
@@ -60,10 +51,7 @@ class ContactReader {
     if (e.has("mu")) c.contact.mu = e.required_number("mu");
     if (const auto normal = e.numbers<3>("normal")) c.contact.normal = Vec3<double>(normal->data());
     if (const auto box = e.numbers<2>("box")) c.contact.box = Eigen::Vector2d(box->data());
-    c.A = ends_.read(e, "frame");
-    if (c.A.shifted)
-      e.where("frame").fail("frame of <contact> is " + quote(e.required("frame")) +
-                            ", expected it without +k or -k, which belongs in 'to'");
+    c.ends = ends_.read_pair(e);
     (void)read_offset(e, "offset", c.A_offset.p);
     (void)read_quaternion(e, "offset_quat_xyzw", c.A_offset.R);
     read_target(e, c);
@@ -86,27 +74,14 @@ class ContactReader {
 
   // B': on another body, or in the world.
   void read_target(const Element& e, ContactElement& c) {
-    c.to_robot = e.has("to");
+    const bool to_robot = c.ends.to_robot;
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
-      if (!c.to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+      if (!to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
     for (const char* a : {"xyz", "quat_xyzw"})
-      if (c.to_robot && e.has(a))
+      if (to_robot && e.has(a))
         e.where(a).fail(e.label(a) + " places a contact in the world, expected it without 'to', or to_offset");
-    c.position_given = read_offset(e, c.to_robot ? "to_offset" : "xyz", c.B_offset.p);
-    c.orientation_given = read_quaternion(e, c.to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
-    c.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
-    if (!c.to_robot) return;
-
-    c.B = ends_.read(e, "to");
-    const Where here = e.where("to");
-    const std::string to = "to of <contact> is " + quote(e.required("to"));
-    if (e.has("wrap") && !c.B.shifted)
-      e.where("wrap").fail("wrap of <contact> needs a next copy, expected 'to' like robot+1/link");
-    if (c.B.copied && !c.A.copied)
-      here.fail(to + ", all copies of a robot, expected one of them, for 'frame' is on one robot");
-    if (c.B.copied && c.B.count != c.A.count)
-      here.fail(to + ", of " + std::to_string(c.B.count) + " copies, expected " + std::to_string(c.A.count) +
-                " as in 'frame'");
+    c.position_given = read_offset(e, to_robot ? "to_offset" : "xyz", c.B_offset.p);
+    c.orientation_given = read_quaternion(e, to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
   }
 
   // ---- adding copy i
@@ -123,13 +98,13 @@ class ContactReader {
 
   void add_one(const Element& e, const ContactElement& c, int i, int target) {
     Contact contact = c.contact;
-    if (c.A.copied) contact.name += std::to_string(i);
-    contact.A = attachment(c.A, c.A.first + i, c.A_offset);
+    if (c.ends.A.copied) contact.name += std::to_string(i);
+    contact.A = attachment(c.ends.A, c.ends.A.first + i, c.A_offset);
     contact.B.placement = c.B_offset;
-    if (c.to_robot)
-      contact.B = attachment(c.B, target, c.B_offset);
+    if (c.ends.to_robot)
+      contact.B = attachment(c.ends.B, target, c.B_offset);
     else if (contact.normal)  // of the world: turned as the copy is
-      contact.normal = turn_of_copy(c.A, i) * *contact.normal;
+      contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
     try {

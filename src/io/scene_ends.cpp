@@ -25,6 +25,42 @@ End EndReader::read(const Element& e, const char* attribute) {
   return end;
 }
 
+End EndReader::read_first(const Element& e, const char* attribute) {
+  const End end = read(e, attribute);
+  if (end.shifted)
+    e.where(attribute).fail(e.label(attribute) + " is " + quote(e.required(attribute)) +
+                            ", expected it without +k or -k" +
+                            (e.name() == "contact" || e.name() == "spring" ? ", which belongs in 'to'" : ""));
+  return end;
+}
+
+EndPair EndReader::read_pair(const Element& e) {
+  EndPair out;
+  out.A = read_first(e, "frame");
+  out.to_robot = e.has("to");
+  out.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
+  if (!out.to_robot) return out;
+  out.B = read(e, "to");
+  const Where here = e.where("to");
+  const std::string to = e.label("to") + " is " + quote(e.required("to"));
+  if (e.has("wrap") && !out.B.shifted)
+    e.where("wrap").fail(e.label("wrap") + " needs a next copy, expected 'to' like robot+1/link");
+  if (out.B.copied && !out.A.copied)
+    here.fail(to + ", all copies of a robot, expected one of them, for 'frame' is on one robot");
+  if (out.B.copied && out.B.count != out.A.count)
+    here.fail(to + ", of " + std::to_string(out.B.count) + " copies, expected " + std::to_string(out.A.count) +
+              " as in 'frame'");
+  return out;
+}
+
+std::optional<int> EndPair::target(int i) const {
+  if (!to_robot || !B.copied) return B.first;
+  long long k = i + B.shift;
+  if (wrap) k = (k % B.count + B.count) % B.count;
+  if (k < 0 || k >= B.count) return std::nullopt;
+  return static_cast<int>(B.first + k);
+}
+
 End EndReader::robot(const Element& e, const char* attribute, const std::string& name) const {
   End end;
   const Where here = e.where(attribute);

@@ -29,7 +29,7 @@ class IncludeReader {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
     root.allow_attributes({"name", "gravity", "damping", "tolerance", "consistent"});
-    root.allow_children({"robot", "contact", "pose", "include"});
+    root.allow_children({"robot", "contact", "push", "spring", "pose", "include"});
     for (const char* name : {"damping", "tolerance"})
       if (root.number(name, 0) < 0)
         root.where(name).fail(std::string(name) + " of <scene> is " + show(root.number(name, 0)) +
@@ -40,7 +40,7 @@ class IncludeReader {
       if (e->name() == "include")
         include(*e, root);
       else
-        (e->name() == "robot" ? out_.robots : e->name() == "pose" ? out_.poses : out_.contacts).push_back(*e);
+        list_of(e->name()).push_back(*e);
     }
     open_.pop_back();
     return root;
@@ -51,6 +51,14 @@ class IncludeReader {
     std::error_code failed;
     const auto found = std::filesystem::weakly_canonical(path, failed);
     return failed ? path : found.string();
+  }
+
+  std::vector<Element>& list_of(const std::string& name) {
+    return name == "robot"    ? out_.robots
+           : name == "pose"   ? out_.poses
+           : name == "push"   ? out_.pushes
+           : name == "spring" ? out_.springs
+                              : out_.contacts;
   }
 
   void include(const Element& e, const Element& into) {
@@ -110,6 +118,9 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);
+  add_pushes(elements.pushes, out);
+  add_springs(elements.springs, out);
+  add_joint_springs(elements.robots, out);
   add_poses(elements.poses, out);
   return out;
 }

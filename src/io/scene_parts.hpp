@@ -1,8 +1,10 @@
 #pragma once
-// The steps of read_scene, in their order: robots (with models, copies, state), then contacts and poses.
+// The steps of read_scene, in their order: robots (with models, copies, state), then contacts, pushes, springs and
+// poses.
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -16,7 +18,7 @@ namespace manycontact::io {
 /// The elements of a scene file and of those it includes, in the order in which they are met.
 struct SceneElements {
   std::vector<std::unique_ptr<XmlFile>> files;
-  std::vector<Element> robots, contacts, poses;
+  std::vector<Element> robots, contacts, pushes, springs, poses;
 };
 
 /// "line 3", or "line 3 of other.xml": where a name was given, seen from a place in a file.
@@ -80,6 +82,14 @@ struct End {
   Frame frame;
 };
 
+/// The two ends of a contact or a spring: `frame`, and `to` where there is one, of as many copies.
+struct EndPair {
+  End A, B;
+  bool to_robot = false, wrap = false;
+  /// The robot of B that belongs to copy i of A's; nullopt: none does.
+  std::optional<int> target(int i) const;
+};
+
 /// Looks up "robot/link", "copies/link", "copies+k/link" in a scene that has all its robots.
 class EndReader {
  public:
@@ -87,6 +97,10 @@ class EndReader {
 
   /// Of an attribute that must be there.
   End read(const Element& e, const char* attribute);
+  /// The same of one that stands for all copies where it names a copied robot: without +k and -k.
+  End read_first(const Element& e, const char* attribute);
+  /// By the attributes frame, to, wrap.
+  EndPair read_pair(const Element& e);
   /// The robot `name`, or copies, an attribute names; `frame` is left empty.
   End robot(const Element& e, const char* attribute, const std::string& name) const;
 
@@ -101,6 +115,11 @@ class EndReader {
 
 /// Adds all contacts; out.q must be complete.
 void add_contacts(const std::vector<Element>& elements, SceneFile& out);
+
+/// Adds all pushes, springs between points and springs in joints; out.q must be complete.
+void add_pushes(const std::vector<Element>& elements, SceneFile& out);
+void add_springs(const std::vector<Element>& elements, SceneFile& out);
+void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 
 /// Adds all poses.
 void add_poses(const std::vector<Element>& elements, SceneFile& out);

@@ -22,9 +22,8 @@ void add_poses(const std::vector<Element>& elements, SceneFile& out) {
   for (const Element& e : elements) {
     e.allow_attributes({"frame", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
     e.allow_children({});
-    const End end = ends.read(e, "frame");
+    const End end = ends.read_first(e, "frame");
     const std::string written = e.required("frame");
-    if (end.shifted) e.where("frame").fail("frame of <pose> is " + quote(written) + ", expected it without +k or -k");
     if (end.frame.joint < 0)
       e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
     ScenePose pose;

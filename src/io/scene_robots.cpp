@@ -56,9 +56,10 @@ void read_options(const Element& e, RobotElement& robot) {
   check_armature(e.where("armature"), e.label("armature"), options.armature);
   robot.joints = by_joint(e, "joint", "name");
   for (const auto& [name, joint] : robot.joints) {
-    joint.allow_attributes({"name", "q", "v", "u", "armature", "actuated"});
+    joint.allow_attributes({"name", "q", "v", "u", "armature", "actuated", "stiffness", "rest", "damping"});
     if (joint.has("actuated"))
       (joint.choice("actuated", {"false", "true"}, -1) == 0 ? options.passive : options.actuated).insert(name);
+    if (joint.has("damping")) options.joint_damping[name] = joint.required_number("damping");
     if (!joint.has("armature")) continue;
     const std::string what = "armature of joint " + quote(name);
     const auto values = parse_numbers(joint.where("armature"), what, joint.required("armature"));
@@ -113,6 +114,8 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);
   }
+  for (const auto& [name, d] : o.joint_damping)
+    key += std::string(1, '\0') + "c" + name + std::string(1, '\0') + show(d);
   for (const auto& name : o.passive) key += std::string(1, '\0') + "p" + name;
   for (const auto& name : o.actuated) key += std::string(1, '\0') + "m" + name;
   for (const auto& [name, at] : o.locked) key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);

@@ -31,12 +31,46 @@ constexpr int kMostNodes = 1000000;
 void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
   std::map<std::string, int> names;
   for (auto child = e.child(); child; child = child->next(nullptr)) {
+    if (child->name() == "push") continue;
     TaskTerm term = reader.read(*child, phase.active, terminal);
     const auto [at, is_new] = names.emplace(term.name, term.line);
     if (!is_new)
       child->where("name").fail("a cost or constraint named " + quote(term.name) + " exists already on line " +
                                 std::to_string(at->second) + ", expected names used once in a phase");
     (child->name() == "cost" ? phase.costs : phase.constraints).push_back(std::move(term));
+  }
+}
+
+// The pushes of that name: one, or those of all copies.
+std::vector<int> pushes_called(const Scene& scene, const std::string& name) {
+  if (const auto found = scene.push_index.find(name); found != scene.push_index.end()) return {found->second};
+  std::vector<int> out;
+  for (int k = 0;; ++k) {
+    const auto copy = scene.push_index.find(name + std::to_string(k));
+    if (copy == scene.push_index.end()) return out;
+    out.push_back(copy->second);
+  }
+}
+
+// <push> children: other wrenches in these nodes.
+void read_pushes(const Element& e, const Scene& scene, TaskPhase& phase) {
+  for (const Push& push : scene.pushes) phase.pushes.push_back(push.wrench);
+  for (auto child = e.child("push"); child; child = child->next("push")) {
+    child->allow_attributes({"name", "force", "torque"});
+    child->allow_children({});
+    const std::string name = child->required("name");
+    const std::vector<int> numbers = pushes_called(scene, name);
+    if (numbers.empty()) {
+      std::vector<std::string> known;
+      for (const Push& push : scene.pushes) known.push_back(push.name);
+      child->where("name").fail("there is no push " + quote(name) + " in the scene, " + suggestion(name, known));
+    }
+    const auto force = child->numbers<3>("force"), torque = child->numbers<3>("torque");
+    for (const int k : numbers) {
+      Vec6<double>& w = phase.pushes[static_cast<std::size_t>(k)];
+      if (force) w.head<3>() = Vec3<double>(force->data());
+      if (torque) w.tail<3>() = Vec3<double>(torque->data());
+    }
   }
 }
 
@@ -53,7 +87,7 @@ void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
   e.allow_attributes({"nodes", "contacts", "impact", "at"});
-  e.allow_children({"cost", "constraint"});
+  e.allow_children({"cost", "constraint", "push"});
   TaskPhase phase;
   phase.line = e.line();
   const std::string nodes = e.required("nodes");
@@ -70,6 +104,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
     }
   phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
   read_impact(e, before, phase);
+  read_pushes(e, scene, phase);
   read_terms(e, false, reader, phase);
   return phase;
 }

@@ -139,6 +139,7 @@ class Builder {
     }
     set_armature();
     if (options_.model_dynamics) set_dynamics();
+    set_joint_damping();
     return std::move(model_);
   }
 
@@ -332,6 +333,23 @@ class Builder {
       if (found == details_.joint.end() || joint.nv() > 1) continue;
       model_.damping[joint.idx_v] = found->second.damping;
       model_.friction[joint.idx_v] = found->second.friction;
+    }
+  }
+
+  void set_joint_damping() {
+    if (!options_.joint_damping.empty() && model_.damping.size() == 0)
+      model_.damping = Eigen::VectorXd::Zero(model_.nv);
+    for (const auto& [name, damping] : options_.joint_damping) {
+      const int i = model_.find_joint(name);
+      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+      const Joint& joint = model_.joints[i];
+      if (joint.nv() != 1)
+        throw UrdfOptionError(name, false,
+                              "joint " + quote(name) + " has a damping and several coordinates, expected one");
+      if (!(damping >= 0 && std::isfinite(damping)))
+        throw UrdfOptionError(
+            name, false, "the damping of joint " + quote(name) + " is " + io::show(damping) + ", expected 0 or more");
+      model_.damping[joint.idx_v] = damping;
     }
   }
 

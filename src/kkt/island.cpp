@@ -26,6 +26,8 @@ std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& ac
   sparse::UnionFind sets(memory);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (active[c] && joins_robots(scene.contacts[c])) sets.join(scene.contacts[c].A.robot, scene.contacts[c].B.robot);
+  for (const Spring& spring : scene.springs)
+    if (joins_robots(spring)) sets.join(spring.A.robot, spring.B.robot);
 
   std::vector<Island> islands;
   std::vector<int> number(scene.nrobots(), -1);

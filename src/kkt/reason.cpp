@@ -24,6 +24,8 @@ std::string to_string(Reason reason) {
       return "a quaternion is not of unit length";
     case Reason::kSingularInertia:
       return "the inertia is singular where no contact holds";
+    case Reason::kSpringWithoutDirection:
+      return "the ends of a spring coincide, so that its force has no direction";
   }
   return "?";
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "attachment.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
@@ -40,9 +41,6 @@ Attachment world_if_immovable(const Scene& scene, Attachment at) {
   return {-1, -1, robot.base * at.placement, at.frame.empty() ? "" : robot.name + "/" + at.frame};
 }
 
-namespace {
-
-// Why an attachment is none of the scene's bodies; empty when it is one.
 std::string problem(const Scene& scene, const Attachment& at) {
   const auto of = [](int number, int count) { return std::to_string(number) + " of " + std::to_string(count); };
   if (at.robot < -1 || at.robot >= scene.nrobots()) return "names robot " + of(at.robot, scene.nrobots());
@@ -59,6 +57,8 @@ std::string describe(const Scene& scene, const Attachment& at) {
   if (!at.frame.empty()) return "frame " + quote(at.frame) + of_robot;
   return at.joint < 0 ? "the base" + of_robot : "joint " + quote(robot.model->joints[at.joint].name) + of_robot;
 }
+
+namespace {
 
 // Why A and B cannot be held together; empty when they can.
 std::string problem(const Scene& scene, const Attachment& A, const Attachment& B) {

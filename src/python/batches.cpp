@@ -136,7 +136,11 @@ void add_batch_data(py::module_& m) {
       .def_property(
           "active", [](py::object self) { return flags_view(self.cast<BatchData&>().active, self); },
           [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); },
-          "One bool per contact of the scene, as SceneData.active.");
+          "One bool per contact of the scene, as SceneData.active.")
+      .def_property(
+          "pushes", [](py::object self) { return wrenches_view(self.cast<BatchData&>().pushes, self); },
+          [](BatchData& b, py::handle values) { set_wrenches("BatchData.pushes", values, b.pushes); },
+          "A wrench (6) per push of the scene, in all states; as SceneData.pushes.");
 }
 
 void add_batch_functions(py::module_& m) {

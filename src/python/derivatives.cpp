@@ -1,5 +1,7 @@
 // Derivatives and products: floor dynamics.
 
+#include <optional>
+
 #include "data.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -104,17 +106,19 @@ void add_derivative_classes(py::module_& m) {
   py::class_<DerivativeRequest> request(m, "DerivativeRequest",
                                         "What to compute; what is not asked for costs nothing.");
   add_value(request)
-      .def(py::init([](bool q, bool v, bool u, bool forces, bool tau) {
-             return DerivativeRequest{q, v, u, forces, tau};
+      .def(py::init([](bool q, bool v, bool u, bool forces, bool tau, bool pushes) {
+             return DerivativeRequest{q, v, u, forces, tau, pushes};
            }),
            py::kw_only(), py::arg("q") = true, py::arg("v") = true, py::arg("u") = true, py::arg("forces") = true,
-           py::arg("tau") = false,
-           "forces: dforces_*. tau: da_du and dforces_du by the torques on all nv coordinates, not the nu actuated.")
+           py::arg("tau") = false, py::arg("pushes") = false,
+           "forces: dforces_*. tau: da_du and dforces_du by the torques on all nv coordinates, not the nu actuated.\n"
+           "pushes: da_dw and dforces_dw.")
       .def_readwrite("q", &DerivativeRequest::q)
       .def_readwrite("v", &DerivativeRequest::v)
       .def_readwrite("u", &DerivativeRequest::u)
       .def_readwrite("forces", &DerivativeRequest::forces)
-      .def_readwrite("tau", &DerivativeRequest::tau);
+      .def_readwrite("tau", &DerivativeRequest::tau)
+      .def_readwrite("pushes", &DerivativeRequest::pushes);
 
   py::class_<IslandBlocks>(
       m, "IslandDerivatives",
@@ -128,6 +132,14 @@ void add_derivative_classes(py::module_& m) {
       .def_property_readonly("dforces_dq", block_property(&IslandDerivatives::dforces_dq), "(nc, nv)")
       .def_property_readonly("dforces_dv", block_property(&IslandDerivatives::dforces_dv), "(nc, nv)")
       .def_property_readonly("dforces_du", block_property(&IslandDerivatives::dforces_du), "(nc, nu)")
+      .def_property_readonly(
+          "da_dw", [](const IslandBlocks& b) { return copy(b.get().da_dw()); },
+          "(nv, 6 pushes) by the wrenches of `pushes`, where they were asked for; a copy.")
+      .def_property_readonly(
+          "dforces_dw", [](const IslandBlocks& b) { return copy(b.get().dforces_dw()); }, "(nc, 6 pushes); a copy.")
+      .def_property_readonly(
+          "pushes", [](const IslandBlocks& b) { return b.get().pushes; },
+          "Numbers of the scene's pushes on the island's robots, where they were asked for.")
       .def_property_readonly("nv", [](const IslandBlocks& b) { return b.get().nv; })
       .def_property_readonly("nc", [](const IslandBlocks& b) { return b.get().nc; })
       .def_property_readonly("nu", [](const IslandBlocks& b) { return b.get().nu; });
@@ -155,6 +167,8 @@ void add_derivative_classes(py::module_& m) {
   member_view(dense, "dforces_dq", &SceneDerivatives::dforces_dq, "(rows of f, nv)");
   member_view(dense, "dforces_dv", &SceneDerivatives::dforces_dv, "(rows of f, nv)");
   member_view(dense, "dforces_du", &SceneDerivatives::dforces_du, "(rows of f, nu)");
+  member_view(dense, "da_dw", &SceneDerivatives::da_dw, "(nv, 6 pushes), where they were asked for");
+  member_view(dense, "dforces_dw", &SceneDerivatives::dforces_dw, "(rows of f, 6 pushes)");
 }
 
 void add_differentiate(py::module_& m) {
@@ -183,7 +197,8 @@ void add_differentiate(py::module_& m) {
         return scipy_csc(data.use([&](SceneData& d) { return sparse_derivatives(scene, d); }));
       },
       py::arg("scene"), py::arg("data"),
-      "After differentiate: one scipy.sparse.csc_matrix of the whole scene, rows [a; f], columns [q | v | u] (those\n"
+      "After differentiate: one scipy.sparse.csc_matrix of the whole scene, rows [a; f], columns [q | v | u | w] "
+      "(those\n"
       "asked for).");
   m.def(
       "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); },
@@ -194,14 +209,20 @@ void add_differentiate(py::module_& m) {
       "scene; of one island in its own order.");
   m.def(
       "jvp",
-      [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du) {
+      [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du,
+         const std::optional<Vector>& dw) {
         Vector da(scene.nv), df(data.at_rest().f.size());
-        data.use([&](SceneData& d) { jvp(scene, d, dq, dv, du, da, df); });
+        data.use([&](SceneData& d) {
+          if (dw)
+            jvp(scene, d, dq, dv, du, *dw, da, df);
+          else
+            jvp(scene, d, dq, dv, du, da, df);
+        });
         return std::make_pair(std::move(da), std::move(df));
       },
-      py::arg("scene"), py::arg("data"), py::arg("dq"), py::arg("dv"), py::arg("du"),
-      "(da, df) = the derivatives at the last solve times (dq, dv, du), of nv, nv and nu numbers; da: (nv), df: (rows\n"
-      "of f). No matrix is formed.");
+      py::arg("scene"), py::arg("data"), py::arg("dq"), py::arg("dv"), py::arg("du"), py::arg("dw") = py::none(),
+      "(da, df) = the derivatives at the last solve times (dq, dv, du, dw), of nv, nv, nu and 6 numbers per push; da:\n"
+      "(nv), df: (rows of f). No matrix is formed.");
   m.def(
       "vjp",
       [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
@@ -212,6 +233,15 @@ void add_differentiate(py::module_& m) {
       py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"),
       "(wq, wv, wu) = (wa, wf) times the derivatives at the last solve; wa: (nv), wf: (rows of f). No matrix is "
       "formed.");
+  m.def(
+      "vjp_with_pushes",
+      [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
+        Vector wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(static_cast<Eigen::Index>(6 * scene.pushes.size()));
+        data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu, ww); });
+        return std::make_tuple(std::move(wq), std::move(wv), std::move(wu), std::move(ww));
+      },
+      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"),
+      "(wq, wv, wu, ww): vjp, and by the wrenches of the scene's pushes, 6 numbers each.");
 }
 
 }  // namespace

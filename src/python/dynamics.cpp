@@ -71,6 +71,10 @@ void add_data(py::module_& m) {
           "active", [](const std::shared_ptr<Data>& d) { return flags_view(d->at_rest().active, py::cast(d)); },
           [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
           "One bool per contact of the scene: write data.active[i] = False to switch a contact.")
+      .def_property(
+          "pushes", [](const std::shared_ptr<Data>& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
+          [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); },
+          "A wrench (6) per push of the scene, force and torque [N, N m]: write data.pushes[i] = ... to change one.")
       .def_property_readonly(
           "a", [](const Data& d) { return d.at_rest().a; }, "Accelerations (nv) [m/s^2, rad/s^2]; a copy.")
       .def_property_readonly(
@@ -105,8 +109,9 @@ void add_solutions(py::module_& m) {
       "q: configuration (nq) [m, rad; unit quaternions x, y, z, w],\n"
       "v: velocity (nv) [m/s, rad/s; of floating bases in their own frames, linear first],\n"
       "u: torques of the actuated coordinates (nu) [N m; N for prismatic joints],\n\n"
-      "    [ M  J^T     ] [  a ]   [ S^T u - h ]\n"
-      "    [ J  -delta I] [ -f ] = [   -a0     ]\n\n"
+      "    [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]\n"
+      "    [ J  -delta I] [ -f ] = [              -a0                  ]\n\n"
+      "w: the wrenches data.pushes at the frames F of the scene's pushes; tau_s: springs and friction of joints;\n"
       "per island, by data.options.method. Returns a Report, whose status says what the answer is worth; a and f of\n"
       "failed islands are NaN. Raises ValueError where sizes do not fit the scene, numbers are not finite, or the "
       "data\n"

@@ -130,6 +130,8 @@ void add_items(py::module_& m, const char* name, const char* doc, bool named) {
   }
 MANYCONTACT_HANDLE(manycontact::Contact)
 MANYCONTACT_HANDLE(manycontact::Attachment)
+MANYCONTACT_HANDLE(manycontact::Push)
 MANYCONTACT_HANDLE(manycontact::Robot)
+MANYCONTACT_HANDLE(manycontact::Spring)
 MANYCONTACT_HANDLE(manycontact::Options)
 #undef MANYCONTACT_HANDLE

@@ -42,6 +42,14 @@ void member_view(Class& c, const char* name, M member, const char* doc) {
       [member](T& self, py::handle values) { assign(self.*member, values); }, doc);
 }
 
+/// A scene's, by number or name.
+Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene);
+Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
+
+/// (n, 6) on wrenches of `owner`; and from such an array, as many.
+py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
+void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
+
 /// An array of bools on flags that hold 0 or 1; it keeps their owner.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
 /// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
@@ -52,6 +60,9 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
+// pushes and springs: classes before, functions after those of scenes
+void add_force_classes(py::module_& m);
+void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);
 void add_options(py::module_& m);
 void add_dynamics(py::module_& m);

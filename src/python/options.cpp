@@ -41,7 +41,8 @@ void add_enumerations(py::module_& m) {
                            {"DAMPING_LOST", Reason::kDampingLost},
                            {"BAD_DAMPING", Reason::kBadDamping},
                            {"BAD_QUATERNION", Reason::kBadQuaternion},
-                           {"SINGULAR_INERTIA", Reason::kSingularInertia}});
+                           {"SINGULAR_INERTIA", Reason::kSingularInertia},
+                           {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection}});
 }
 
 void add_how_to_solve(py::module_& m) {

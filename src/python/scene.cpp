@@ -192,7 +192,8 @@ void add_scene(py::module_& m) {
   py::class_<Scene, std::shared_ptr<Scene>> c(
       m, "Scene",
       "Robots and the contacts among them and with the world. Under data in use may change: gravity, damping, where\n"
-      "fixed bases stand, and of a contact B's placement, gains and reference frame; else new data are needed.");
+      "fixed bases stand, of a contact B's placement, gains and reference frame, and of pushes and springs all but\n"
+      "their bodies; else new data are needed.");
   c.def(py::init([](const std::string& name) {
           Scene scene;
           scene.name = name;
@@ -222,6 +223,8 @@ void add_scene(py::module_& m) {
           "but for that are dependent. 0: exact to rounding.")
       .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
       .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
+      .def_property_readonly("pushes", &pushes_of, "Pushes, by number or name.")
+      .def_property_readonly("springs", &springs_of, "Springs between points, by number or name.")
       .def(
           "contact",
           [](const std::shared_ptr<Scene>& s, const std::string& name) {
@@ -295,8 +298,10 @@ void add_files(py::module_& m) {
 
 void add_scenes(py::module_& m) {
   add_contacts(m);
+  add_force_classes(m);
   add_robots(m);
   add_scene(m);
+  add_forces(m);
   add_configurations(m);
   add_files(m);
 }

@@ -124,7 +124,8 @@ void add_steps(py::module_& m) {
           "[m/s, rad/s]; a step beyond it is StepStatus.TOO_FAST.")
       .def_property_readonly(
           "dynamics", [](const Simulation& s) { return s.dynamics; },
-          "SceneData of the last solve; dynamics.active may be switched between steps.");
+          "SceneData of the last solve; dynamics.active may be switched between steps, dynamics.pushes "
+          "changed.");
 
   py::class_<Trajectory> trajectory(m, "Trajectory", "States at the start and after every so many steps, by simulate.");
   add_value(trajectory)

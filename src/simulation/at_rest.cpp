@@ -1,10 +1,12 @@
 #include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
 SceneAtRest::SceneAtRest(const Scene& of) : scene(of), zero(Eigen::VectorXd::Zero(of.nv)) {
   scene.gravity.setZero();
+  drop_applied_forces(scene);
   for (const Robot& robot : of.robots) kin.emplace_back(*robot.model);
   for (const Contact& contact : of.contacts) contacts.emplace_back(contact, ContactSupport());
 }

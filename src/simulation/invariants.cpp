@@ -1,5 +1,6 @@
 #include "manycontact/simulation/invariants.hpp"
 
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/energy.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/spatial/explog.hpp"
@@ -47,6 +48,7 @@ Invariants invariants(const Scene& scene, const std::vector<char>& active, const
     out.potential += potential_energy<double>(kin, scene.gravity);
     out.momentum += momentum<double>(kin);
   }
+  out.potential += energy_of_springs(scene, q, data.kin);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (!active[c]) continue;
     const Contact& contact = scene.contacts[c];

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -53,6 +54,7 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
   if (q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
+  if (has_applied_forces(scene)) applied = std::make_shared<AppliedForces<double>>(scene);
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
   left_v = v;

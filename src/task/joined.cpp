@@ -42,6 +42,8 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     const Contact& contact = scene.contacts[c];
     if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
   }
+  for (const Spring& spring : scene.springs)
+    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms) {
       if (joins_its_robots(term))
@@ -126,7 +128,8 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
   for (std::size_t k = 0; k <= task.phases.size(); ++k) {
     const bool terminal = k == task.phases.size();
     const TaskPhase& phase = terminal ? task.terminal : task.phases[k];
-    Scene scene = task::scene_with(task, terminal ? std::vector<bool>(phase.active.size(), false) : phase.active);
+    Scene scene = task::scene_in(task, phase);
+    for (Contact& contact : scene.contacts) contact.active = contact.active && !terminal;
     for (std::size_t c = 0; c < scene.contacts.size(); ++c)
       if (phase.active[c] && task::holds_where_it_closed(task, phase, c)) scene.contacts[c].alpha = 0;
     const std::vector<Coupling> couplings = couplings_between(scene, groups);

@@ -31,6 +31,8 @@ struct Nodes {
 
 /// The scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
+/// The same, and under its pushes.
+Scene scene_in(const TaskFile& task, const TaskPhase& phase);
 /// Contact rows that depend on others, at x0, without damping: with it every row counts.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
@@ -18,6 +19,8 @@ void join_of_phase(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     const Contact& contact = scene.contacts[c];
     if (phase.active[c] && contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
   }
+  for (const Spring& spring : scene.springs)
+    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms)
       if (joins_all(term))
@@ -72,6 +75,7 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
       if (end->robot >= 0) end->robot = share.robot_at[static_cast<std::size_t>(end->robot)];
     add_contact(out.scene, std::move(contact));
   }
+  take_applied_forces(whole.scene, share.robot_at, out.scene);
   return out;
 }
 
@@ -133,6 +137,8 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
+  for (std::size_t k = 0; k < phase.pushes.size(); ++k)  // as take_applied_forces leaves them
+    if (share.robot_at[static_cast<std::size_t>(scene.pushes[k].at.robot)] >= 0) out.pushes.push_back(phase.pushes[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
       for (TaskTerm& own : terms_of(term, scene, share)) (out.*terms).push_back(std::move(own));

@@ -73,8 +73,8 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
   auto model =
       std::make_shared<DiffModel>(state, actuation, parts.contacts, costs, constraints, task.scene.scene.damping);
   model->set_storage(storage);
-  if (const Eigen::VectorXd x0 = x0_of(task.scene); dependent_rows(scene_with(task, phase.active), x0) > 0)
-    model->set_start(x0);
+  if (!phase.pushes.empty()) model->set_pushes(phase.pushes);
+  if (const Eigen::VectorXd x0 = x0_of(task.scene); dependent_rows(scene_in(task, phase), x0) > 0) model->set_start(x0);
   return model;
 }
 
@@ -104,13 +104,19 @@ Scene scene_with(const TaskFile& task, const std::vector<bool>& active) {
   return scene;
 }
 
+Scene scene_in(const TaskFile& task, const TaskPhase& phase) {
+  Scene scene = scene_with(task, phase.active);
+  for (std::size_t k = 0; k < phase.pushes.size(); ++k) scene.pushes[k].wrench = phase.pushes[k];
+  return scene;
+}
+
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
   const int nu = task.scene.scene.nu;
   std::vector<Eigen::VectorXd> us;
   for (const TaskPhase& phase : task.phases) {
     us.emplace_back(Eigen::VectorXd::Zero(nu));
     if (task.guess != TaskGuess::kQuasiStatic || nu == 0) continue;
-    us.back() = quasi_static(scene_with(task, phase.active), task.scene.q);
+    us.back() = quasi_static(scene_in(task, phase), task.scene.q);
   }
   return us;
 }

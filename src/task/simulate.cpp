@@ -80,6 +80,7 @@ SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Int
       return out;
     }
     if (nodes[t].impact) continue;
+    if (const TaskPhase& phase = phase_at(task, nodes[t]); !phase.pushes.empty()) world.dynamics.pushes = phase.pushes;
     x << world.q, world.v;
     state.diff(solution.xs[t], x, dx);
     const Eigen::VectorXd u = torques(solution, t, dx);

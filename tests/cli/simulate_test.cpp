@@ -68,6 +68,40 @@ TEST_F(Simulate, WritesTheTrajectory) {
   }
 }
 
+// A box of 6.4 kg, pushed up by twice its weight from 0.05 s on; a spring in steps that are too long for it.
+TEST_F(Simulate, PushesAndSprings) {
+  const std::string box = "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>";
+  const std::string pushed =
+      scene(box + "<push name=\"lift\" frame=\"b/crate\" force=\"0 0 62.784\" reference_frame=\"world\"/>");
+  EXPECT_EQ(run(words(pushed)).status, 0);
+  EXPECT_NEAR(trajectory().last("momentum[2]"), 0, 1e-6);  // its weight, by the scene
+  std::ofstream(path("w.csv")) << "t,w:lift[2]\n0.05,125.568\n";
+  const Outcome outcome = run(words(pushed, {"--pushes", path("w.csv"), "--json", path("s.json")}));
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_NEAR(trajectory().last("momentum[2]"), 0.05 * 62.784, 1e-6);
+  expect_contains(outcome.out, "work of pushes");
+  EXPECT_GT(nlohmann::json::parse(read_text(path("s.json"))).at("work_of_pushes"), 1);
+  const Outcome solved = run({"solve", pushed, "--derivatives", "--json", path("p.json")});
+  EXPECT_EQ(solved.status, 0);
+  expect_contains(run({"solve", pushed}).out, "in 1 island, pushes: 1");
+  const auto json = nlohmann::json::parse(read_text(path("p.json")));
+  EXPECT_EQ(json.at("push_names").at(2), "lift[2]");
+  EXPECT_NEAR(json.at("da_dw").at(2).at(2), 1 / 6.4, 1e-12);
+  const auto refused = [&](const std::string& file, const std::string& text, const std::string& message) {
+    std::ofstream(path("bad.csv")) << text;
+    const Outcome bad = run(words(file, {"--pushes", path("bad.csv")}));
+    EXPECT_EQ(bad.status, 2);
+    expect_contains(bad.err, message);
+  };
+  refused(pushed, "t,w:wind[2]\n0,1\n", "bad.csv:1: column 'w:wind[2]' is none of the scene's");
+  refused(pushed, "t,u:x\n0,1\n", "bad.csv:1: has no column of a push, expected columns like w:lift[0]");
+  refused(scene(box), "t,w:lift[2]\n0,1\n", "the scene has no <push>");
+  const std::string spring = "<spring name=\"rope\" frame=\"b/crate\" xyz=\"0 0 1\" stiffness=\"";
+  expect_lacks(run(words(scene(box + spring + "100\"/>"))).out, "unstable");
+  const Outcome stiff = run(words(scene(box + spring + "1e9\"/>")));
+  expect_contains(stiff.out, "spring rope is unstable with semi-implicit-euler beyond steps of 0.00016 s");
+}
+
 // Free fall is exact: z by semi-implicit Euler is -g h^2 k (k + 1) / 2, by RK4 -g t^2 / 2.
 TEST_F(Simulate, FreeFall) {
   const std::string falling = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>");

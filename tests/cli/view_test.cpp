@@ -382,5 +382,14 @@ TEST_F(View, BadInput) {
   }
 }
 
+TEST_F(View, PushesAndSprings) {
+  const std::string file = scene(R"(<robot name="b" urdf="box.urdf" base="floating" xyz="1 2 3"/>
+    <push frame="b/crate" offset="0 0 0.5" force="0 7 0"/>
+    <spring frame="b/crate" xyz="1 2 5" stiffness="3"/>)");
+  const ViewPage page = view(file);
+  EXPECT_EQ(page.list<float>("pushes"), (std::vector<float>{1, 2, 3.5F, 0, 7, 0}));
+  EXPECT_EQ(page.list<float>("springs"), (std::vector<float>{1, 2, 3, 1, 2, 5}));
+}
+
 }  // namespace
 }  // namespace manycontact::cli

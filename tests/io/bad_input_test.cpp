@@ -476,7 +476,8 @@ TEST_F(BadInput, DamagedFiles) {
 
 TEST_F(BadInput, Poses) {
   const std::string robot = "<scene><robot name=\"r\" urdf=\"good.urdf\"/>\n";
-  expect_scene_error(robot + "<pose frame=\"r/b\"/></scene>", 2, "asks for nothing, expected xyz, rpy or any of x, y, z");
+  expect_scene_error(robot + "<pose frame=\"r/b\"/></scene>", 2,
+                     "asks for nothing, expected xyz, rpy or any of x, y, z");
   expect_scene_error(robot + "<pose z=\"0\"/></scene>", 2, "frame");
   expect_scene_error(robot + "<pose frame=\"r/e\" z=\"0\"/></scene>", 2, "robot 'r' has no frame 'e'");
   expect_scene_error(robot + "<pose frame=\"b\" z=\"0\"/></scene>", 2, "expected robot/link");
@@ -491,6 +492,47 @@ TEST_F(BadInput, Poses) {
       "<scene><robot name=\"r\" urdf=\"good.urdf\" base=\"floating\" copies=\"2\"/>\n<pose frame=\"r+1/b\" "
       "z=\"0\"/></scene>",
       2, "expected it without +k or -k");
+}
+
+TEST_F(BadInput, PushesAndSprings) {
+  const auto scene = [](const std::string& element, const std::string& joint = "") {
+    return "<scene>\n<robot name=\"r\" urdf=\"good.urdf\">" + joint + "</robot>\n" + element + "\n</scene>\n";
+  };
+  const auto expect = [&](const std::string& element, const std::string& says) {
+    expect_scene_error(scene(element), 3, says);
+  };
+  expect(R"(<push force="1 0 0"/>)", "<push> has no attribute 'frame'");
+  expect(R"(<push frame="r/x"/>)", "frame of <push>: robot 'r' has no frame 'x'");
+  expect(R"(<push frame="q/b"/>)", "there is no robot 'q'");
+  expect(R"(<push frame="r+1/b"/>)", "is not copied");
+  expect(R"(<push frame="r/b" force="1 0"/>)", "force of <push>");
+  expect(R"(<push frame="r/b" torque="1 0 nan"/>)", "torque of <push>");
+  expect(R"(<push frame="r/b" to="r/d"/>)", "attribute 'to'");
+  expect(R"(<push frame="r/b" reference_frame="body"/>)", "reference_frame of <push>");
+  expect(R"(<push frame="r/b"><x/></push>)", "<x>");
+  expect(R"(<push frame="r/a"/>)", "cannot move");
+  expect(R"(<push frame="r/b" name=""/>)", "name of <push> is empty");
+  expect(R"(<push frame="r/b"/><push frame="r/b"/>)", "push 'r/b' exists already");
+  expect(R"(<spring frame="r/b" to="r/d"/>)", "<spring> has no attribute 'stiffness'");
+  expect(R"(<spring frame="r/b" stiffness="1"/>)", "neither 'to' nor xyz");
+  expect(R"(<spring frame="r/b" to="r/d" xyz="0 0 0" stiffness="1"/>)", "both 'to' and xyz");
+  expect(R"(<spring frame="r/b" xyz="0 0 0" to_offset="0 0 0" stiffness="1"/>)",
+         "to_offset of <spring> needs a target");
+  expect(R"(<spring frame="r/b" to="r/d" stiffness="-1"/>)", "stiffness of <spring> is -1, expected 0 or more");
+  expect(R"(<spring frame="r/b" to="r/d" stiffness="1" length="-1"/>)", "length of <spring> is -1");
+  expect(R"(<spring frame="r/b" to="r/d" stiffness="1" damping="-1"/>)", "damping of <spring> is -1");
+  expect(R"(<spring frame="r/b" to="r/c" stiffness="1"/>)", "which are on one body");
+  expect(R"(<spring frame="r/a" xyz="0 0 0" stiffness="1"/>)", "nothing can move");
+  const auto expect_joint = [&](const std::string& joint, const std::string& says) {
+    expect_scene_error(scene("", joint), 2, says);
+  };
+  expect_joint(R"(<joint name="r" rest="1"/>)", "rest of <joint> needs a spring");
+  expect_joint(R"(<joint name="r" stiffness="-1"/>)", "stiffness of <joint> is -1, expected 0 or more");
+  expect_joint(R"(<joint name="r" stiffness="x"/>)", "stiffness of <joint>");
+  expect_joint(R"(<joint name="p" stiffness="1"/>)", "joint 'p' of robot 'r' has several coordinates");
+  expect_joint(R"(<joint name="r" damping="-1"/>)", "the damping of joint 'r' is -1, expected 0 or more");
+  expect_joint(R"(<joint name="p" damping="1"/>)", "joint 'p' has a damping and several coordinates");
+  expect_joint(R"(<joint name="f" stiffness="1"/>)", "joint 'f' is fixed");
 }
 
 }  // namespace

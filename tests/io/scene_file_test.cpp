@@ -466,5 +466,65 @@ TEST(SceneFile, SharedScenes) {
   EXPECT_GT(scenes, 0);
 }
 
+TEST_F(SceneFileTest, Pushes) {
+  const SceneFile file = load(R"(
+    <robot name="one" urdf="robot.urdf" base="floating"/>
+    <robot name="many" urdf="robot.urdf" base="floating" copies="3" arrange="circle" spacing="2"/>
+    <push frame="one/foot" offset="0.1 0 0" force="1 2 3" torque="4 5 6"/>
+    <push name="wind" frame="many/hand" force="0 7 0" reference_frame="world"/>
+    <push frame="many2/leg"/>)");
+  const Scene& scene = file.scene;
+  ASSERT_EQ(scene.pushes.size(), 5u);
+  const Push& first = scene.pushes[0];
+  EXPECT_EQ(first.name, "one/foot");
+  EXPECT_EQ(first.wrench, (Vec6<double>() << 1, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(first.reference_frame, ReferenceFrame::kLocal);
+  const SE3<double> offset{Mat3<double>::Identity(), {0.1, 0, 0}};
+  const Attachment foot = attach(scene, "one", "foot", offset);
+  EXPECT_EQ(first.at.joint, foot.joint);
+  expect_near(first.at.placement, foot.placement);
+  for (int k = 0; k < 3; ++k) {  // the world's axes are every copy's
+    const Push& wind = scene.pushes[static_cast<std::size_t>(1 + k)];
+    EXPECT_EQ(wind.name, "wind" + std::to_string(k));
+    EXPECT_EQ(wind.at.robot, 1 + k);
+    EXPECT_EQ(wind.wrench[1], 7);
+    EXPECT_EQ(wind.reference_frame, ReferenceFrame::kWorld);
+  }
+  EXPECT_EQ(scene.pushes[4].name, "many2/leg");
+  EXPECT_EQ(scene.push_index.at("wind2"), 3);
+}
+
+TEST_F(SceneFileTest, Springs) {
+  const SceneFile file = load(R"(
+    <robot name="one" urdf="robot.urdf" base="floating" xyz="0 0 1"/>
+    <robot name="many" urdf="robot.urdf" copies="3" spacing="2">
+      <joint name="hip" stiffness="20" rest="0.5" damping="0.25"/>
+    </robot>
+    <spring frame="one/hand" to="one/leg" stiffness="100"/>
+    <spring name="rope" frame="one/trunk" offset="0 0 1" xyz="0 3 2" stiffness="5" damping="2"/>
+    <spring name="row" frame="many/leg" to="many+1/leg" stiffness="9" length="0.5"/>
+    <spring name="base" frame="many0/trunk" to="one/trunk" stiffness="9"/>)");
+  const Scene& scene = file.scene;
+  ASSERT_EQ(scene.springs.size(), 5u);
+  EXPECT_EQ(scene.springs[0].name, "one/hand to one/leg");
+  EXPECT_NEAR(scene.springs[0].length, Vec3<double>(0.3, 0, 0.6).norm(), 1e-14);
+  EXPECT_NEAR(scene.springs[1].length, 3, 1e-14);  // from (0, 0, 2)
+  EXPECT_EQ(scene.springs[1].damping, 2);
+  EXPECT_EQ(scene.springs[2].name, "row0");
+  EXPECT_EQ(scene.springs[3].B.robot, 3);
+  EXPECT_EQ(scene.springs[3].length, 0.5);
+  EXPECT_EQ(scene.springs[4].A.robot, 0);  // what stands on the ground is the world
+  EXPECT_EQ(scene.springs[4].B.robot, -1);
+  EXPECT_NEAR(scene.springs[4].length, 1, 1e-14);
+  ASSERT_EQ(scene.joint_springs.size(), 3u);
+  EXPECT_EQ(scene.joint_springs[2].robot, 3);
+  EXPECT_EQ(scene.joint_springs[2].stiffness, 20);
+  EXPECT_EQ(scene.joint_springs[2].rest, 0.5);
+  const Model& model = *scene.robots[1].model;
+  EXPECT_EQ(model.damping[model.joints[static_cast<std::size_t>(model.find_joint("hip"))].idx_v], 0.25);
+  EXPECT_EQ(scene.robots[0].model->damping.size(), 0);
+  EXPECT_EQ(file.open_lengths, (std::vector<int>{0, 1, 4}));
+}
+
 }  // namespace
 }  // namespace manycontact

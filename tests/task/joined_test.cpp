@@ -16,6 +16,7 @@
 #include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/task/forces.hpp"
+#include "manycontact/task/parts.hpp"
 #include "manycontact/task/simulate.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
@@ -76,6 +77,36 @@ Candidate random_candidate(const TaskProblem& problem, unsigned seed, double siz
     x = problem.state->integrate_x(x, random_vector(static_cast<int>(problem.state->get_ndx()), rng, size));
   for (Eigen::VectorXd& u : out.us) u += random_vector(static_cast<int>(u.size()), rng, 5);
   return out;
+}
+
+// The chain, pushed about, otherwise in its second phase, each robot with springs of its own.
+TaskFile pushed_chain(int robots) {
+  std::string scene = chain_scene(robots);
+  scene.resize(scene.size() - std::string("</scene>").size());
+  scene +=
+      "<push name='wind' frame='q/trunk' offset='0.1 0 0' force='5 3 -2' torque='0 1 0' reference_frame='world'/>"
+      "<push frame='q0/LF_foot' force='0 0 4'/>"
+      "<spring frame='q/trunk' xyz='0 0 1' stiffness='30' damping='2'/>"
+      "<spring frame='q/LF_foot' to='q/trunk' to_offset='0 0 0.1' stiffness='20'/></scene>";
+  return task_of("pushed" + std::to_string(robots), scene,
+                 "<phase nodes='3' contacts='RF LH RH'>" + kCosts +
+                     "</phase><phase nodes='4' contacts='RF LH RH hold'><push name='wind' force='-7 0 1'/>" + kCosts +
+                     "</phase>" + kTerminal);
+}
+
+TEST(Joined, PushesOfPhases) {
+  const TaskFile task = pushed_chain(3);
+  ASSERT_EQ(task.scene.scene.pushes.size(), 4u);
+  for (int k = 0; k < 3; ++k) {
+    const Vec6<double>& w = task.phases[1].pushes[static_cast<std::size_t>(k)];
+    EXPECT_EQ(w, (Vec6<double>() << -7, 0, 1, 0, 1, 0).finished());
+  }
+  EXPECT_EQ(task.phases[0].pushes[2][0], 5);
+  EXPECT_EQ(task.phases[1].pushes[3][2], 4);
+  const TaskFile part = part_of(task, {1, 2});
+  EXPECT_EQ(part.scene.scene.pushes.size(), 2u);
+  EXPECT_EQ(part.phases[1].pushes.size(), 2u);
+  EXPECT_EQ(part.scene.scene.springs.size(), 4u);
 }
 
 // ---- nodes ------------------------------------------------------------------------------------------------------
@@ -146,6 +177,7 @@ TEST(JoinedNodes, OfContactsOfFewerRows) {
       expect_nodes_of_the_whole(chain(2, frame, "1e-3", type), 2);
     }
 }
+TEST(JoinedNodes, WithPushesAndSprings) { expect_nodes_of_the_whole(pushed_chain(3), 3); }
 TEST(JoinedNodes, WithDamping) { expect_nodes_of_the_whole(chain(2, "local", "1e-3"), 2); }
 TEST(JoinedNodes, WithDampingAndFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "world", "1e-3"), 2); }
 

@@ -84,6 +84,12 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);
 
+  /// Wrenches of the pushes of the state's scene, which act in the solves [N, N m]; at first the scene's.
+  const std::vector<Vec6<double>>& get_pushes() const { return pushes_; }
+  /// For data created from then on as well as for data at hand. Throws std::invalid_argument unless there is one per
+  /// push.
+  void set_pushes(const std::vector<Vec6<double>>& pushes);
+
   std::size_t get_nr() const override { return costs_->get_nr(); }
   std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
@@ -119,6 +125,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   bool enable_force_;
   Options options_;
   Eigen::VectorXd start_;
+  std::vector<Vec6<double>> pushes_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;  // of the constraints, at set_g_lb, set_g_ub
 };

@@ -35,8 +35,9 @@ struct BatchData {
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
 
   // the caller's, between calls
-  Options options;           // but for its `threads`: a state is one thread's
-  std::vector<char> active;  // one per contact: as the scene has it at first
+  Options options;                   // but for its `threads`: a state is one thread's
+  std::vector<char> active;          // one per contact: as the scene has it at first
+  std::vector<Vec6<double>> pushes;  // one per push: its wrench, in all states; as the scene has it at first
 
   struct Thread {  // One thread's memory, and what went wrong in it.
     SceneData data;

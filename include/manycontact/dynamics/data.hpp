@@ -3,9 +3,11 @@
 // Scene stays constant and may be shared.
 //
 // Data belong to the scene they were made for. Under data in use may change: gravity, damping, fixed bases' placements,
-// and of a contact B's placement, reference frame and gains. Robots and their models, the number of contacts, and of a
-// contact its type, A, B's body and axis may not: every function that takes both throws std::invalid_argument where
-// these differ, and new data are needed.
+// of a contact B's placement, reference frame and gains, of pushes and springs all but their bodies. Robots and their
+// models, the number of contacts, and of a contact its type, A, B's body and axis may not, nor bodies that pushes and
+// springs are on: every function that takes both throws std::invalid_argument where these differ, and new data are
+// needed. (A copy of the scene without any pushes and springs may be solved with its data: nothing of that kind acts
+// then.)
 
 #include <cstdint>
 #include <memory>
@@ -18,8 +20,8 @@ namespace manycontact {
 /// An answer. Written by solve and solve_tau alone; estimate_condition and estimate_errors complete the report.
 struct Solution {
   std::uint64_t serial = 0;   // number of the solve, 1, 2, ...; 0: there is no answer, or it was given up
-  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at, friction of joints
-                              // included [m/s, rad/s; N, N m]
+  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at, friction of joints,
+                              // pushes and springs included [m/s, rad/s; N, N m]
   Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
   Eigen::VectorXd f;          // rows of the active contacts, in the scene's order: forces on A in the contact's
                               // reference frame [N, N m]
@@ -37,7 +39,8 @@ struct SceneData : Solution {                                           // The v
 
   // the caller's, between solves
   Options options;
-  std::vector<char> active;  // one per contact: as the scene has it at first
+  std::vector<char> active;          // one per contact: as the scene has it at first
+  std::vector<Vec6<double>> pushes;  // one per push: its wrench, as the scene has it at first [N, N m]
 
   std::unique_ptr<Workspace> workspace;
 };

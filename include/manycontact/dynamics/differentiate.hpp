@@ -9,9 +9,10 @@ namespace manycontact {
 // clang-format off
 /// Derivatives of data.a and data.f at the last solve, with its factor:
 ///
-///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - S^T u,   r2 = J a + a0 + delta f,
+///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - tau,   r2 = J a + a0 + delta f,
 ///
-/// f held constant in each contact's own frame while r1 is differentiated. Where contacts are redundant, dforces_* are
+/// f held constant in each contact's own frame while r1 is differentiated; tau(q, v, u, w) is that of motors, friction,
+/// pushes and springs. Where contacts are redundant, dforces_* are
 /// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
 /// the least-squares accelerations. NaN are the blocks of failed islands, and of those whose system for them, worse than
 /// that of the solve, was not solved to kConverged.
@@ -25,10 +26,11 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
 /// asked for come out with no columns. Throws std::logic_error unless differentiate was called after the last solve.
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
+  Eigen::MatrixXd da_dw, dforces_dw;  // by the wrenches of all pushes, 6 columns each
 };
 [[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);  // nv, nc rows
 
-/// The same as one sparse matrix, rows [a; f], columns [q | v | u] (those asked for), column-major.
+/// The same as one sparse matrix, rows [a; f], columns [q | v | u | w] (those asked for), column-major.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
 
 /// What differentiate computed last.

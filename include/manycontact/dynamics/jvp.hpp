@@ -17,4 +17,11 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu);
 
+/// The same with the wrenches of pushes, in the axes that these are stated in: dw, ww have 6 numbers each.
+void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
+         const ConstVector& dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df);
+void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
+         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu,
+         Eigen::Ref<Eigen::VectorXd> ww);
+
 }  // namespace manycontact

@@ -8,9 +8,10 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 /// Contact forward dynamics: accelerations data.a and contact forces data.f of the scene at q (nq), v (nv), u (nu, the
 /// torques of the actuated coordinates), by
 ///
-///     [ M  J^T     ] [  a ]   [ S^T u - h ]
-///     [ J  -delta I] [ -f ] = [   -a0     ]
+///     [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]
+///     [ J  -delta I] [ -f ] = [              -a0                  ]
 ///
+/// (w: wrenches data.pushes at frames F of the scene's pushes; tau_s: its springs and the friction of joints)
 /// per island, with data.options.method. Returns data.report, whose status says what the answer is worth; a failed
 /// island's a and f are NaN. Allocates nothing when every island's trees and contacts were met before, gains and frames
 /// too, by the sparse methods but sparse-supernodal. Bits do not depend on what data held before.

@@ -56,8 +56,9 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
   std::vector<ScenePose> poses;
   std::vector<OpenReference> open_references;
-  int consistent_line = 0;          // where consistent="true" stands in `path`; 0: it does not
-  std::vector<Finding> findings;    // of the robots' files, by the first robot that has the model: "herd/knee"
+  std::vector<int> open_lengths;  // springs whose length the file leaves out: it is what it is at q
+  int consistent_line = 0;        // where consistent="true" stands in `path`; 0: it does not
+  std::vector<Finding> findings;  // of the robots' files, by the first robot that has the model: "herd/knee"
 };
 
 /// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN, and q, v are as

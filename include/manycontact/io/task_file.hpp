@@ -66,10 +66,11 @@ struct TaskTerm {
 /// A phase, or the terminal node, whose contacts are the last phase's.
 struct TaskPhase {
   int line = 1;
-  int nodes = 0;             // without that of an impact
-  bool impact = false;       // before them: contacts stop their frames' velocity at once
-  bool at_scene = false;     // contacts that close hold where the scene has them, else where they close
-  std::vector<bool> active;  // per contact of the scene
+  int nodes = 0;                     // without that of an impact
+  bool impact = false;               // before them: contacts stop their frames' velocity at once
+  bool at_scene = false;             // contacts that close hold where the scene has them, else where they close
+  std::vector<bool> active;          // per contact of the scene
+  std::vector<Vec6<double>> pushes;  // per push of the scene: its wrench in these nodes; none: the scene's
   std::vector<TaskTerm> costs, constraints;
 };
 

@@ -31,6 +31,7 @@ struct UrdfOptions {           // What is said of a robot beside its file.
   bool model_dynamics = false;          // <dynamics>: fills Model::damping and friction; else only noted
   bool refuse_inertia = false;          // principal moments that no body has are an InputError; else only noted
   std::set<std::string> actuated = {};  // floating joints of the file with torques in u: they are passive by default
+  std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints of one coordinate only
 
   bool operator==(const UrdfOptions&) const = default;
 };

@@ -23,10 +23,13 @@ struct Island {
 inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 /// Whether a contact makes one island of two robots.
 inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
+/// Whether a spring does: it joins no rows of K, but derivatives have blocks between the two.
+inline bool joins_robots(const Spring& spring) { return moves(spring.A) && moves(spring.B); }
 /// The robot whose island a contact is part of: A's, or B's where A cannot move.
 inline int robot_of(const Contact& contact) { return moves(contact.A) ? contact.A.robot : contact.B.robot; }
 
-/// The islands of the scene with the given contacts active (one flag each), in the order of their first robots.
+/// The islands of the scene with its springs and the given contacts active (one flag each), in the order of their first
+/// robots.
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active);
 
 /// All robots and all active contacts of the scene as one island, whether contacts join them or not.

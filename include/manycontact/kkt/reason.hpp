@@ -15,6 +15,7 @@ enum class Reason {
   kBadDamping,       // the scene's damping is negative or not finite
   kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
   kSingularInertia,  // M is singular and the contacts do not hold what it lets go
+  kSpringWithoutDirection,  // the ends of a spring coincide
 };
 std::string to_string(Reason reason);  // in words, for people
 

@@ -80,6 +80,38 @@ struct Contact {
   int rows() const { return contact_rows(type); }  // 1, 2, 3, 5, 6
 };
 
+/// A wrench from outside on a body, at a frame: what pushes or pulls a robot, as wind, a hand, a rope do.
+struct Push {
+  std::string name;
+  Attachment at;  // the frame: its origin is where the force acts
+  ReferenceFrame reference_frame =
+      ReferenceFrame::kLocal;                  // axes of the wrench: the frame's, which turn with the body,
+                                               // or the world's (kWorld, kLocalWorldAligned: the same)
+  Vec6<double> wrench = Vec6<double>::Zero();  // [force; torque about the origin] [N, N m] at the start;
+                                               // data may change it (SceneData::pushes)
+};
+
+/// A spring and damper between two points, massless: it pulls A to B with the force
+///
+///     stiffness (s - length) + damping ds/dt,    s the distance between the points
+///
+/// along the line through them, and pushes where that is negative. Where the points coincide the line has no direction,
+/// and a solve fails (Reason::kSpringWithoutDirection), unless length and damping are zero.
+struct Spring {
+  std::string name;
+  Attachment A, B;       // the frames' origins; B may be in the world
+  double stiffness = 0;  // N / m
+  double length = 0;     // at rest [m]
+  double damping = 0;    // N s / m
+};
+
+/// A spring in a joint of one coordinate: the torque -stiffness (q - rest). (Its damper: Model::damping.)
+struct JointSpring {
+  int robot = -1, joint = -1;
+  double stiffness = 0;  // N m / rad, N / m
+  double rest = 0;       // rad, m
+};
+
 struct Scene {  // Constant while it is solved; data.hpp says what may change between solves.
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
@@ -89,10 +121,13 @@ struct Scene {  // Constant while it is solved; data.hpp says what may change be
   double tolerance = 0;
   std::vector<Robot> robots;
   std::vector<Contact> contacts;
+  std::vector<Push> pushes;
+  std::vector<Spring> springs;
+  std::vector<JointSpring> joint_springs;
 
-  // Kept by add_robot and add_contact.
+  // Kept by add_robot, add_contact, add_push and add_spring.
   int nq = 0, nv = 0, nu = 0;
-  std::unordered_map<std::string, int> robot_index, contact_index;  // by name
+  std::unordered_map<std::string, int> robot_index, contact_index, push_index, spring_index;  // by name
 
   int nrobots() const { return static_cast<int>(robots.size()); }  // copies counted
 };
@@ -118,6 +153,28 @@ Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 /// numbers that are not finite, an axis below kZeroDirection, a name used twice, a 5D contact in axes that are not
 /// local, a negative mu or box, a box on a contact that is not 6D.
 int add_contact(Scene& scene, Contact contact);
+
+/// Appends a push; returns its number. Throws std::invalid_argument: an unknown robot or joint, a body that cannot
+/// move, numbers that are not finite, a name used twice.
+int add_push(Scene& scene, Push push);
+
+/// Appends a spring, its ends by world_if_immovable and exchanged where A cannot move; returns its number. Throws
+/// std::invalid_argument: an unknown robot or joint, both ends on one body, neither can move, a negative number or one
+/// that is not finite, a name used twice.
+int add_spring(Scene& scene, Spring spring);
+
+/// Appends a joint's spring; returns its number. Throws std::invalid_argument: an unknown robot or joint, a joint of
+/// several coordinates, a negative stiffness, a number that is not finite.
+int add_joint_spring(Scene& scene, const std::string& robot, const std::string& joint, double stiffness,
+                     double rest = 0);
+
+/// "wind[0]", ... "wind[5]" of each push: names of the numbers of all wrenches, one after the other.
+std::vector<std::string> push_names(const Scene& scene);
+
+/// Whether anything but motors, gravity and contacts acts: pushes and springs.
+inline bool has_applied_forces(const Scene& scene) {
+  return !scene.pushes.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
+}
 
 /// Names of the coordinates of q, v, u: "r0/knee", or "r0/root[0]" of a joint with several.
 std::vector<std::string> configuration_names(const Scene& scene);

@@ -1,6 +1,6 @@
 #pragma once
-// What exact motion keeps: the errors of contacts (zero if they start so), energy without torques and gains, momentum
-// without gravity and contacts with the world.
+// What exact motion keeps: the errors of contacts (zero if they start so), energy without torques,
+// pushes, dampers and gains, momentum without gravity and contacts with the world.
 
 #include <vector>
 
@@ -12,7 +12,7 @@ struct Invariants {           // Of a scene at one state.
   double position_drift = 0;  // max |W e| over the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
   double velocity_drift = 0;  // max |J v| [m/s, rad/s]
   double kinetic = 0;         // J, rotors (armature) included
-  double potential = 0;       // J, zero at the world's origin
+  double potential = 0;       // J, of gravity, zero at the world's origin, and of springs
   Vec6<double> momentum = Vec6<double>::Zero();  // of the bodies, about the world's origin: linear [N s], angular
 
   double energy() const { return kinetic + potential; }  // J

@@ -62,9 +62,9 @@ struct FreeGroups {
   bool nested = false;            // a free joint hangs on a body that moves
 };
 
-/// Before a step from q, v with the torques tau (nv: on every velocity coordinate) of motors: finds the groups with the
-/// contacts flagged `active`, and what their momentum will be after a step of h. kin: per robot, at q and v. Allocates
-/// nothing.
+/// Before a step from q, v with the torques tau (nv: on every velocity coordinate) of motors, pushes and springs: finds
+/// the groups with the contacts flagged `active`, and what their momentum will be after a step of h. kin: per robot, at
+/// q and v. Allocates nothing.
 void begin_free_motion(const Scene& scene, const std::vector<char>& active,
                        const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
                        const std::vector<Kinematics<double>>& kin, FreeGroups& groups);

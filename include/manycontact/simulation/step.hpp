@@ -3,9 +3,10 @@
 //
 // Semi-implicit Euler holds contacts in the velocity, by an impulse h f:
 //
-//     [ M  J^T     ] [ v+   ]   [ M v + h (S^T u - h(q, v)) ]
+//     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
+// with tau = tau(q, v, u, w) of motors, friction, pushes and springs,
 // and then gives what nothing ties to the world the momentum that it has to have (simulation/momentum.hpp). Here e is
 // the contact's error and c its velocity as the last step left it: J v at the start, then J of the last
 // configuration times v. Where e = c = 0 this takes v + h a_free to the nearest velocity that the contacts allow, in
@@ -37,6 +38,9 @@
 
 namespace manycontact {
 
+template <class S>
+struct AppliedForces;  // private to floor algorithm
+
 /// What became of a step.
 enum class StepStatus {
   kOk,
@@ -46,7 +50,8 @@ enum class StepStatus {
 };
 
 /// The scene at rest, of which semi-implicit Euler and impacts ask for a velocity in the place of an acceleration: no
-/// gravity, no bias, and a contact's error e is to be answered by a velocity. With the memory for that.
+/// gravity, no bias, no pushes and springs, and a contact's error e is to be answered by a velocity. With the memory
+/// for that.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // a copy of it, without gravity
   /// Takes over what may change in `of`. alpha becomes alpha h [1/s], beta 0.
@@ -82,7 +87,8 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   long steps = 0;              // done so far
   Status worst = Status::kOk;  // of all solves so far
   SceneData dynamics;          // a, f, report: of the last solve; by semi-implicit Euler a mean acceleration, and
-                               // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp)
+                               // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp),
+                               // and dynamics.pushes changed
   Eigen::VectorXd f;           // by step: contact forces at the state it started from, rows as in Solution::f
   std::vector<int> f_offset;   // by step: per contact its first row in f, -1 where it was not active
   Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
@@ -92,7 +98,8 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
 
   // by semi-implicit Euler
   FreeGroups free_groups;
-  Eigen::VectorXd contact_v;  // c, rows as in f, for the state and contacts
+  std::shared_ptr<AppliedForces<double>> applied;  // nullptr: the scene has none
+  Eigen::VectorXd contact_v;                       // c, rows as in f, for the state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;
 

@@ -57,6 +57,7 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
     g_lb_ = constraints_->get_lb();
     g_ub_ = constraints_->get_ub();
   }
+  for (const Push& push : multibody_->get_model()->scene().pushes) pushes_.push_back(push.wrench);
   set_damping_factor(damping);
   models_ = std::make_shared<std::vector<std::shared_ptr<const Model>>>();
   set_armature(armature_);
@@ -78,6 +79,11 @@ void Model_::set_damping_factor(double damping) {
 void Model_::set_start(const Eigen::VectorXd& x0) {
   if (x0.size() > 0) check_size("set_start", "x0", x0.size(), state_->get_nx());
   start_ = x0;
+}
+
+void Model_::set_pushes(const std::vector<Vec6<double>>& pushes) {
+  check_size("set_pushes", "pushes", static_cast<Eigen::Index>(pushes.size()), pushes_.size());
+  pushes_ = pushes;
 }
 
 void Model_::set_armature(const Eigen::VectorXd& armature) {
@@ -130,6 +136,7 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
     internal::update_contacts(*contacts_, m.scene, m.solution);
     d.laid_out = false;
   }
+  m.solution.pushes = pushes_;
   if (!is_prepared(m.solution)) {
     m.prepare();
     d.laid_out = false;

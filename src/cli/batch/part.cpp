@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::cli {
@@ -85,6 +86,7 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
     part.scene.contact_index[contact.name] = static_cast<int>(part.scene.contacts.size());
     part.scene.contacts.push_back(std::move(contact));
   }
+  take_applied_forces(scene, own_robot, part.scene);
   part.nq = scene.nq, part.nv = scene.nv, part.nu = scene.nu;
   return part;
 }

@@ -13,6 +13,7 @@
 #include "../view/view.hpp"
 #include "control.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/simulation/spring_steps.hpp"
 #include "switches.hpp"
 #include "watch.hpp"
 
@@ -33,7 +34,8 @@ struct Run {
   StepStatus stopped = StepStatus::kOk;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
-  Findings at_start;  // of files; contacts out of place or moving; joints without inertia, where that ended it
+  SpringStep shortest;  // at the start
+  Findings at_start;    // of files; contacts out of place or moving; joints without inertia, where that ended it
   std::optional<Recording> view;
 };
 
@@ -86,6 +88,16 @@ struct Around {
   Watch watch;
   std::optional<Switches> switches;
   std::unique_ptr<CsvFile> forces;
+  std::optional<TimeTable> pushes;
+  Eigen::VectorXd wrenches;  // of all pushes, one after the other
+
+  /// The wrenches at t, where a file has them, into the data of the next step.
+  void push(double t, SimulationData& sim) {
+    if (!pushes) return;
+    pushes->at(t, false, wrenches);
+    for (std::size_t k = 0; k < sim.dynamics.pushes.size(); ++k)
+      sim.dynamics.pushes[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
+  }
 };
 
 // The forces at the last state, by a step that is taken back.
@@ -94,6 +106,7 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   const long steps = sim.steps;
   const Status worst = sim.worst;
   const double t = sim.time();
+  around.push(t, sim);
   if (step(scene, around.control.at(t, q, v), sim) == StepStatus::kOk) write_forces_row(t, scene, sim, *around.forces);
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
@@ -109,7 +122,14 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
     if (run.view) {
       const Eigen::VectorXd& u = around.control.at(sim.time(), sim.q, sim.v);
-      add_state({sim.time(), sim.q, sim.v, sim.dynamics.active, u}, *run.view);
+      around.push(sim.time(), sim);
+      add_state({.t = sim.time(),
+                 .q = sim.q,
+                 .v = sim.v,
+                 .active = sim.dynamics.active,
+                 .u = u,
+                 .pushes = sim.dynamics.pushes},
+                *run.view);
     }
   };
   write_trajectory_header(scene, csv);
@@ -132,6 +152,7 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     const double t = sim.time();
     q = sim.q, v = sim.v;
     const Eigen::VectorXd& u = around.control.at(t, q, v);
+    around.push(t, sim);
     run.stopped = step(scene, u, sim);
     if (run.stopped == StepStatus::kOk) {
       around.watch.look(scene, t, q, v, u, sim);
@@ -166,6 +187,21 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
+// The spring that bears the smallest step, if that is below h.
+std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
+  if (shortest.spring < 0 || shortest.largest >= sim.h) return "";
+  std::string who;
+  if (shortest.in_joint) {
+    const JointSpring& spring = scene.joint_springs[static_cast<std::size_t>(shortest.spring)];
+    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    who = "the spring of joint " + robot.name + "/" + robot.model->joints[spring.joint].name;
+  } else {
+    who = "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
+  }
+  return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
+         " s, for what it moves at the start";
+}
+
 void print_impacts(std::ostream& out, const Around& around) {
   if (!around.switches) return;
   for (const Switches::ImpactEvent& blow : around.switches->blows())
@@ -194,6 +230,7 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
              short_of(run.largest.velocity_drift), "m/s, rad/s"});
   table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
   table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; what impacts took is subtracted"});
+  if (!file.scene.pushes.empty()) table.add({"work of pushes", "", number(around.watch.work_of_pushes(), 6), "", "J"});
   table.print(out);
   print_impacts(out, around);
   const std::string late = switches_not_reached(around, sim);
@@ -201,6 +238,8 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   print_findings(out, file.scene, run.at_start);
   around.watch.print(out, file, sim, run.start, run.end, run.largest.kinetic);
   print_advice(out, file.scene, sim);
+  const std::string springs = spring_advice(file.scene, sim, run.shortest);
+  if (!springs.empty()) wrap(out, printable(springs), 2);
 }
 
 Json document(const SceneFile& file, const SimulationData& sim, const Around& around, const Run& run) {
@@ -214,6 +253,7 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
       {"stopped", run.stopped == StepStatus::kOk ? Json(nullptr) : Json(failure(file.scene, sim, run.stopped))},
       {"energy", {run.start.energy(), run.end.energy()}},
       {"largest_position_drift", run.largest.position_drift}};
+  json["largest_step_of_springs"] = run.shortest.spring < 0 ? Json(nullptr) : Json(run.shortest.largest);
   add_findings(file.scene, run.at_start, json);
   around.watch.add_to(json, file.scene);
   return json;
@@ -221,7 +261,18 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
 
 // Torques over time or a PD law, switches, and the file for forces.
 Around around_of(const Arguments& arguments, const SceneFile& file) {
-  Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr};
+  Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr, std::nullopt, {}};
+  if (const auto pushes = arguments.value("--pushes")) {
+    if (file.scene.pushes.empty())
+      throw InputError(file.path, 1, "the scene has no <push>, expected those that --pushes gives wrenches");
+    out.pushes.emplace(*pushes, "w:", push_names(file.scene));
+    if (out.pushes->empty())
+      throw InputError(*pushes, 1,
+                       "has no column of a push, expected columns like w:" + push_names(file.scene).front());
+    out.wrenches.resize(static_cast<Eigen::Index>(6 * file.scene.pushes.size()));
+    for (std::size_t k = 0; k < file.scene.pushes.size(); ++k)
+      out.wrenches.segment<6>(static_cast<Eigen::Index>(6 * k)) = file.scene.pushes[k].wrench;
+  }
   if (const auto torques = arguments.value("--torques")) out.control.read_torques(*torques);
   const auto pd = arguments.value("--pd"), reference = arguments.value("--reference");
   if (reference && !pd) throw UsageError("option --reference needs --pd");
@@ -243,7 +294,8 @@ int run_simulate(const Arguments& arguments) {
   const auto out = arguments.value("--out");
   if (!out) throw UsageError("option --out is missing");
   check_files(arguments,
-              {path, arguments.value("--torques").value_or("-"), arguments.value("--reference").value_or("-")},
+              {path, arguments.value("--torques").value_or("-"), arguments.value("--reference").value_or("-"),
+               arguments.value("--pushes").value_or("-")},
               {"--out", "--forces", "--json", "--view"});
 
   SceneFile file = load_scene(path);
@@ -258,6 +310,7 @@ int run_simulate(const Arguments& arguments) {
   run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   sim.condition_every = kConditionEvery;
+  run.shortest = shortest_spring_step(file.scene, sim.dynamics.active, file.q, run.integrator);
   run.at_start.files = file.findings;
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
   run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
@@ -299,6 +352,10 @@ const Command& simulate_command() {
        {"--passive", "", "without torques"},
        {"--torques", "FILE",
         "CSV: t and columns u:robot/joint, held from row to row; else, and before the first, the scene's"},
+       {"--pushes", "FILE",
+        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, held from row to row; "
+        "else, "
+        "and before the first, the scene's"},
        {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
        {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
        {"--switch", "LIST",

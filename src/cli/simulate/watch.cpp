@@ -6,6 +6,7 @@
 
 #include "../text/describe.hpp"
 #include "../text/table.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
@@ -68,10 +69,33 @@ void print_copies(std::ostream& out, const Scene& scene, const List& seen, const
 
 }  // namespace
 
+struct Watch::Applied {
+  explicit Applied(const Scene& scene) : forces(scene), tau(scene.nv) {}
+  AppliedForces<double> forces;
+  Eigen::VectorXd tau;
+
+  AppliedPower at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const SimulationData& sim) {
+    tau.setZero();
+    add_applied_forces<double>(scene, q.data(), v.data(), sim.dynamics.pushes, forces, tau.data());
+    return power_of(scene, forces);
+  }
+};
+
+Watch::Watch(const Scene& scene, const Options& options) : posture_(scene, options) {
+  if (has_applied_forces(scene)) applied_ = std::make_unique<Applied>(scene);
+}
+Watch::~Watch() = default;
+Watch::Watch(Watch&&) noexcept = default;
+
 void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                  const Eigen::VectorXd& u, const SimulationData& sim) {
   work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
   friction_work_ += sim.h * (friction_power(scene, v) + friction_power(scene, sim.v)) / 2;
+  if (applied_) {
+    const AppliedPower before = applied_->at(scene, q, v, sim), after = applied_->at(scene, sim.q, sim.v, sim);
+    push_work_ += sim.h * (before.pushes + after.pushes) / 2;
+    friction_work_ += sim.h * (before.dampers + after.dampers) / 2;
+  }
   keep_dependent_as(sim.dynamics, posture_.rest.scene, posture_.dynamics);
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
   if (closest.share < least_share_) least_share_ = closest.share, share_time_ = t - (1 - closest.at) * sim.h;
@@ -137,13 +161,14 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
                          const Invariants& end, double most_kinetic) const {
-  const double gained = end.energy() - start.energy() - work_ - friction_work_;
+  const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_;
   if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
   const std::string why = "steps of " + number(sim.h) +
                           " s are too long for this motion, or gains correct contacts that are out of place" +
                           (gained < 0 && scene.damping > 0 ? ", or --damping takes it" : "");
   wrap(out,
-       gained > 0 ? "energy grew by " + number(gained) + " J more than the torques gave: " + why
+       gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" + (applied_ ? " and pushes" : "") +
+                        " gave: " + why
                   : "energy fell by " + number(-gained) + " J more than torques" +
                         (friction_work_ < 0 ? ", friction" : "") + " and impacts took: " + why,
        2);
@@ -162,6 +187,7 @@ void Watch::add_to(Json& json, const Scene& scene) const {
   list("limits_passed", by_time(limits_));
   json["work_of_torques"] = work_;
   json["work_of_friction"] = friction_work_;
+  json["work_of_pushes"] = push_work_;
   json["closest_to_singular"] = least_share_;
   json["closest_to_singular_time"] = share_time_;
   json["largest_condition"] = largest_condition_;

@@ -3,6 +3,7 @@
 // singular postures, energy that nothing gave or took.
 
 #include <map>
+#include <memory>
 
 #include "../text/findings.hpp"
 #include "manycontact/simulation/posture.hpp"
@@ -12,13 +13,16 @@ namespace manycontact::cli {
 
 class Watch {
  public:
-  Watch(const Scene& scene, const Options& options) : posture_(scene, options) {}
+  Watch(const Scene& scene, const Options& options);
+  ~Watch();
+  Watch(Watch&&) noexcept;
   /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
   void lost(double energy) { work_ -= energy; }  // in an impact
 
-  double work() const { return work_; }  // J, of the torques, less what impacts took
+  double work() const { return work_; }                 // J, of the torques, less what impacts took
+  double work_of_pushes() const { return push_work_; }  // J
   /// Copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
@@ -40,7 +44,11 @@ class Watch {
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
                     const Invariants& end, double most_kinetic) const;
 
-  double work_ = 0, friction_work_ = 0;
+  // Of pushes and dampers, W; pushes as in `sim`.
+  struct Applied;
+  std::unique_ptr<Applied> applied_;  // nullptr: the scene has none
+
+  double work_ = 0, friction_work_ = 0, push_work_ = 0;
   PostureData posture_;
   double least_share_ = 1, share_time_ = 0;  // the least sigma of its largest, and when
   double singular_time_ = -1;                // when it first was next to nothing, -1: never

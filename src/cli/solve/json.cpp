@@ -97,6 +97,11 @@ Json document(const SolvedScene& s) {
     json["dforces_dq"] = matrix(d.dforces_dq);
     json["dforces_dv"] = matrix(d.dforces_dv);
     json["dforces_du"] = matrix(d.dforces_du);
+    if (!s.file.scene.pushes.empty()) {
+      json["push_names"] = push_names(s.file.scene);
+      json["da_dw"] = matrix(d.da_dw);
+      json["dforces_dw"] = matrix(d.dforces_dw);
+    }
   }
   if (s.quasi_static_u) json["quasi_static_u"] = json_of(*s.quasi_static_u);
   add_findings(s.file.scene, s.findings, json);

@@ -120,7 +120,9 @@ SolvedScene solve_scene(const SceneFile& file, const Options& options, int repea
   once();
   time.solve = median_time(repeat, once);
   if (derivatives) {
-    const auto again = [&] { (void)differentiate(scene, s.data); };
+    DerivativeRequest request;
+    request.pushes = !scene.pushes.empty();
+    const auto again = [&] { (void)differentiate(scene, s.data, request); };
     again();
     time.derivatives = median_time(repeat, again);
   }

@@ -12,6 +12,15 @@ namespace {
 
 constexpr std::size_t kMostRobotLines = 24;  // lines, and kinds of notes
 
+// ", pushes: 2, springs: 3"; empty where the scene has neither.
+std::string applied_forces(const Scene& scene) {
+  const std::size_t springs = scene.springs.size() + scene.joint_springs.size();
+  std::string out;
+  if (!scene.pushes.empty()) out += ", pushes: " + std::to_string(scene.pushes.size());
+  if (springs > 0) out += ", springs: " + std::to_string(springs);
+  return out;
+}
+
 }  // namespace
 
 std::string group_name(const RobotGroup& group) {
@@ -76,7 +85,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   wrap(out,
        "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
-           " in " + count(static_cast<long>(count_islands(scene, data)), "island"),
+           " in " + count(static_cast<long>(count_islands(scene, data)), "island") + applied_forces(scene),
        0);
   Lines lines;  // of many robots those that read alike are one line
   const bool many = file.robot_groups.size() > kMostRobotLines;

@@ -63,6 +63,8 @@ Json frames_of(const Recording& r) {
           {"held", base64_of(r.held)},
           {"normals", base64_of(r.normals)},
           {"forces", base64_of(r.forces)},
+          {"pushes", base64_of(r.pushes)},
+          {"springs", base64_of(r.springs)},
           {"flags", base64_of(r.flags)}};
 }
 
@@ -90,7 +92,8 @@ void check_size(const Recording& r) {
   const double frames = static_cast<double>(r.t.size());
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
-                        20. * static_cast<double>(r.points.size()));  // with normals, forces and what is held to
+                        20. * static_cast<double>(r.points.size()) +  // with normals, forces and what is held to
+                        4. * static_cast<double>(r.pushes.size() + r.springs.size()));
   if (bytes > kLargestPage)
     throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
                      " frames, expected at most " + number(kLargestPage / 1e6) + ": a shorter motion or fewer robots");
@@ -113,6 +116,8 @@ std::vector<std::string> write_view(const SceneFile& file, Recording& recording,
   scene.update(shapes_of(file, notes, meshes));
   check_unread("the page", path, meshes);
   scene["contacts"] = contacts_of(recording);
+  scene["pushes"] = file.scene.pushes.size();
+  scene["springs"] = file.scene.springs.size();
   scene["frames"] = frames_of(recording);
   scene["notes"] = notes;
   const std::string json =

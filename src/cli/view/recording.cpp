@@ -86,6 +86,18 @@ void record_contacts(const ViewState& state, Recording& r) {
   }
 }
 
+void record_forces(Recording& r) {
+  for (std::size_t k = 0; k < r.scene->pushes.size(); ++k) {
+    const Push& push = r.scene->pushes[k];
+    const SE3<double> at = placement_of(push.at, r);
+    const Vec3<double> force = r.dynamics.pushes[k].head<3>();
+    append(at.p, r.pushes);
+    append(push.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(at.R * force) : force, r.pushes);
+  }
+  for (const Spring& spring : r.scene->springs)
+    for (const Attachment* end : {&spring.A, &spring.B}) append(placement_of(*end, r).p, r.springs);
+}
+
 // An island is called by its first robot, so that its colour stays when others change.
 void record_islands(Recording& r) {
   std::vector<std::int32_t> first(island_count(r.dynamics), -1);
@@ -98,6 +110,7 @@ void record_islands(Recording& r) {
 
 void record(const ViewState& state, Recording& r) {
   r.dynamics.active = state.active;
+  if (state.pushes) r.dynamics.pushes = *state.pushes;
   const Eigen::VectorXd u = state.u.value_or(Eigen::VectorXd::Zero(r.scene->nu));
   (void)solve(*r.scene, state.q, state.v, u, r.dynamics);  // forces of an island that failed are NaN, thus unknown
   const Invariants at = invariants(*r.scene, state.active, state.q, state.v, r.room);
@@ -109,6 +122,7 @@ void record(const ViewState& state, Recording& r) {
   r.velocity_drift.push_back(static_cast<float>(drift[1]));
   record_bodies(r);
   record_contacts(state, r);
+  record_forces(r);
   record_islands(r);
 }
 

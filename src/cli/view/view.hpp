@@ -19,6 +19,7 @@ struct ViewState {
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
   std::optional<std::vector<Eigen::VectorXd>> forces = {};  // per contact, in its reference frame
   std::optional<Eigen::Vector2d> drift = {};                // position, velocity; default: those of `active`
+  std::optional<std::vector<Vec6<double>>> pushes = {};     // wrenches; default: the scene's
 };
 
 /// What the page draws, a frame after the other.
@@ -41,6 +42,8 @@ struct Recording {
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
+  std::vector<float> pushes, springs;                 // 6 per push, in the world: where it acts, its force [N];
+                                                      // 6 per spring: its ends
   std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 

@@ -5,6 +5,7 @@
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
+#include "manycontact/model/applied_forces.hpp"
 
 namespace manycontact::internal {
 
@@ -28,6 +29,7 @@ void copy_what_may_change(const Scene& from, Scene& to) {
 Scene without_gravity(const Scene& from) {
   Scene out = from;
   out.gravity.setZero();
+  drop_applied_forces(out);
   copy_what_may_change(from, out);
   return out;
 }
@@ -59,6 +61,39 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw)
     robots_.emplace_back(*robot.model);
   }
   keep_dependent_as(of.solution, scene, solution);
+  if (!has_applied_forces(of.scene)) return;
+  applied_ = std::make_unique<AppliedForces<double>>(of.scene);
+  scratch_ = std::make_unique<AppliedScratch>(*applied_);
+  for (int r = 0; r < scene.nrobots(); ++r) all_robots_.push_back(r);
+  for (Eigen::VectorXd* x : {&unit_, &by_q_, &by_v_}) x->setZero(scene.nv);
+  dtau_dx_ = Eigen::MatrixXd::Ones(scene.nv, 2 * scene.nv).sparseView();
+}
+
+void HeldVelocities::take_torques(const DataCollector& of) {
+  torques_ = of.actuation->tau;
+  if (applied_)
+    add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.pushes, *applied_, torques_.data());
+}
+
+// A row of dtau by each coordinate's torque.
+void HeldVelocities::differentiate_torques(const DataCollector& of) {
+  if (!applied_) return;
+  take_torques(of);
+  for (int i = 0; i < scene.nv; ++i) {
+    unit_[i] = 1;
+    by_q_.setZero();
+    by_v_.setZero();
+    add_applied_adjoint(of.scene, v.data(), *applied_, all_robots_, unit_.data(), *scratch_, by_q_.data(), by_v_.data(),
+                        nullptr);
+    unit_[i] = 0;
+    for (int j = 0; j < scene.nv; ++j) {
+      dtau_dx_.coeffRef(i, j) = by_q_[j];
+      dtau_dx_.coeffRef(i, scene.nv + j) = by_v_[j];
+    }
+  }
+  for (Eigen::Index c = 0; c < of.actuation->dtau_dx.outerSize(); ++c)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(of.actuation->dtau_dx, c); it; ++it)
+      dtau_dx_.coeffRef(it.row(), it.col()) += it.value();
 }
 
 void HeldVelocities::kinematics_at_start(const DataCollector& of) {
@@ -82,12 +117,13 @@ void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataColle
     const Model& model = *robot.model;
     inverse_dynamics<double>(model, kin[r], nullptr, {}, robots_[r].f, tau.segment(robot.idx_v, model.nv));
   }
-  tau = of.actuation->tau - tau;
+  take_torques(of);
+  tau = torques_ - tau;
   for (const Robot& robot : scene.robots) {  // solve adds that at s v
     add_friction(*robot.model, v.data() + robot.idx_v, tau.data() + robot.idx_v);
     add_friction(*robot.model, slow.data() + robot.idx_v, tau.data() + robot.idx_v, -1);
   }
-  begin_free_motion(of.scene, solution.active, of.actuation->tau, h, kin, groups);
+  begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
   (void)solve_tau(scene, q, slow, tau, solution);
 }
 
@@ -106,7 +142,8 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
     for (Eigen::Index c = 0; c < B.outerSize(); ++c)
       for (Eigen::SparseMatrix<double>::InnerIterator it(B, c); it; ++it) dtau_(it.row(), first + c) += it.value();
   };
-  add(of.actuation->dtau_dx, 0);
+  differentiate_torques(of);
+  add(dtau_dx(of), 0);
   add(of.actuation->dtau_du, 2 * nv);
   kinematics_at_start(of);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
@@ -148,8 +185,7 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
 
 void HeldVelocities::differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F) {
   kinematics_at_start(of);
-  differentiate_begin(of.scene, of.actuation->dtau_dx, of.actuation->dtau_du, of.actuation->tau, h, kin, groups,
-                      of_groups);
+  differentiate_begin(of.scene, dtau_dx(of), of.actuation->dtau_du, torques_, h, kin, groups, of_groups);
   differentiate_end(of.scene, q_next, v_next, kin, groups, of_groups, F);
 }
 

@@ -4,6 +4,7 @@
 // with s = 2^-30 the term in s^2 is below rounding, while beta J v is what it was. The bias at v goes into the torques.
 
 #include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/simulation/momentum_derivatives.hpp"
 
 namespace manycontact::internal {
@@ -42,9 +43,21 @@ struct HeldVelocities {
     Eigen::MatrixXd by_q, by_v;  // nv x nv: of the bias
   };
   void kinematics_at_start(const DataCollector& of);
+  // torques_ with what pushes and springs add to the motors' at q, v; and their derivatives into dtau_dx_
+  void take_torques(const DataCollector& of);
+  void differentiate_torques(const DataCollector& of);
+  const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {
+    return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
+  }
   std::vector<RobotWork> robots_;
-  Eigen::MatrixXd dtau_;         // nv x (ndx + nw)
-  Eigen::MatrixXd rows_, done_;  // of one island
+  Eigen::VectorXd torques_;                         // nv: of motors, pushes and springs
+  Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: of these, where there are any; every entry has a place
+  std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
+  std::unique_ptr<AppliedScratch> scratch_;
+  std::vector<int> all_robots_;
+  Eigen::VectorXd unit_, by_q_, by_v_;  // nv
+  Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
+  Eigen::MatrixXd rows_, done_;         // of one island
 };
 
 }  // namespace manycontact::internal

@@ -6,6 +6,7 @@
 #include "../../action/terms.hpp"
 #include "../integrators/steps.hpp"
 #include "impact_actuation.hpp"
+#include "manycontact/model/applied_forces.hpp"
 
 namespace manycontact {
 
@@ -94,6 +95,11 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
       multibody(dynamics->multibody.get()) {
   const StateAbstract& state = *model->get_state();
   multibody->scene.gravity.setZero();
+  if (has_applied_forces(multibody->scene)) {  // they push no body in no time
+    drop_applied_forces(multibody->scene);
+    multibody->solution = SceneData(multibody->scene, multibody->solution.options);
+    dynamics->laid_out = false;
+  }
   multibody->impact = std::make_unique<Impact>();
   Impact& impact = *multibody->impact;
   for (const Robot& robot : multibody->scene.robots) impact.motion.emplace_back(*robot.model);

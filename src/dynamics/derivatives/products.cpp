@@ -56,7 +56,7 @@ void tangent_right_side(const Scene& scene, const SceneData& data, const Island&
     for (int i = 0; i < model.nv; ++i) b[i] = -p.w[i];
     for (int i = 0; has_friction(model) && i < model.nv; ++i)
       b[i] -= friction_slope(model, i, data.v[robot.idx_v + i]) * t.dv[robot.idx_v + i];
-    for (int i = 0; i < model.nu(); ++i) b[model.actuated[i]] += t.du[robot.idx_u + i];
+    for (int i = 0; i < model.nv; ++i) b[i] += t.dtau[robot.idx_v + i];
   }
 }
 
@@ -83,7 +83,7 @@ void pull_back_island(const Scene& scene, const SceneData& data, const Island& i
     ProductWork::OfRobot& p = pd.robots[r];
     const RobotData& rd = w.robots[r];
     const double* l = pd.a.data() + robot.idx_v;
-    for (int i = 0; i < model.nu(); ++i) t.wu[robot.idx_u + i] = l[model.actuated[i]];
+    std::copy_n(l, model.nv, t.wtau.data() + robot.idx_v);
     virtual_velocities(model, rd.kin, l, p.u);
     std::fill(p.body.begin(), p.body.end(), kRest);
     add_body_adjoints(model, rd.kin, p.u, p.body);

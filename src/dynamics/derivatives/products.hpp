@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// [a; y] = -dr along (dq, dv, du); after the solve x = [da; -df].
+/// [a; y] = -dr along (dq, dv, dtau); after the solve x = [da; -df].
 void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& p,
                         ProductWork& work);
 void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& work,

@@ -49,8 +49,8 @@ struct DerivativeJob {
   bool non_temporal;                       // panels, together more than these hold, are not to go through them
 };
 
-/// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, du to da, df;
-/// vjp: wa, wf to wq, wv, wu.
+/// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, dtau (nv) to da,
+/// df; vjp: wa, wf to wq, wv, wtau.
 struct ProductJob {
   const Scene& scene;
   std::uint64_t serial;

@@ -88,11 +88,7 @@ void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
   linearise(job, robots, nullptr);
   load_each(scene, robots, nv, dq_.data(), [&](const auto& r, auto&) { return job.in[0] + r.idx_v; });
   load_each(scene, robots, nv, dv_.data(), [&](const auto& r, auto&) { return job.in[1] + r.idx_v; });
-  std::fill(torque_.begin(), torque_.end(), S(0));
-  for (int l = 0; l < W; ++l) {
-    const auto& robot = scene.robots[in_lane(robots, l).number];
-    for (int i = 0; i < model_->nu(); ++i) torque_[model_->actuated[i]].set(l, job.in[2][robot.idx_u + i]);
-  }
+  load_each(scene, robots, nv, torque_.data(), [&](const auto& r, auto&) { return job.in[2] + r.idx_v; });
   if (dependent_) motion_of_forces(), along_ = dq_;
   tangent_motions<S>(*model_, robot_.kin, a_.data(), dq_.data(), dv_.data(), body_);
   add_forces(scene, robots, fext_);
@@ -158,7 +154,7 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
     const int lane = static_cast<int>(l);
     for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
     for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
-    for (int i = 0; i < model_->nu(); ++i) job.out[2][robot.idx_u + i] = torque_[model_->actuated[i]][lane];
+    for (int i = 0; i < nv; ++i) job.out[2][robot.idx_v + i] = torque_[i][lane];
   }
 }
 

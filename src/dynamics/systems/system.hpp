@@ -21,14 +21,15 @@ namespace manycontact {
 struct IslandWork;
 struct ThreadWork;
 
-/// What jvp and vjp are given, and where the answers go, in the scene's coordinates.
+/// What jvp and vjp are given, and where the answers go, in the scene's coordinates. dtau, wtau: of torques on all
+/// velocity coordinates.
 struct TangentProduct {
-  const ConstVector &dq, &dv, &du;
+  const ConstVector &dq, &dv, &dtau;
   Eigen::Ref<Eigen::VectorXd> &da, &df;
 };
 struct AdjointProduct {
   const ConstVector &wa, &wf;
-  Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wu;
+  Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
 /// Every function returns false where the system has no sound answer to that: then what it was to write is not known.

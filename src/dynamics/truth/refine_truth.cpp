@@ -87,7 +87,10 @@ template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size) {
   internal::check_not_prescribed(scene, data, "refine_truth");
-  const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v);
+  std::vector<Vec6<S>> w;
+  if (internal::forces_are_applied(*data.workspace))
+    for (const Vec6<double>& wrench : data.workspace->applied->w) w.push_back(wrench.template cast<S>());
+  const TruthTerms<S> terms = internal::truth_terms<S>(scene, data.active, q, v, w);
   const S nan = std::numeric_limits<S>::quiet_NaN();
   Truth<S> out;
   out.a.setConstant(scene.nv, nan);

@@ -60,8 +60,10 @@ template void dense_truth<InstantiatedScalar>(const Scene&, const TruthTerms<Ins
 
 template <class S>
 Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
-                     const VecX<S>& u) {
-  const internal::TruthTerms<S> terms = internal::truth_terms<S>(scene, active, q, v);
+                     const VecX<S>& u, std::span<const Vec6<S>> pushes) {
+  std::vector<Vec6<S>> w(pushes.begin(), pushes.end());
+  for (std::size_t k = w.size(); k < scene.pushes.size(); ++k) w.push_back(scene.pushes[k].wrench.template cast<S>());
+  const internal::TruthTerms<S> terms = internal::truth_terms<S>(scene, active, q, v, w);
   std::vector<int> f_offset(scene.contacts.size(), -1);
   int rows = 0;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
@@ -80,6 +82,7 @@ Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const 
 template Truth<InstantiatedScalar> solve_truth<InstantiatedScalar>(const Scene&, const std::vector<char>&,
                                                                    const VecX<InstantiatedScalar>&,
                                                                    const VecX<InstantiatedScalar>&,
-                                                                   const VecX<InstantiatedScalar>&);
+                                                                   const VecX<InstantiatedScalar>&,
+                                                                   std::span<const Vec6<InstantiatedScalar>>);
 
 }  // namespace manycontact

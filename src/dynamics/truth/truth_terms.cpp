@@ -1,11 +1,13 @@
 #include "truth_terms.hpp"
 
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 
 namespace manycontact::internal {
 
 template <class S>
-TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v) {
+TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
+                          std::span<const Vec6<S>> w) {
   TruthTerms<S> t;
   for (const Robot& robot : scene.robots) {
     const Model& model = *robot.model;
@@ -17,6 +19,11 @@ TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, c
     r.h -= friction;
     crba<S>(model, r.kin, r.Yc, t.M.emplace_back(packed_size(model)).data());
   }
+  AppliedForces<S> forces(scene);
+  VecX<S> applied = VecX<S>::Zero(scene.nv);
+  add_applied_forces<S>(scene, q.data(), v.data(), w, forces, applied.data());
+  for (int r = 0; r < scene.nrobots(); ++r)
+    t.robots[r].h -= applied.segment(scene.robots[r].idx_v, scene.robots[r].model->nv);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
     const ContactSupport& support = t.supports.emplace_back(contact_support(scene, contact));
@@ -38,7 +45,8 @@ VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, cons
 
 template TruthTerms<InstantiatedScalar> truth_terms<InstantiatedScalar>(const Scene&, const std::vector<char>&,
                                                                         const VecX<InstantiatedScalar>&,
-                                                                        const VecX<InstantiatedScalar>&);
+                                                                        const VecX<InstantiatedScalar>&,
+                                                                        std::span<const Vec6<InstantiatedScalar>>);
 template VecX<InstantiatedScalar> bias_torques<InstantiatedScalar>(const Scene&, const TruthTerms<InstantiatedScalar>&,
                                                                    int, const VecX<InstantiatedScalar>&);
 

@@ -16,7 +16,8 @@ struct TruthTerms {
   std::vector<ContactData<S>> contacts;  // per contact of the scene; numbers of the active ones only
 };
 template <class S>
-TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v);
+TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
+                          std::span<const Vec6<S>> w);
 
 /// S^T u - h of one robot.
 template <class S>

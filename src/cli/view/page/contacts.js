@@ -1,9 +1,10 @@
 // Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow (pale where
 // contacts could share it otherwise and no cone judges it), its cone; a line from A to where it is held, and on to the frame that holds it, where these are apart.
+// Pushes: their force as an arrow of another colour. Springs: a line between their ends.
 
 const kActive = 1, kRedundant = 2, kShared = 4;
 const kApart = 0.05;  // of a robot's size
-const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a;
+const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a, kPushColour = 0x1971c2, kSpringColour = 0x0b7285;
 
 class Contacts {
   constructor(data, size, world) {
@@ -30,6 +31,16 @@ class Contacts {
       world.add(parts.group);
       return parts;
     });
+    this.pushes = Array.from({length: data.pushes}, () => {
+      const arrow = this.arrow(shaft, head);
+      world.add(arrow.group);
+      return arrow;
+    });
+    this.springs = Array.from({length: data.springs}, () => {
+      const line = new THREE.Mesh(shaft, flat(kSpringColour));
+      world.add(line);
+      return line;
+    });
   }
 
   // Seen through bodies, but paler there: drawn once as it stands and once over everything.
@@ -49,11 +60,13 @@ class Contacts {
 
   // The force that an arrow of one metre means: large ones are about half as long as a robot.
   forceOfMetre() {
-    const {forces} = this.data.frames, sizes = [];
-    for (let i = 0; i < forces.length; i += 3) {
-      const f = Math.hypot(forces[i], forces[i + 1], forces[i + 2]);
+    const {forces, pushes} = this.data.frames, sizes = [];
+    const add = (list, i) => {
+      const f = Math.hypot(list[i], list[i + 1], list[i + 2]);
       if (f > 0) sizes.push(f);
-    }
+    };
+    for (let i = 0; i < forces.length; i += 3) add(forces, i);
+    for (let i = 3; i < pushes.length; i += 6) add(pushes, i);
     if (sizes.length === 0) return 1000;
     const large = sizes.sort((a, b) => a - b)[Math.floor(0.95 * (sizes.length - 1))];
     return roundUp(large / (0.35 * this.size));
@@ -78,16 +91,30 @@ class Contacts {
       this.turn(parts.ring, normal);
       const inside = this.placeCone(parts, normal, force);
       parts.shared = (flag & kShared) !== 0;
-      this.placeArrow(parts.arrow, force, scale, inside, parts.shared);
+      const colour = inside === undefined ? (parts.shared ? kSharedColour : kForceColour) : inside ? kInsideColour : kOutsideColour;
+      this.placeArrow(parts.arrow, force, scale, colour);
       parts.force = force.clone();
+    });
+    this.placeForces(at, scale);
+  }
+
+  placeForces(at, scale) {
+    const {pushes, springs} = this.data.frames, force = new THREE.Vector3(), end = new THREE.Vector3();
+    this.pushes.forEach((arrow, k) => {
+      vectorAt(pushes, 2 * k, 2 * this.pushes.length, at, arrow.group.position);
+      this.placeArrow(arrow, vectorAt(pushes, 2 * k + 1, 2 * this.pushes.length, at, force), scale, kPushColour);
+    });
+    this.springs.forEach((line, k) => {
+      const from = vectorAt(springs, 2 * k, 2 * this.springs.length, at, force);
+      this.placeLine(line, from, vectorAt(springs, 2 * k + 1, 2 * this.springs.length, at, end), 0);
     });
   }
 
   turn(object, z) { object.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), z); }
 
-  placeLine(line, from, to) {
+  placeLine(line, from, to, least = kApart * this.size) {
     const along = to.clone().sub(from), length = along.length();
-    line.visible = this.shown.contacts && length > kApart * this.size;
+    line.visible = this.shown.contacts && length > least;
     if (!line.visible) return;
     line.position.copy(from);
     line.scale.set(0.004 * this.size, 0.004 * this.size, length);
@@ -108,7 +135,7 @@ class Contacts {
     return across <= mu * along;
   }
 
-  placeArrow(arrow, force, scale, inside, shared) {
+  placeArrow(arrow, force, scale, colour) {
     const length = scale * force.length() / this.newtons;
     arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
     if (!arrow.group.visible) return;
@@ -119,7 +146,6 @@ class Contacts {
       cone.position.set(0, 0, length - head);
     }
     this.turn(arrow.group, force.clone().divideScalar(force.length()));
-    const colour = inside === undefined ? (shared ? kSharedColour : kForceColour) : inside ? kInsideColour : kOutsideColour;
     arrow.solid.color.setHex(colour);
     arrow.ghost.color.setHex(colour);
   }

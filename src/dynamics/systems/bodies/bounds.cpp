@@ -22,7 +22,7 @@ namespace {
 using V6 = Vec6<double>;
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
-std::vector<double> uncertainty(const Scene& scene, const BodiesSystem& form) {
+std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
@@ -42,7 +42,12 @@ std::vector<double> uncertainty(const Scene& scene, const BodiesSystem& form) {
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }
-  for (int k = 0; k < p.nv; ++k) w.push_back(std::abs(left.r.joints[k]) + rounding(left.joint_scale[k]));
+  std::vector<double> applied(scene.nv, 0.0);
+  internal::add_applied_sizes(scene, data, island, applied.data());
+  each_velocity_block(scene, island, [&](int at, int first, int n) {
+    for (int i = 0; i < n; ++i)
+      w.push_back(std::abs(left.r.joints[first + i]) + rounding(left.joint_scale[first + i] + applied[at + i]));
+  });
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const ContactData<double>& rows = form.contacts[k];
@@ -103,7 +108,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   internal::evaluate_rows_at_solution(scene, *this);
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
-  const std::vector<double> w = uncertainty(scene, *this);
+  const std::vector<double> w = uncertainty(scene, data, *this);
   // where subtrees answered: how far that is from the whole system's answer, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {

@@ -186,7 +186,7 @@ bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     const int o = island.dof_offset[k];
-    for (int i = 0; i < robot.model->nu(); ++i) w.b.joints[o + robot.model->actuated[i]] += p.du[robot.idx_u + i];
+    w.b.joints.segment(o, robot.model->nv) += p.dtau.segment(robot.idx_v, robot.model->nv);
     for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
       w.b.joints[o + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * p.dv[robot.idx_v + i];
   }
@@ -221,7 +221,7 @@ bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     const double* l = w.x.joints.data() + island.dof_offset[k];
-    for (int i = 0; i < robot.model->nu(); ++i) p.wu[robot.idx_u + i] = l[robot.model->actuated[i]];
+    std::copy_n(l, robot.model->nv, p.wtau.data() + robot.idx_v);
     for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
       p.wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * l[i];
   }

@@ -109,7 +109,8 @@ double rounding(const Scene& scene, const MatrixSystem& m) {
 
 // |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
 // contacts contradict each other by is no error of least squares.
-std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
+  const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
   const int* iperm = m.K.pattern->iperm.data();
   std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // in the island's order
@@ -118,6 +119,11 @@ std::vector<double> uncertainty(const Scene& scene, const Workspace& work, const
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
     inertia_rounding(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
   }
+  std::vector<double> applied(scene.nv, 0.0);
+  internal::add_applied_sizes(scene, data, m.owner.island, applied.data());
+  each_velocity_block(scene, m.owner.island, [&](int at, int first, int n) {
+    for (int i = 0; i < n; ++i) w[first + i] += applied[at + i];
+  });
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
     const int first = m.owner.island.nv + m.owner.island.row_offset[k];
@@ -222,7 +228,7 @@ std::pair<double, double> moved(const SceneData& data, const Scene& scene, const
 }  // namespace
 
 bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
-  const std::vector<double> w = uncertainty(scene, *data.workspace, *this);
+  const std::vector<double> w = uncertainty(scene, data, *this);
   const int* iperm = K.pattern->iperm.data();
   const auto [moved_a, moved_f] = moved(data, scene, *this);
   std::vector<char> kept(w.size());

@@ -3,6 +3,8 @@
 // double are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth
 // is for islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
 
+#include <span>
+
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/kkt/dense.hpp"
 
@@ -12,17 +14,19 @@ template <class S>
 struct Truth {            // An answer, in S.
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
-  VecX<S> h;              // scene.nv
+  VecX<S> h;              // scene.nv: bias less friction, pushes and springs
   std::vector<int> rank;  // per island
   std::vector<bool> regular;
 };
 
-/// Accelerations and forces at q, v, u (sizes of the scene), contacts as flagged in `active`.
+/// Accelerations and forces at q, v, u (sizes of the scene), contacts as flagged in `active`, under these wrenches of
+/// pushes: none given, those of the scene.
 template <class S>
 Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
-                     const VecX<S>& u);
+                     const VecX<S>& u, std::span<const Vec6<S>> pushes = {});
 
-/// The same, for the contacts of `data`, solved by sparse-ldl at this state or within 1e-8 of it: per island
+/// The same, for the contacts of `data` and the wrenches it was solved with, solved by sparse-ldl at this state or
+/// within 1e-8 of it: per island
 ///
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///

@@ -1,0 +1,268 @@
+// Products with the derivatives of applied forces, and what rounding leaves of them.
+
+#include <cmath>
+
+#include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/spatial/motion.hpp"
+#include "spring_end.hpp"
+
+namespace manycontact {
+
+namespace {
+
+using V3 = Vec3<double>;
+using V6 = Vec6<double>;
+using Forces = AppliedForces<double>;
+
+V3 linear(const V6& x) { return x.head<3>(); }
+V3 angular(const V6& x) { return x.tail<3>(); }
+V6 joined(const V3& linear, const V3& angular) {
+  V6 out;
+  out << linear, angular;
+  return out;
+}
+// What a motion does to a point at p, and its adjoint.
+V3 at_point(const V6& motion, const V3& p) { return linear(motion) + angular(motion).cross(p); }
+V6 from_point(const V3& force, const V3& p) { return joined(force, p.cross(force)); }
+
+// Sum of S_j x_j of a joint's own coordinates.
+V6 own_motion(const Joint& joint, const Mat6X<double>& S, const double* x) {
+  V6 out = V6::Zero();
+  for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) out += S.col(c) * x[c];
+  return out;
+}
+
+// use(robot of the forces, its number there) of each of these robots that anything acts on.
+template <class Use>
+void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
+  for (int r : robots)
+    if (const int k = forces.number[r]; k >= 0) use(forces.robots[k], static_cast<std::size_t>(k));
+}
+
+// An end of a spring, as it is and as it varies. In the world: it stands still.
+struct End {
+  SpringEnd<double> at;
+  V6 *u = nullptr, *x = nullptr, *v = nullptr;  // of its body
+};
+End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
+  if (at.robot < 0) return {spring_end<double>(at, nullptr)};
+  const int k = forces.number[at.robot];
+  return {spring_end<double>(at, &forces.robots[k].kin), &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
+}
+
+// ---- tangent: x, v of each body, then df in u ----------------------------------------------------------------------
+
+void add_push_tangent(const Push& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x, V6& df) {
+  const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
+  const bool local = push.reference_frame == ReferenceFrame::kLocal;
+  if (local)
+    df += cross_force(x, F);  // moves with the body
+  else
+    df.tail<3>() += at_point(x, M.p).cross(linear(F));
+  if (!dw) return;
+  const Eigen::Map<const V6> change(dw);
+  df += local ? M.act_force(change) : joined(change.head<3>(), change.tail<3>() + M.p.cross(V3(change.head<3>())));
+}
+
+void add_spring_tangent(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
+  V3 dp[2], rate[2];
+  const End* ends[] = {&A, &B};
+  for (int e = 0; e < 2; ++e) {
+    const End& end = *ends[e];
+    dp[e] = end.x ? at_point(*end.x, end.at.p) : V3::Zero();
+    rate[e] = end.x ? V3(at_point(*end.v, end.at.p) + angular(end.at.body).cross(dp[e])) : V3::Zero();
+  }
+  const V3 dd = dp[0] - dp[1], drate = rate[0] - rate[1];
+  const V3 force = -spring.stiffness * s.d - s.t * s.n;
+  V3 dforce = -spring.stiffness * dd;
+  if (spring.length != 0 || spring.damping != 0) {
+    const V3 dn = (dd - s.n * s.n.dot(dd)) / s.length;
+    dforce -= spring.damping * (dn.dot(s.rate) + s.n.dot(drate)) * s.n + s.t * dn;
+  }
+  *A.u += joined(dforce, dp[0].cross(force) + A.at.p.cross(dforce));
+  if (B.u) *B.u -= joined(dforce, dp[1].cross(force) + B.at.p.cross(dforce));
+}
+
+// ---- adjoint: u of each body, then the gradients by x and v --------------------------------------------------------
+
+void add_push_adjoint(const Push& push, const Forces::OfRobot& of, const V6& F, const V6& u, V6& x, double* ww) {
+  const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
+  if (push.reference_frame == ReferenceFrame::kLocal) {
+    x -= cross_force(u, F);
+    if (ww) Eigen::Map<V6>{ww} = M.act_inverse(u);
+  } else {
+    x += from_point(linear(F).cross(angular(u)), M.p);
+    if (ww) Eigen::Map<V6>{ww} = joined(at_point(u, M.p), angular(u));
+  }
+}
+
+void add_spring_adjoint(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
+  const V3 force = -spring.stiffness * s.d - s.t * s.n;
+  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // by dforce
+  V3 by_d = -spring.stiffness * g, by_rate = V3::Zero();
+  if (spring.length != 0 || spring.damping != 0) {
+    const double by_speed = -spring.damping * s.n.dot(g);  // d|d|/dt
+    const V3 by_n = by_speed * s.rate - s.t * g;
+    by_d += (by_n - s.n * s.n.dot(by_n)) / s.length;
+    by_rate = by_speed * s.n;
+  }
+  const auto give = [&](const End& end, double sign) {
+    const V3 by_p = sign * (by_d + force.cross(angular(*end.u)) + by_rate.cross(angular(end.at.body)));
+    *end.x += from_point(by_p, end.at.p);
+    *end.v += from_point(sign * by_rate, end.at.p);
+  };
+  give(A, 1);
+  if (B.u) give(B, -1);
+}
+
+}  // namespace
+
+AppliedScratch::AppliedScratch(const AppliedForces<double>& forces) {
+  for (const Forces::OfRobot& of : forces.robots)
+    for (auto* list : {&u, &x, &v}) list->emplace_back(of.f.size(), V6::Zero());
+}
+
+void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
+                         std::span<const int> robots, const double* dq, const double* dv, const double* dw,
+                         AppliedScratch& scratch, double* dtau) {
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    const Robot& robot = scene.robots[of.robot];
+    for (int i : of.joints) {
+      const Joint& joint = robot.model->joints[i];
+      V6 x = own_motion(joint, of.kin.J, dq + robot.idx_v), change = own_motion(joint, of.kin.J, dv + robot.idx_v);
+      if (joint.parent >= 0) x += scratch.x[k][joint.parent], change += scratch.v[k][joint.parent];
+      scratch.x[k][i] = x;
+      scratch.v[k][i] = change + cross_motion(x, own_motion(joint, of.kin.J, v + robot.idx_v));
+      scratch.u[k][i].setZero();
+    }
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    for (int p : of.pushes) {
+      const int i = scene.pushes[p].at.joint;
+      add_push_tangent(scene.pushes[p], of, forces.pushes[p], dw ? dw + 6 * p : nullptr, scratch.x[k][i],
+                       scratch.u[k][i]);
+    }
+    for (int p : of.springs) {
+      const Spring& spring = scene.springs[p];
+      add_spring_tangent(spring, forces.springs[p], end_of(forces, spring.A, scratch),
+                         end_of(forces, spring.B, scratch));
+    }
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    const Robot& robot = scene.robots[of.robot];
+    for (std::size_t j = of.joints.size(); j-- > 0;) {
+      const int i = of.joints[j];
+      const Joint& joint = robot.model->joints[i];
+      for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c)
+        dtau[robot.idx_v + c] +=
+            of.kin.J.col(c).dot(scratch.u[k][i]) + cross_motion(scratch.x[k][i], of.kin.J.col(c)).dot(of.f[i]);
+      if (joint.parent >= 0) scratch.u[k][joint.parent] += scratch.u[k][i];
+    }
+    for (int p : of.joint_springs) {
+      const int i = robot.idx_v + robot.model->joints[scene.joint_springs[p].joint].idx_v;
+      dtau[i] -= scene.joint_springs[p].stiffness * dq[i];
+    }
+  });
+}
+
+void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
+                         std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
+                         double* ww) {
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    const Robot& robot = scene.robots[of.robot];
+    for (int i : of.joints) {  // u; x: of (xi x S l)^T f
+      const Joint& joint = robot.model->joints[i];
+      const V6 own = own_motion(joint, of.kin.J, l + robot.idx_v);
+      scratch.u[k][i] = joint.parent >= 0 ? V6(scratch.u[k][joint.parent] + own) : own;
+      scratch.x[k][i] = cross_force(own, of.f[i]);
+      scratch.v[k][i].setZero();
+    }
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    for (int p : of.pushes) {
+      const int i = scene.pushes[p].at.joint;
+      add_push_adjoint(scene.pushes[p], of, forces.pushes[p], scratch.u[k][i], scratch.x[k][i],
+                       ww ? ww + 6 * p : nullptr);
+    }
+    for (int p : of.springs) {
+      const Spring& spring = scene.springs[p];
+      add_spring_adjoint(spring, forces.springs[p], end_of(forces, spring.A, scratch),
+                         end_of(forces, spring.B, scratch));
+    }
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    const Robot& robot = scene.robots[of.robot];
+    for (std::size_t j = of.joints.size(); j-- > 0;) {
+      const int i = of.joints[j];
+      const Joint& joint = robot.model->joints[i];
+      V6 &x = scratch.x[k][i], &change = scratch.v[k][i];
+      x += cross_force(own_motion(joint, of.kin.J, v + robot.idx_v), change);  // of xi x S v
+      for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) {
+        wq[robot.idx_v + c] += of.kin.J.col(c).dot(x);
+        wv[robot.idx_v + c] += of.kin.J.col(c).dot(change);
+      }
+      if (joint.parent >= 0) scratch.x[k][joint.parent] += x, scratch.v[k][joint.parent] += change;
+    }
+    for (int p : of.joint_springs) {
+      const int i = robot.idx_v + robot.model->joints[scene.joint_springs[p].joint].idx_v;
+      wq[i] -= scene.joint_springs[p].stiffness * l[i];
+    }
+  });
+}
+
+void add_applied_sizes(const Scene& scene, const double* q, const AppliedForces<double>& forces,
+                       std::span<const int> robots, AppliedScratch& scratch, double* size) {
+  // In u: the linear and the angular part of the forces on each body by their sizes, in its first and its last entry.
+  const auto largest = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
+  const auto add = [](V6& to, double force, double torque) { to[0] += force, to[5] += torque; };
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    for (int i : of.joints) scratch.u[k][i].setZero();
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    for (int p : of.pushes) {
+      const Push& push = scene.pushes[p];
+      const double force = largest(forces.pushes[p].head<3>()), lever = largest(of.kin.oMi[push.at.joint].p);
+      const double offset = largest(push.at.placement.p);
+      add(scratch.u[k][push.at.joint], force, largest(forces.pushes[p].tail<3>()) + (lever + offset) * force);
+    }
+    for (int p : of.springs) {
+      const Spring& spring = scene.springs[p];
+      const Forces::OfSpring& s = forces.springs[p];
+      const End ends[] = {end_of(forces, spring.A, scratch), end_of(forces, spring.B, scratch)};
+      const auto reach = [&](const End& end) {
+        return largest(end.at.p) + largest(V3(end.at.origin.p - ends[0].at.origin.p));
+      };
+      const auto speed = [&](const End& end) {
+        return largest(linear(end.at.body)) + largest(angular(end.at.body)) * largest(end.at.p);
+      };
+      const double place = reach(ends[0]) + reach(ends[1]);
+      double force = spring.stiffness * (place + spring.length) + spring.damping * (speed(ends[0]) + speed(ends[1]));
+      if (spring.length != 0 || spring.damping != 0)
+        force += (std::abs(s.t) + spring.damping * largest(s.rate)) * (1 + place / s.length);
+      for (const End& end : ends)
+        if (end.u) add(*end.u, force, force * largest(end.at.p));
+    }
+  });
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    const Robot& robot = scene.robots[of.robot];
+    for (std::size_t j = of.joints.size(); j-- > 0;) {
+      const int i = of.joints[j];
+      const Joint& joint = robot.model->joints[i];
+      const V6& f = scratch.u[k][i];
+      for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) {
+        const double turning = largest(of.kin.J.col(c).tail<3>()), lever = largest(of.kin.oMi[i].p);
+        const double sliding = std::max(largest(of.kin.J.col(c).head<3>()), turning * lever);
+        size[robot.idx_v + c] += sliding * f[0] + turning * f[5];
+      }
+      if (joint.parent >= 0) add(scratch.u[k][joint.parent], f[0], f[5]);
+    }
+    for (int p : of.joint_springs) {
+      const JointSpring& spring = scene.joint_springs[p];
+      const Joint& joint = robot.model->joints[spring.joint];
+      size[robot.idx_v + joint.idx_v] +=
+          spring.stiffness * (std::abs(q[robot.idx_q + joint.idx_q]) + std::abs(spring.rest));
+    }
+  });
+}
+
+}  // namespace manycontact

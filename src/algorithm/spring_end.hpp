@@ -1,0 +1,39 @@
+#pragma once
+// Where the end of a spring is.
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+template <class S>
+struct SpringEnd {
+  WorldPoint<S> origin;            // of its body's tree frame; of an end in the world, the end
+  Vec3<S> p = Vec3<S>::Zero();     // from there
+  Vec6<S> body = Vec6<S>::Zero();  // velocity of its body, in the tree frame
+
+  Vec3<S> velocity() const { return add_cross(body.template head<3>(), body.template tail<3>(), p); }
+};
+
+/// kin: of the robot that it is on; unless it is in the world.
+template <class S>
+SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
+  SpringEnd<S> end;
+  if (at.robot < 0) {
+    end.origin.p = at.placement.p.template cast<S>();
+    return end;
+  }
+  const SE3<S>& M = kin->oMi[at.joint];
+  end.origin = kin->origins[kin->tree_of[at.joint]];
+  end.p = add_times<S>(M.p, M.R, Vec3<S>(at.placement.p.template cast<S>()));
+  end.body = kin->v[at.joint];
+  return end;
+}
+
+/// From B to A.
+template <class S>
+Vec3<S> between(const SpringEnd<S>& A, const SpringEnd<S>& B) {
+  return A.origin.seen_from(B.origin) + Vec3<S>(A.p - B.p);
+}
+
+}  // namespace manycontact

@@ -1,0 +1,119 @@
+#include "applied_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "internal.hpp"
+#include "threads.hpp"
+
+namespace manycontact {
+
+AppliedWork::AppliedWork(const Scene& scene) : w(scene.pushes.size()), forces(scene) {}
+
+namespace internal {
+
+bool forces_are_applied(const Workspace& w) { return w.applied && w.applied->act; }
+
+void check_pushes(const Scene& scene, const SceneData& data, const char* function) {
+  if (data.pushes.size() != scene.pushes.size() && has_applied_forces(scene))
+    throw std::invalid_argument(std::string(function) + ": data.pushes has " + std::to_string(data.pushes.size()) +
+                                " wrenches for " + std::to_string(scene.pushes.size()) + " pushes");
+}
+
+void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau) {
+  Workspace& work = *data.workspace;
+  if (!work.applied) return;
+  AppliedWork& applied = *work.applied;
+  applied.act = has_applied_forces(scene);
+  if (!applied.act) return;
+  while (applied.threads.size() < work.threads.size())
+    applied.threads.push_back({AppliedScratch(applied.forces), Eigen::VectorXd::Zero(scene.nv),
+                               Eigen::VectorXd::Zero(scene.nv), Eigen::VectorXd::Zero(scene.nv),
+                               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * scene.pushes.size()))});
+  applied.w = data.pushes;
+  manycontact::add_applied_forces<double>(scene, q, v, applied.w, applied.forces, tau);
+}
+
+bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island) {
+  if (!forces_are_applied(w)) return false;
+  const auto has = [&](int robot) { return std::binary_search(island.robots.begin(), island.robots.end(), robot); };
+  for (std::size_t k = 0; k < scene.springs.size(); ++k)
+    if (has(scene.springs[k].A.robot) && !w.applied->forces.springs[k].directed) return true;
+  return false;
+}
+
+DerivativeRequest by_all_torques(DerivativeRequest request) {
+  request.u = request.tau = true;
+  return request;
+}
+
+namespace {
+
+// Row by row: the row of d/dtau is l, and its products with dtau/dq, dtau/dv, J_F^T are added.
+void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
+               AppliedWork::OfThread& s, IslandDerivatives& out) {
+  const int rows = out.request.forces ? island.size() : island.nv;
+  const auto each_block = [&](auto&& use) {  // use(first in the scene's v, in the island's, count)
+    for (std::size_t k = 0; k < island.robots.size(); ++k)
+      if (forces.number[island.robots[k]] >= 0)
+        use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
+  };
+  for (int row = 0; row < rows; ++row) {
+    double* X = &out.X(row, 0);
+    bool any = false;
+    each_block([&](int at, int first, int n) {
+      s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(X + out.u_first + first, n);
+      any = any || !s.l.segment(at, n).isZero(0);
+      s.wq.segment(at, n).setZero();
+      s.wv.segment(at, n).setZero();
+    });
+    if (!any) continue;  // W is zero
+    add_applied_adjoint(scene, data.v.data(), forces, island.robots, s.l.data(), s.scratch, s.wq.data(), s.wv.data(),
+                        s.ww.data());
+    each_block([&](int at, int first, int n) {
+      if (out.request.q) Eigen::Map<Eigen::VectorXd>(X + out.q_first + first, n) += s.wq.segment(at, n);
+      if (out.request.v) Eigen::Map<Eigen::VectorXd>(X + out.v_first + first, n) += s.wv.segment(at, n);
+    });
+    for (std::size_t k = 0; out.request.pushes && k < out.pushes.size(); ++k)
+      std::copy_n(s.ww.data() + 6 * out.pushes[k], 6, &out.W(row, 0) + 6 * k);
+  }
+}
+
+// Of the columns of torques those asked for, which move to the left; zero behind them, unless the island has no
+// derivatives: then all is NaN.
+void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
+  out.request = request;
+  if (request.u && request.tau) return;
+  const int before = out.u_first;
+  for (Eigen::Index row = 0; row < out.X.rows(); ++row) {
+    double* X = &out.X(row, 0);
+    double* to = X + before;
+    for (std::size_t k = 0; request.u && k < island.robots.size(); ++k)
+      for (int i : scene.robots[island.robots[k]].model->actuated) *to++ = X[before + island.dof_offset[k] + i];
+    std::fill(to, X + out.X.cols(), std::isnan(X[0]) ? X[0] : 0.0);
+  }
+  number_torques(scene, island, out);
+}
+
+}  // namespace
+
+void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
+  Workspace& w = *data.workspace;
+  AppliedWork& applied = *w.applied;
+  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+    const Island& island = w.islands[i]->island;
+    IslandDerivatives& out = w.derivatives.islands[i];
+    join_rows(scene, data, island, applied.forces, applied.threads[thread.number], out);
+    keep_columns(scene, island, request, out);
+  });
+}
+
+void add_applied_sizes(const Scene& scene, SceneData& data, const Island& island, double* size) {
+  const Workspace& w = *data.workspace;
+  if (!forces_are_applied(w)) return;
+  manycontact::add_applied_sizes(scene, w.q.data(), w.applied->forces, island.robots,
+                                 w.applied->threads.front().scratch, size);
+}
+
+}  // namespace internal
+}  // namespace manycontact

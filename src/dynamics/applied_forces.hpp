@@ -1,0 +1,52 @@
+#pragma once
+// Pushes and springs in solves and derivatives. To K x = b they are torques: nothing of K changes, and b = [tau - h;
+// ..] is linear in them. So derivatives and products are those by q, v and torques on all coordinates, which every
+// system has, joined with the torques' own:
+//
+//     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
+
+#include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/dynamics/derivatives.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+struct SceneData;
+struct IslandWork;
+struct Workspace;
+
+/// A scene's pushes and springs at work, by solve. Where the scene has none there is none of this.
+struct AppliedWork {
+  explicit AppliedWork(const Scene& scene);
+
+  bool act = false;              // in the solution at hand: its scene has them
+  std::vector<Vec6<double>> w;   // wrenches solved with
+  AppliedForces<double> forces;  // at the state solved at
+  struct OfThread {              // scratch
+    AppliedScratch scratch;
+    Eigen::VectorXd l, wq, wv, ww;  // of the scene
+  };
+  std::vector<OfThread> threads;
+};
+
+namespace internal {
+
+/// Whether any act in the solution at hand.
+bool forces_are_applied(const Workspace& w);
+/// Throws std::invalid_argument, in the name of `function`, unless data.pushes has a wrench per push of the scene.
+void check_pushes(const Scene& scene, const SceneData& data, const char* function);
+/// tau += their torques, at q, v. tau: nv.
+void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau);
+/// Whether a spring on the island's robots has no direction.
+bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);
+
+/// What `differentiate` computes for that request where forces are applied: by torques on all coordinates.
+DerivativeRequest by_all_torques(DerivativeRequest request);
+/// Joins derivatives so computed with the torques' own, and keeps what was asked for.
+void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
+
+/// size += what their torques were computed from, at the solution at hand. size: nv of the scene.
+void add_applied_sizes(const Scene& scene, SceneData& data, const Island& island, double* size);
+
+}  // namespace internal
+}  // namespace manycontact

@@ -1,0 +1,120 @@
+// <push>, <spring>, and springs of <joint>.
+
+#include "manycontact/algorithm/applied_forces.hpp"
+#include "scene_parts.hpp"
+
+namespace manycontact::io {
+namespace {
+
+Vec3<double> three(const Element& e, const char* attribute) {
+  const auto x = e.numbers<3>(attribute);
+  return x ? Vec3<double>(x->data()) : Vec3<double>(Vec3<double>::Zero());
+}
+
+Attachment attachment(const End& end, int robot, const Vec3<double>& offset) {
+  SE3<double> at;
+  at.p = offset;
+  return {robot, end.frame.joint, end.frame.placement * at, end.frame.name};
+}
+
+// As written, numbered where there is one for each copy; left out: by the frame that it is on.
+std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
+  if (!e.has("name")) return otherwise;
+  const std::string name = e.required("name");
+  if (name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
+  return copied ? name + std::to_string(copy) : name;
+}
+
+std::string frame_name(const SceneFile& file, const Attachment& at) {
+  return file.scene.robots[at.robot].name + "/" + at.frame;
+}
+
+template <class Add>
+void add_or_fail(const Element& e, Add&& add) {
+  try {
+    add();
+  } catch (const std::invalid_argument& error) {
+    e.fail(error.what());
+  }
+}
+
+double number_from_0(const Element& e, const char* attribute, double otherwise) {
+  const double x = e.number(attribute, otherwise);
+  if (x < 0) e.where(attribute).fail(e.label(attribute) + " is " + show(x) + ", expected 0 or more");
+  return x;
+}
+
+}  // namespace
+
+void add_pushes(const std::vector<Element>& elements, SceneFile& out) {
+  EndReader ends(out);
+  for (const Element& e : elements) {
+    e.allow_attributes({"name", "frame", "offset", "force", "torque", "reference_frame"});
+    e.allow_children({});
+    const End end = ends.read_first(e, "frame");
+    for (int i = 0; i < end.count; ++i) {
+      Push push;
+      push.at = attachment(end, end.first + i, three(e, "offset"));
+      push.name = name_of(e, frame_name(out, push.at), end.copied, i);
+      push.reference_frame =
+          static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
+      push.wrench << three(e, "force"), three(e, "torque");
+      add_or_fail(e, [&] { add_push(out.scene, std::move(push)); });
+    }
+  }
+}
+
+void add_springs(const std::vector<Element>& elements, SceneFile& out) {
+  EndReader ends(out);
+  for (const Element& e : elements) {
+    e.allow_attributes({"name", "frame", "offset", "to", "to_offset", "wrap", "xyz", "stiffness", "length", "damping"});
+    e.allow_children({});
+    const EndPair pair = ends.read_pair(e);
+    if (pair.to_robot == e.has("xyz"))
+      e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected one of them"
+                           : "<spring> has neither 'to' nor xyz, expected a frame or a point of the world");
+    for (const char* a : {"to_offset", "wrap"})
+      if (!pair.to_robot && e.has(a))
+        e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+    Spring like;
+    (void)e.required_number("stiffness");
+    like.stiffness = number_from_0(e, "stiffness", 0);
+    like.length = number_from_0(e, "length", 0);
+    like.damping = number_from_0(e, "damping", 0);
+    for (int i = 0; i < pair.A.count; ++i) {
+      const std::optional<int> target = pair.target(i);
+      if (!target) continue;
+      Spring spring = like;
+      spring.A = attachment(pair.A, pair.A.first + i, three(e, "offset"));
+      std::string to = "the world";
+      if (pair.to_robot)
+        spring.B = attachment(pair.B, *target, three(e, "to_offset")), to = frame_name(out, spring.B);
+      else
+        spring.B.placement.p = three(e, "xyz");
+      spring.name = name_of(e, frame_name(out, spring.A) + " to " + to, pair.A.copied, i);
+      if (!e.has("length")) spring.length = spring_length(out.scene, out.q, spring);
+      add_or_fail(e, [&] {
+        const int number = add_spring(out.scene, std::move(spring));
+        if (!e.has("length")) out.open_lengths.push_back(number);
+      });
+    }
+  }
+}
+
+void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
+  for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups: one per element
+    const RobotGroup& group = out.robot_groups[g];
+    for (auto joint = robots[g].child("joint"); joint; joint = joint->next("joint")) {
+      if (joint->has("rest") && !joint->has("stiffness"))
+        joint->where("rest").fail(joint->label("rest") + " needs a spring, expected a 'stiffness' attribute beside it");
+      if (!joint->has("stiffness")) continue;
+      const double stiffness = number_from_0(*joint, "stiffness", 0), rest = joint->number("rest", 0);
+      for (int i = 0; i < group.count; ++i)
+        add_or_fail(*joint, [&] {
+          add_joint_spring(out.scene, out.scene.robots[group.first + i].name, joint->required("name"), stiffness, rest);
+        });
+    }
+  }
+}
+
+}  // namespace manycontact::io

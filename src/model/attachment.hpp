@@ -1,0 +1,13 @@
+#pragma once
+// What is wrong with an attachment, and what it is called, for messages.
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// Why an attachment is none of the scene's bodies; empty when it is one.
+std::string problem(const Scene& scene, const Attachment& at);
+/// "frame 'hand' of robot 'r'"; of an attachment on a robot.
+std::string describe(const Scene& scene, const Attachment& at);
+
+}  // namespace manycontact

@@ -1,0 +1,87 @@
+#pragma once
+// What acts on robots beside motors, gravity and contacts: pushes and springs (model/scene.hpp), as torques
+//
+//     tau(q, v, w) = J_F(q)^T w + tau_s(q, v)
+//
+// on the velocity coordinates, and products with their derivatives without any matrix. Each force on a body is a wrench
+// F in the tree frame (algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i. Along
+// (dq, dv) body i moves by xi_i = sum of S_j dq_j on its path, and its velocity changes by dv_i, both as seen from the
+// tree frame, which stands still; then
+//
+//     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
+
+#include <span>
+
+#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact {
+
+/// The forces at one state, and the memory for them. Allocated once for a scene.
+template <class S>
+struct AppliedForces {
+  explicit AppliedForces(const Scene& scene);
+
+  struct OfRobot {                                    // With a push, a spring or a joint's spring.
+    int robot = -1;                                   // of the scene
+    std::vector<int> pushes, springs, joint_springs;  // on it; springs: with end A on it
+    std::vector<int> joints;  // ascending: of the bodies that forces act on, and of those before them in the tree
+    Kinematics<S> kin;        // velocities too; not of a robot with joints' springs alone
+    std::vector<Vec6<S>> f;   // njoints, of `joints`: on the body's subtree
+  };
+  struct OfSpring {
+    Vec3<S> d, n;   // from B to A in the world, and its direction
+    Vec3<S> rate;   // of d
+    S length, t;    // |d|; t = damping d|d|/dt - stiffness (length at rest): the force on A is -stiffness d - t n
+    bool directed;  // n has a meaning, or none is needed
+  };
+
+  std::vector<OfRobot> robots;    // by their numbers
+  std::vector<int> number;        // per robot of the scene: its place in `robots`, -1: nothing acts on it
+  std::vector<Vec6<S>> pushes;    // per push: on its body, in the tree frame
+  std::vector<OfSpring> springs;  // per spring
+};
+
+/// tau += tau(q, v, w). q: nq; v, tau: nv; w: a wrench per push. NaN on robots with a spring whose ends coincide.
+template <class S>
+void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
+                        AppliedForces<S>& forces, S* tau);
+
+/// Bodies' variations, one thread's. Allocated once.
+struct AppliedScratch {
+  explicit AppliedScratch(const AppliedForces<double>& forces);
+  std::vector<std::vector<Vec6<double>>> u, x, v;  // per robot of `forces`: njoints
+};
+
+// After add_applied_forces at q, v; of these robots of the scene alone. Vectors are the scene's: nv, 6 per push.
+
+/// dtau += dtau/dq dq + dtau/dv dv + dtau/dw dw. dw: nullptr for zero.
+void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
+                         std::span<const int> robots, const double* dq, const double* dv, const double* dw,
+                         AppliedScratch& scratch, double* dtau);
+
+/// wq += (dtau/dq)^T l, wv += (dtau/dv)^T l; ww = (dtau/dw)^T l of these robots' pushes, where it is not nullptr.
+void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
+                         std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
+                         double* ww);
+
+/// size += the terms that tau was computed from, each by its size, and what the forces' own rounding comes to. q: nq;
+/// size: nv.
+void add_applied_sizes(const Scene& scene, const double* q, const AppliedForces<double>& forces,
+                       std::span<const int> robots, AppliedScratch& scratch, double* size);
+
+/// What they do at the state of the last add_applied_forces, W: pushes, and dampers, which take.
+struct AppliedPower {
+  double pushes = 0, dampers = 0;
+};
+AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
+
+/// The distance between a spring's ends at q (nq), which need not be the scene's. Throws std::invalid_argument unless q
+/// has scene.nq numbers.
+double spring_length(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const Spring& spring);
+
+/// What springs hold at q, J. kin: per robot of the scene, placed.
+double energy_of_springs(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                         const std::vector<Kinematics<double>>& kin);
+
+}  // namespace manycontact
