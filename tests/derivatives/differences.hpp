@@ -54,6 +54,14 @@ inline DirectionalTruth difference_along(const Scene& scene, const std::vector<c
   return {(after.a - before.a) / (2 * h), (after.f - before.f) / (2 * h)};
 }
 
+/// [a; f] differentiated along a direction of u, in which they are affine: any step is exact. `here`: not moved.
+inline DirectionalTruth difference_along_u(const Scene& scene, const std::vector<char>& active, const State& s,
+                                           const Truth<Quad>& here, const VecX<Quad>& du) {
+  const Truth<Quad> there = truth_along(scene, active, s, 1, {}, {}, du);
+  EXPECT_EQ(there.rank, here.rank);
+  return {there.a - here.a, there.f - here.f};
+}
+
 /// Coordinates of the scene behind an island's rows and columns.
 struct Places {
   std::vector<int> v, u, f;
@@ -79,6 +87,8 @@ inline std::vector<MatX<Quad>> differences(const Scene& scene, const SceneData& 
     out.push_back(MatX<Quad>::Zero(island.size(), 2 * p.v.size() + p.u.size()));
     most = std::max(most, p.v.size());
   }
+  const VecX<Quad> none;
+  const Truth<Quad> here = truth_along(scene, data.active, s, 0, none, none, none);
   for (int by = 0; by < 3; ++by)
     for (std::size_t k = 0; k < most; ++k) {
       VecX<Quad> step = VecX<Quad>::Zero(by == 2 ? scene.nu : scene.nv);
@@ -88,9 +98,9 @@ inline std::vector<MatX<Quad>> differences(const Scene& scene, const SceneData& 
         if (k < of.size()) step[of[k]] = 1, moves = true;
       }
       if (!moves) continue;
-      const VecX<Quad> none;
       const DirectionalTruth d =
-          difference_along(scene, data.active, s, by == 0 ? step : none, by == 1 ? step : none, by == 2 ? step : none);
+          by == 2 ? difference_along_u(scene, data.active, s, here, step)
+                  : difference_along(scene, data.active, s, by == 0 ? step : none, by == 1 ? step : none, none);
       for (std::size_t i = 0; i < places.size(); ++i) {
         const Places& p = places[i];
         if (k >= (by == 2 ? p.u : p.v).size()) continue;
