@@ -189,11 +189,11 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
       });
 }
 
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
                double* df) {
   Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),   data.v.data(),    data.a.data(),
-                              data.f.data(), data.f_offset, {dq, dv, du}, {da, df, nullptr}};
+  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
+                              data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
   each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
                   group.kernels[thread.number]->jvp(job, robots);
@@ -201,10 +201,10 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wu) {
+               double* wtau) {
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
-                              data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wu}};
+                              data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
   each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
                   group.kernels[thread.number]->vjp(job, robots);

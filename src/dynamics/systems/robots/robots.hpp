@@ -179,10 +179,10 @@ void find_dependent_group(Workspace& work, IslandWork& island);
 /// Derivatives of those that AloneSystem::differentiates into w.derivatives, and products with them. Vectors in the
 /// scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* du, double* da,
+void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
                double* df);
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wu);
+               double* wtau);
 
 /// Makes island.robots->derivatives for `out`, which is laid out, where robot by robot is predicted to be cheaper than
 /// by the factor of the whole K.
