@@ -34,18 +34,25 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
 
 /// The sizes of all terms that a contact's a0 is computed from [m/s^2, rad/s^2]: accelerations (gravity in them),
 /// products of velocities, and what gains answer. Their error is a difference of placements, as good as these are.
-/// kinA, kinB: of the robots of A and B; of a B that does not move unused.
+/// origin: how far the bodies' origins are off, in units of rounding.
 template <class S>
-S row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
-            const Model& B, const Kinematics<S>& kinB) {
+S row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
   const S v = larger(largest(data.vA), largest(data.vB));
-  S origin(0);
-  if (moves(contact.A)) origin += origin_rounding<S>(A, kinA, contact.A.joint);
-  if (moves(contact.B)) origin += origin_rounding<S>(B, kinB, contact.B.joint);
   const double placed = contact.B.robot >= 0 ? contact.B.placement.p.cwiseAbs().maxCoeff() : 0;
   return largest(data.aA) + largest(data.aB) + v * v + S(std::abs(contact.beta)) * v +
          S(std::abs(contact.alpha)) * (S(1) + largest(data.aMA.p) + largest(data.bMA.p) + origin + S(placed));
+}
+
+/// The same where the bodies are placed from the world on. kinA, kinB: of the robots of A and B; of a B that does not
+/// move unused.
+template <class S>
+S row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
+            const Model& B, const Kinematics<S>& kinB) {
+  S origin(0);
+  if (moves(contact.A)) origin += origin_rounding<S>(A, kinA, contact.A.joint);
+  if (moves(contact.B)) origin += origin_rounding<S>(B, kinB, contact.B.joint);
+  return row_terms<S>(contact, data, origin);
 }
 
 /// The largest term that a contact's a0 is computed from. Of the bodies' velocities and accelerations as the tree has

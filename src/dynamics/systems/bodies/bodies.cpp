@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../contact_drift.hpp"
 #include "../../internal.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -101,14 +102,21 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp); terms of a0 are
-// what bodies accelerate with where no joint does.
-lanes::Contradiction contradiction_of(const BodiesSystem& bodies) {
+// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp).
+lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, const BodiesSystem& bodies) {
   const BodySolve& v = bodies.solution;
   lanes::Contradiction of;
   of.left = bodies.dependence.null_component.cwiseAbs().maxCoeff();
   of.a0 = v.b.rows.cwiseAbs().maxCoeff();
   of.Ja = (v.residual.row_scale - v.b.rows.cwiseAbs()).maxCoeff();
+  for (int c : bodies.owner.island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    double origin = 0;
+    for (const Attachment* at : {&contact.A, &contact.B})
+      if (const BodyKinematics<double>* kin = kinematics_at(bodies, *at))
+        origin += kin->p[at->joint].cwiseAbs().maxCoeff();
+    of.drift = std::max(of.drift, row_terms<double>(contact, work.contacts[c], origin));
+  }
   for (const V6& c : v.b.motion) of.drift = std::max(of.drift, c.cwiseAbs().maxCoeff());
   for (const BodyKinematics<double>& kin : bodies.kin)
     for (const V6& velocity : kin.v) of.drift = std::max(of.drift, velocity.cwiseAbs2().maxCoeff());
@@ -206,7 +214,8 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   whole.add(factor.nonzeros(), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
   if (drops) {
-    internal::report_dropped_rows(data, owner, dependence.rows.dropped, internal::contradiction_of(*this), report);
+    internal::report_dropped_rows(data, owner, dependence.rows.dropped,
+                                  internal::contradiction_of(scene, *data.workspace, *this), report);
     report.changed_order = false;
   }
   const BodyVectors& x = solution.x;
