@@ -40,7 +40,9 @@ void batch_of_states(benchmark::State& state, int robots, Work work, int threads
 // The same by one scene of 64 copies: what a batch is measured by.
 void scene_of_copies(benchmark::State& state, Work work) {
   const Posed s = bench::robots(64);
-  SceneData data(s.scene, Options{.threads = 1});
+  Options options;
+  options.threads = 1;
+  SceneData data(s.scene, options);
   (void)solve(s.scene, s.q, s.v, s.u, data);
   const Eigen::VectorXd wa = s.v, wf = data.f;
   Eigen::VectorXd wq = s.v, wv = s.v, wu = s.u;

@@ -437,6 +437,26 @@ TEST(Bodies, StraightChainsAgreeWithTheOracle) {
       }
 }
 
+// What rows contradict each other by counts beside their own terms: bodies' accelerations have gravity in them.
+TEST(Bodies, ContradictionsUnderLargeGravity) {
+  for (const double gravity : {1.0, 4e8}) {
+    ChainOptions options;
+    options.links = options.held_every = 1;
+    options.floating_base = true;
+    Chain c = make_chain(options);
+    Contact again = c.scene.contacts[0];
+    again.name = "again";
+    again.type = ContactType::k1D;
+    again.alpha = 3;  // and the other has none
+    add_contact(c.scene, again);
+    c.scene.gravity = {0, 0, -gravity};
+    Both x(c.scene, c.q, c.v, c.u);
+    EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
+    EXPECT_EQ(x.dense.report.status, Status::kInconsistent) << gravity;
+    EXPECT_EQ(x.bodies.report.status, Status::kInconsistent) << gravity;
+  }
+}
+
 // Two points where one would do, and a body held twice.
 TEST(Bodies, RowsOfOneBodyAgreeWithTheOracle) {
   for (const ContactType type : {ContactType::k3D, ContactType::k6D})

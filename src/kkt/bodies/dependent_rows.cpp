@@ -301,4 +301,20 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
       });
 }
 
+std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v) {
+  const BodyPattern& p = *s.pattern;
+  v.dx.rows = v.b.rows;
+  take_away(s, v.b, v.dx);
+  double Ja = 0;
+  for (int k = 0; k < p.nc; ++k) {
+    double sum = 0;
+    const auto add = [&](int node, const auto& G) {
+      if (node >= 0) sum += G.cwiseAbs().dot((v.x.motion[node] - v.dx.motion[node]).cwiseAbs());
+    };
+    add(p.A[k], s.GA.col(k)), add(p.B[k], s.GB.col(k));
+    Ja = std::max(Ja, sum);
+  }
+  return {Ja, v.dx.rows.cwiseAbs().maxCoeff()};
+}
+
 }  // namespace manycontact

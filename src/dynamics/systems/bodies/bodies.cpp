@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "../../contact_drift.hpp"
 #include "../../internal.hpp"
@@ -103,12 +104,11 @@ bool all_finite(const BodyVectors& x) {
 }
 
 // What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp).
-lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, const BodiesSystem& bodies) {
-  const BodySolve& v = bodies.solution;
+lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
+  BodySolve& v = bodies.solution;
   lanes::Contradiction of;
   of.left = bodies.dependence.null_component.cwiseAbs().maxCoeff();
-  of.a0 = v.b.rows.cwiseAbs().maxCoeff();
-  of.Ja = (v.residual.row_scale - v.b.rows.cwiseAbs()).maxCoeff();
+  std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, v);
   for (int c : bodies.owner.island.contacts) {
     const Contact& contact = scene.contacts[c];
     double origin = 0;
