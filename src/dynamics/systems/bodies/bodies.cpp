@@ -137,13 +137,20 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
+// Whether rows are to be dropped here: of few coordinates the whole K does it as fast, and keeps derivatives.
+bool may_drop_rows(const Scene& scene, const SceneData& data, const Island& island) {
+  constexpr int kFew = 100;
+  return scene.damping == 0 && (data.options.method == Method::kSparseBodies || island.nv >= kFew);
+}
+
 // kNone: the factor and the solution are sound.
 Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
   evaluate_bodies(scene, data, bodies);
   bodies.drops = false;
   Reason reason =
       factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.dependence, bodies.solution, refinement);
-  if (reason == Reason::kSmallPivot && scene.damping == 0) reason = solve_without_dependent(bodies, refinement);
+  if (reason == Reason::kSmallPivot && may_drop_rows(scene, data, bodies.owner.island))
+    reason = solve_without_dependent(bodies, refinement);
   bodies.state = data.workspace->state;
   bodies.sound = reason == Reason::kNone;
   return reason;
