@@ -50,6 +50,18 @@ End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   return {spring_end<double>(at, &forces.robots[k].kin), &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
 }
 
+// push(push, its number, of its robot, that one's number), spring(spring, its number, its ends), of these robots.
+template <class OfPush, class OfSpring>
+void each_force(const Scene& scene, const Forces& forces, std::span<const int> robots, AppliedScratch& scratch,
+                OfPush&& push, OfSpring&& spring) {
+  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
+    for (int p : of.pushes) push(scene.pushes[p], p, of, k);
+    for (int p : of.springs)
+      spring(scene.springs[p], p, end_of(forces, scene.springs[p].A, scratch),
+             end_of(forces, scene.springs[p].B, scratch));
+  });
+}
+
 // ---- tangent: x, v of each body, then df in u ----------------------------------------------------------------------
 
 void add_push_tangent(const Push& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x, V6& df) {
@@ -136,18 +148,15 @@ void add_applied_tangent(const Scene& scene, const double* v, const AppliedForce
       scratch.u[k][i].setZero();
     }
   });
-  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    for (int p : of.pushes) {
-      const int i = scene.pushes[p].at.joint;
-      add_push_tangent(scene.pushes[p], of, forces.pushes[p], dw ? dw + 6 * p : nullptr, scratch.x[k][i],
-                       scratch.u[k][i]);
-    }
-    for (int p : of.springs) {
-      const Spring& spring = scene.springs[p];
-      add_spring_tangent(spring, forces.springs[p], end_of(forces, spring.A, scratch),
-                         end_of(forces, spring.B, scratch));
-    }
-  });
+  each_force(
+      scene, forces, robots, scratch,
+      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
+        const int i = push.at.joint;
+        add_push_tangent(push, of, forces.pushes[p], dw ? dw + 6 * p : nullptr, scratch.x[k][i], scratch.u[k][i]);
+      },
+      [&](const Spring& spring, int p, const End& A, const End& B) {
+        add_spring_tangent(spring, forces.springs[p], A, B);
+      });
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
     for (std::size_t j = of.joints.size(); j-- > 0;) {
@@ -178,18 +187,15 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
       scratch.v[k][i].setZero();
     }
   });
-  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    for (int p : of.pushes) {
-      const int i = scene.pushes[p].at.joint;
-      add_push_adjoint(scene.pushes[p], of, forces.pushes[p], scratch.u[k][i], scratch.x[k][i],
-                       ww ? ww + 6 * p : nullptr);
-    }
-    for (int p : of.springs) {
-      const Spring& spring = scene.springs[p];
-      add_spring_adjoint(spring, forces.springs[p], end_of(forces, spring.A, scratch),
-                         end_of(forces, spring.B, scratch));
-    }
-  });
+  each_force(
+      scene, forces, robots, scratch,
+      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
+        const int i = push.at.joint;
+        add_push_adjoint(push, of, forces.pushes[p], scratch.u[k][i], scratch.x[k][i], ww ? ww + 6 * p : nullptr);
+      },
+      [&](const Spring& spring, int p, const End& A, const End& B) {
+        add_spring_adjoint(spring, forces.springs[p], A, B);
+      });
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
     for (std::size_t j = of.joints.size(); j-- > 0;) {
@@ -218,31 +224,28 @@ void add_applied_sizes(const Scene& scene, const double* q, const AppliedForces<
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     for (int i : of.joints) scratch.u[k][i].setZero();
   });
-  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    for (int p : of.pushes) {
-      const Push& push = scene.pushes[p];
-      const double force = largest(forces.pushes[p].head<3>()), lever = largest(of.kin.oMi[push.at.joint].p);
-      const double offset = largest(push.at.placement.p);
-      add(scratch.u[k][push.at.joint], force, largest(forces.pushes[p].tail<3>()) + (lever + offset) * force);
-    }
-    for (int p : of.springs) {
-      const Spring& spring = scene.springs[p];
-      const Forces::OfSpring& s = forces.springs[p];
-      const End ends[] = {end_of(forces, spring.A, scratch), end_of(forces, spring.B, scratch)};
-      const auto reach = [&](const End& end) {
-        return largest(end.at.p) + largest(V3(end.at.origin.p - ends[0].at.origin.p));
-      };
-      const auto speed = [&](const End& end) {
-        return largest(linear(end.at.body)) + largest(angular(end.at.body)) * largest(end.at.p);
-      };
-      const double place = reach(ends[0]) + reach(ends[1]);
-      double force = spring.stiffness * (place + spring.length) + spring.damping * (speed(ends[0]) + speed(ends[1]));
-      if (spring.length != 0 || spring.damping != 0)
-        force += (std::abs(s.t) + spring.damping * largest(s.rate)) * (1 + place / s.length);
-      for (const End& end : ends)
-        if (end.u) add(*end.u, force, force * largest(end.at.p));
-    }
-  });
+  each_force(
+      scene, forces, robots, scratch,
+      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
+        const double force = largest(forces.pushes[p].head<3>()), lever = largest(of.kin.oMi[push.at.joint].p);
+        const double offset = largest(push.at.placement.p);
+        add(scratch.u[k][push.at.joint], force, largest(forces.pushes[p].tail<3>()) + (lever + offset) * force);
+      },
+      [&](const Spring& spring, int p, const End& A, const End& B) {
+        const Forces::OfSpring& s = forces.springs[p];
+        const auto reach = [&](const End& end) {
+          return largest(end.at.p) + largest(V3(end.at.origin.p - A.at.origin.p));
+        };
+        const auto speed = [&](const End& end) {
+          return largest(linear(end.at.body)) + largest(angular(end.at.body)) * largest(end.at.p);
+        };
+        const double place = reach(A) + reach(B);
+        double force = spring.stiffness * (place + spring.length) + spring.damping * (speed(A) + speed(B));
+        if (spring.length != 0 || spring.damping != 0)
+          force += (std::abs(s.t) + spring.damping * largest(s.rate)) * (1 + place / s.length);
+        for (const End* end : {&A, &B})
+          if (end->u) add(*end->u, force, force * largest(end->at.p));
+      });
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
     for (std::size_t j = of.joints.size(); j-- > 0;) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "internal.hpp"
+#include "manycontact/model/torques.hpp"
 #include "threads.hpp"
 
 namespace manycontact {
@@ -88,9 +89,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "df", df.size(), data.f.size());
   set_nan(da), set_nan(df);
   Eigen::VectorXd& torques = data.workspace->products->tau;
-  torques.setZero();
-  for (const Robot& robot : scene.robots)
-    for (int k = 0; k < robot.model->nu(); ++k) torques[robot.idx_v + robot.model->actuated[k]] = du[robot.idx_u + k];
+  torques_of_motors(scene, du, torques);
   add_applied_tangent(scene, data, dq, dv, dw, torques);
   const internal::OneBlasOfThreads one_blas_thread(*data.workspace);
   internal::jvp_alone(scene, data, dq.data(), dv.data(), torques.data(), da.data(), df.data());

@@ -7,6 +7,7 @@
 #include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "threads.hpp"
 
@@ -178,10 +179,7 @@ const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector&
                     SceneData& data) {
   internal::begin("solve", scene, q, v, "u", u, scene.nu, data);
   internal::remake(data.tau, scene.nv);
-  for (const Robot& robot : scene.robots) {
-    data.tau.segment(robot.idx_v, robot.model->nv).setZero();
-    for (int k = 0; k < robot.model->nu(); ++k) data.tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
-  }
+  torques_of_motors(scene, u, data.tau);
   return internal::solve_prepared(scene, q, v, data.tau, data);
 }
 

@@ -4,6 +4,7 @@
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/model/torques.hpp"
 
 namespace manycontact::internal {
 
@@ -32,9 +33,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.at_rest.follow(scene, h);
   d.stage_v = d.v / -h;
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
-  d.w.setZero();  // what motors, pushes and springs give
-  for (const Robot& robot : scene.robots)
-    for (int k = 0; k < robot.model->nu(); ++k) d.w[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
+  torques_of_motors(scene, u, d.w);  // what motors, pushes and springs give
   if (d.applied) add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
   begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
   d.tau *= -h;  // M v - h h(q, v)

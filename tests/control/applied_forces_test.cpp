@@ -24,22 +24,8 @@ RandomScene pushed(int seed, bool free) {
   return s;
 }
 
-// (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold.
-Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, const Eigen::VectorXd& dx,
-                             const Eigen::VectorXd& du, double e) {
-  const NodeDataPtr data = model->createData();
-  model->calc(data, p.x, p.u);
-  const Eigen::VectorXd middle = data->xnext;
-  const auto at = [&](double s) {
-    const Eigen::VectorXd x = p.state->integrate_x(p.x, s * dx), u = p.u + s * du;
-    model->calc(data, x, u);
-    return p.state->diff_dx(middle, data->xnext);
-  };
-  return (8 * (at(e) - at(-e)) - (at(2 * e) - at(-2 * e))) / (12 * e);
-}
-
 void expect_node_derivatives(const Problem& p, const NodePtr& model) {
-  const NodeDataPtr data = model->createData();
+  const NodeDataPtr data = model->createData(), other = model->createData();
   model->calc(data, p.x, p.u);
   model->calcDiff(data, p.x, p.u);
   const Eigen::Index n = data->Fx.cols(), m = data->Fu.cols();
@@ -50,7 +36,7 @@ void expect_node_derivatives(const Problem& p, const NodePtr& model) {
     const Eigen::VectorXd mine = c < n ? data->Fx.col(c) : data->Fu.col(c - n);
     double error = kInfinity, size = 0;  // of the better of two differences: one has rounding, the other a remainder
     for (const double e : {1e-3, 1e-4}) {
-      const Eigen::VectorXd twin = fourth_order(p, model, dx, du, e);
+      const Eigen::VectorXd twin = fourth_order(p, model, other, dx, du, e);
       error = std::min(error, difference_of(mine, twin));
       size = size_of(twin);
     }

@@ -30,6 +30,20 @@ inline double twin_error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twi
   return difference == 0 ? 0 : difference / std::max(size_of(twin), 1e-3 * values);
 }
 
+/// (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold, of a node's next state along (dx, du). data:
+/// overwritten.
+inline Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, const NodeDataPtr& data,
+                                    const Eigen::VectorXd& dx, const Eigen::VectorXd& du, double e) {
+  model->calc(data, p.x, p.u);
+  const Eigen::VectorXd middle = data->xnext;
+  const auto at = [&](double s) {
+    const Eigen::VectorXd x = p.state->integrate_x(p.x, s * dx), u = p.u + s * du;
+    model->calc(data, x, u);
+    return p.state->diff_dx(middle, data->xnext);
+  };
+  return (8 * (at(e) - at(-e)) - (at(2 * e) - at(-2 * e))) / (12 * e);
+}
+
 /// [x_0; u_0; x_1; ...] that a solver has come to.
 inline Eigen::VectorXd stacked(const SolverAbstract& solver) {
   std::vector<double> z;

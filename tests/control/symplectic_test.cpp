@@ -142,19 +142,6 @@ TEST(Symplectic, KeepsMomentum) {
 
 // ---- derivatives
 
-// (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold.
-Eigen::VectorXd difference(const Problem& p, const NodePtr& model, const NodeDataPtr& data, const Eigen::VectorXd& dx,
-                           const Eigen::VectorXd& du, double e) {
-  model->calc(data, p.x, p.u);
-  const Eigen::VectorXd middle = data->xnext;
-  const auto at = [&](double s) {
-    const Eigen::VectorXd x = p.state->integrate_x(p.x, s * dx), u = p.u + s * du;
-    model->calc(data, x, u);
-    return p.state->diff_dx(middle, data->xnext);
-  };
-  return (8 * (at(e) - at(-e)) - (at(2 * e) - at(-2 * e))) / (12 * e);
-}
-
 void expect_derivatives(const Problem& p, double tolerance) {
   const NodePtr model = node_of(p);
   const NodeDataPtr data = model->createData(), other = model->createData();
@@ -166,7 +153,7 @@ void expect_derivatives(const Problem& p, double tolerance) {
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(n), du = Eigen::VectorXd::Zero(m);
     (c < n ? dx[c] : du[c - n]) = 1;
     const Eigen::VectorXd mine = c < n ? data->Fx.col(c) : data->Fu.col(c - n);
-    const Eigen::VectorXd twin = difference(p, model, other, dx, du, 1e-4);
+    const Eigen::VectorXd twin = fourth_order(p, model, other, dx, du, 1e-4);
     EXPECT_LT(difference_of(mine, twin), tolerance * (1e-2 + size_of(twin)));
   }
   EXPECT_GT(size_of(data->Fx), 0);

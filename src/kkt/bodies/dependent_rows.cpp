@@ -272,10 +272,7 @@ Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence&
     return true;
   });
   drop_rows_of_one_body(system, d, work.on_body);
-  d.drops = true;
-  const Reason reason = factorize_bodies(system, d);
-  d.drops = false;
-  if (reason != Reason::kNone) return reason;
+  if (const Reason reason = factorize_bodies(system, d, nullptr, true); reason != Reason::kNone) return reason;
   if (d.found.empty() || !find_null_space(system, d, work)) return Reason::kSmallPivot;
   return factorize_bodies(system, d);  // rows that hold bodies are fewer now
 }

@@ -288,7 +288,7 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
 }
 
 // N C N and N G_j in place of C and G_j (BodyHold).
-void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
+void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
   BodyHold& h = d.hold[s.hold[i]];
@@ -298,7 +298,7 @@ void project(const BodySystem& system, BodyLdl& d, int i, Rows& at) {
   const auto Q = h.Q.leftCols(m);
   for (int k = 0; k < at.m; ++k) {
     if (std::find(own.row, own.row + m, at.row[k]) != own.row + m) continue;
-    if (d.drops && says_nothing_new(s, d, i, at, k, Q)) {
+    if (drop && says_nothing_new(s, d, i, at, k, Q)) {
       d.dropped[at.row[k]] = 1;
       d.found.push_back({at.row[k], i});
     }
@@ -328,7 +328,7 @@ V6 diagonal_of(const Inertia<double>& Y) {
 
 }  // namespace
 
-Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors* b) {
+Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors* b, bool drop) {
   const BodyPattern& s = *system.pattern;
   if (b) d.g = b->rows;
   std::size_t row_first = 0, joint_first = 0, square_first = 0;
@@ -352,7 +352,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     Rows at = rows_of(s, d, i);
     row_first += at.m, joint_first += static_cast<std::size_t>(at.m) * s.ndof[i];
     square_first += static_cast<std::size_t>(at.m) * s.most[i];
-    project(system, d, i, at);
+    project(system, d, i, drop, at);
     d.eliminated[i] = 0;
     const V6 inverse = d.P[i].diagonal().cwiseInverse();
     for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free

@@ -220,11 +220,9 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   if (!sound) return false;
   whole.add(factor.nonzeros(), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
-  if (drops) {
+  if (drops)
     internal::report_dropped_rows(data, owner, dependence.rows.dropped,
                                   internal::contradiction_of(scene, *data.workspace, *this), report);
-    report.changed_order = false;
-  }
   const BodyVectors& x = solution.x;
   each_velocity_block(scene, owner.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });

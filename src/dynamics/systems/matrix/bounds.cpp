@@ -210,19 +210,25 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-// By how much the answer given (a, f) differs from x = [a; -f], which the whole K gave since:
-// the bounds are x's.
-std::pair<double, double> moved(const SceneData& data, const Scene& scene, const MatrixSystem& m) {
+// Of the answer given, (a, f), the size, and by how much it differs from x = [a; -f], which the whole K gave since: the
+// bounds are x's.
+struct Given {
+  double size = 0, moved = 0;
+  void add(double given, double own) {
+    size = std::max(size, std::abs(given));
+    moved = std::max(moved, std::abs(given - own));
+  }
+};
+std::pair<Given, Given> given_answer(const SceneData& data, const Scene& scene, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
-  double a = 0, f = 0;
+  std::pair<Given, Given> out;
   each_velocity_block(scene, m.owner.island, [&](int given, int own, int n) {
-    for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[given + i] - m.v.x[iperm[own + i]]));
+    for (int i = 0; i < n; ++i) out.first.add(data.a[given + i], m.v.x[iperm[own + i]]);
   });
   each_force_block(scene, data.f_offset, m.owner.island, [&](int given, int own, int n) {
-    for (int i = 0; i < n; ++i)
-      f = std::max(f, std::abs(data.f[given + i] + m.v.x[iperm[m.owner.island.nv + own + i]]));
+    for (int i = 0; i < n; ++i) out.second.add(data.f[given + i], -m.v.x[iperm[m.owner.island.nv + own + i]]);
   });
-  return {a, f};
+  return out;
 }
 
 }  // namespace
@@ -230,7 +236,7 @@ std::pair<double, double> moved(const SceneData& data, const Scene& scene, const
 bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
   const std::vector<double> w = uncertainty(scene, data, *this);
   const int* iperm = K.pattern->iperm.data();
-  const auto [moved_a, moved_f] = moved(data, scene, *this);
+  const auto [a, f] = given_answer(data, scene, *this);
   std::vector<char> kept(w.size());
   const bool contradicts = deficient() && contradiction;
   const std::vector<double> turned =
@@ -243,17 +249,10 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
         count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
     return error == 0 ? 0 : error / size;
   };
-  double a = 0, f = 0;  // sizes of the answer given, which x may be no more than rounding beside
-  each_velocity_block(scene, owner.island, [&](int at, int, int n) {
-    for (int i = 0; i < n; ++i) a = std::max(a, std::abs(data.a[at + i]));
-  });
-  each_force_block(scene, data.f_offset, owner.island, [&](int at, int, int n) {
-    for (int i = 0; i < n; ++i) f = std::max(f, std::abs(data.f[at + i]));
-  });
-  report.error_acceleration = relative(0, owner.island.nv, a, moved_a);
-  double more = moved_f;
+  report.error_acceleration = relative(0, owner.island.nv, a.size, a.moved);
+  double more = f.moved;
   if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
-  report.error_forces = relative(owner.island.nv, owner.island.nc, f, more);
+  report.error_forces = relative(owner.island.nv, owner.island.nc, f.size, more);
   return true;
 }
 

@@ -278,7 +278,7 @@ void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<c
                          const lanes::Contradiction& contradiction, IslandReport& report) {
   report.status = contradiction.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
-  report.changed_order = d.choice.order != Order::kLeafToRoot;
+  report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
   report.order = Order::kLeafToRoot;
   report.rank -= static_cast<int>(rows.size());
   name_dependent_rows(data, d.island, rows, report);

@@ -168,7 +168,7 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 void solve_alone(const Scene& scene, SceneData& data);
 void solve_alone_as_dependent(const Scene& scene, SceneData& data);
 void solve_alone_as_found(const Scene& scene, SceneData& data);
-/// What the report of an island says of rows of its J that were dropped in lanes: status, rank, names.
+/// What the report of an island says of rows of its J that were dropped: status, rank, names.
 void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
                          const lanes::Contradiction& contradiction, IslandReport& report);
 /// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where

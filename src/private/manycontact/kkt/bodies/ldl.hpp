@@ -63,7 +63,6 @@ struct BodyLdl {  // block LDL from leaves to root
 
   // rows that others say (dependent_rows.hpp): they have no part in the factor, and y of them is zero
   std::vector<char> dropped;  // per row
-  bool drops = false;         // as they are found
   struct Drop {
     int row, node;  // whose rows say what this one does; as many as there are nodes: it moves nothing
   };
@@ -86,8 +85,10 @@ struct HeldRows {
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 
 /// kNone: sound. kSingularInertia: a joint has nothing to move, or no more than rounding. kSmallPivot: rows depend on
-/// each other, or nearly. kNotFinite. With b, right-hand sides are lifted in the same sweep.
-[[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr);
+/// each other, or nearly. kNotFinite. With b, right-hand sides are lifted in the same sweep. drop: rows that those
+/// which hold a body say are dropped as they are met, into ldl.found.
+[[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
+                                      bool drop = false);
 
 /// The first half of solving, from the leaves: what b leaves at the bases.
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
