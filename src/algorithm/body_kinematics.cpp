@@ -56,7 +56,7 @@ void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<
     const Tree& tree = model.trees[k];
     S s, c;
     sin_cos(angle_of<S>(model.joints[tree.root], q), s, c);
-    kin.origins[k] = place_path<S>(model, tree, base, q, s, c, [&](int i) -> SE3<S>& {
+    kin.origins[k] = place_path<S>(model, nullptr, tree, base, q, s, c, [&](int i) -> SE3<S>& {
       return placed[std::find(tree.path.begin(), tree.path.end(), i) - tree.path.begin()];
     });
     for (std::size_t j = 0; j < tree.path.size(); ++j) kin.p[tree.path[j]] = placed[j].p;

@@ -1,5 +1,7 @@
 #include "manycontact/algorithm/crba.hpp"
 
+#include "manycontact/algorithm/model_numbers.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -22,7 +24,7 @@ void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vecto
         for (int j : {2, 1, 0}) M(at++) = moment[j];
         for (int j : {2, 1, 0}) M(at++) = force[j];
       }
-      M(model.M_begin[k]) += S(model.armature[k]);
+      M(model.M_begin[k]) += armature_of<S>(model, kin.own, k);
     }
     if (joint.parent < 0) continue;
     Inertia<S>& above = Yc[joint.parent];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "manycontact/algorithm/model_numbers.hpp"
 #include "place_path.hpp"
 
 namespace manycontact {
@@ -66,7 +67,7 @@ template <class S>
 template <class S>
 [[gnu::always_inline]] inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
   fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
-  kin.Y[i] = model.joints[i].inertia.template cast<S>().transformed(kin.oMi[i]);
+  kin.Y[i] = inertia_of<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
 // A body whose parent is placed, its joint turned by the angle of s and c. In one with fill_body: a frame is read again
@@ -77,9 +78,10 @@ template <class S>
   const Joint& joint = model.joints[i];
   SE3<S>& M = kin.oMi[i];
   const SE3<S>& P = kin.oMi[joint.parent];
-  M.p = add_times<S>(P.p, P.R, joint.placement.p.cast<S>());
+  const PlacementOf<S> placement(model, kin.own, i);
+  M.p = add_times<S>(P.p, P.R, placement.p());
   if (joint.placement_rotates)
-    M.R = times<S>(P.R, Mat3<S>(joint.placement.R.template cast<S>()));
+    M.R = times<S>(P.R, placement.R());
   else
     M.R = P.R;
   move_frame<S>(joint, q, s, c, M.R, M.p);
@@ -92,8 +94,8 @@ template <class S, class B>
                                     const S& c, Kinematics<S>& kin) {
   const int tree = model.tree_of[i];
   if (model.joints[i].parent < 0)
-    kin.origins[tree] =
-        place_path<S, B>(model, model.trees[tree], base, q, s, c, [&kin](int j) -> SE3<S>& { return kin.oMi[j]; });
+    kin.origins[tree] = place_path<S, B>(model, kin.own, model.trees[tree], base, q, s, c,
+                                         [&kin](int j) -> SE3<S>& { return kin.oMi[j]; });
   fill_body<S>(model, i, kin);
 }
 

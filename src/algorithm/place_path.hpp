@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/algorithm/model_numbers.hpp"
 #include "move_frame.hpp"
 
 namespace manycontact {
@@ -46,10 +46,10 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 }  // namespace detail
 
 /// Places the bodies of a tree's path, in place(joint), and returns where the anchor is in the world. s, c: sine and
-/// cosine of the root's angle. base: as for forward_kinematics.
+/// cosine of the root's angle. own: as Kinematics has it; base: as for forward_kinematics.
 template <class S, class B, class Place>
-WorldPoint<S> place_path(const Model& model, const Tree& tree, const SE3<B>& base, const ConstVecRef<S>& q, const S& s,
-                         const S& c, Place&& place) {
+WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
+                         const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {
   WorldPoint<S> anchor;
   if (model.floating_base) {
     SE3<S>& M = place(tree.root);
@@ -63,10 +63,11 @@ WorldPoint<S> place_path(const Model& model, const Tree& tree, const SE3<B>& bas
   for (int i : tree.path) {  // p: as seen from the parent's
     const Joint& joint = model.joints[i];
     SE3<S>& M = place(i);
-    M.p = times<S>(R, joint.placement.p.cast<S>());
-    for (int k = 0; k < 3; ++k)
-      if (joint.placement.p[k] != 0) detail::move_along<S>(R.col(k), S(joint.placement.p[k]), anchor);
-    M.R = joint.placement_rotates ? times<S>(R, Mat3<S>(joint.placement.R.template cast<S>())) : R;
+    const PlacementOf<S> placement(model, own, i);
+    const Vec3<S> p = placement.p();
+    M.p = times<S>(R, p);
+    for (int k = 0; k < 3; ++k) detail::move_along<S>(R.col(k), p[k], anchor);
+    M.R = joint.placement_rotates ? times<S>(R, placement.R()) : R;
     detail::displace<S>(joint, q, M.R, anchor);
     S sine = s, cosine = c;
     if (i != tree.root) sin_cos(angle_of<S>(joint, q), sine, cosine);

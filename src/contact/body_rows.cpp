@@ -37,6 +37,7 @@ void body_rows(const Scene& scene, const Contact& c, const BodyKinematics<double
   d.aA = d.aMA.act_inverse(kinA ? aA : rest);
   d.vB = kinB ? d.bMA.act_inverse(kinB->v[c.B.joint]) : zero;
   d.aB = d.bMA.act_inverse(kinB ? aB : rest);
+  take_places<double>(c, d);
   contact_motion<double>(c, d);
 }
 

@@ -6,7 +6,9 @@ namespace manycontact {
 
 template <class S>
 ContactData<S>::ContactData(const Contact& contact, const ContactSupport& support)
-    : vA(Vec6<S>::Zero()),
+    : on_A(Vec3<S>::Zero()),
+      on_B(Vec3<S>::Zero()),
+      vA(Vec6<S>::Zero()),
       vB(Vec6<S>::Zero()),
       aA(Vec6<S>::Zero()),
       aB(Vec6<S>::Zero()),
@@ -119,6 +121,7 @@ void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& su
                   const Kinematics<S>* kinB, ContactData<S>& d) {
   const WorldPoint<S> from = origin<S>(scene, c.A, kinA);
   const SE3<S> aMA = place<S>(scene, c.A, kinA);
+  take_places<S>(c, d);
   if (!kinB) return contact_rows_with_world<S>(scene.gravity, c, support, kinA, aMA, from, c.B.placement.cast<S>(), d);
   contact_rows_between<S>(scene.gravity, c, support, kinA, aMA, kinB, place<S>(scene, c.B, *kinB),
                           from.seen_from(origin<S>(scene, c.B, *kinB)), d);

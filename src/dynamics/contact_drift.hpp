@@ -39,9 +39,8 @@ template <class S>
 S row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
   const S v = larger(largest(data.vA), largest(data.vB));
-  const double placed = contact.B.robot >= 0 ? contact.B.placement.p.cwiseAbs().maxCoeff() : 0;
   return largest(data.aA) + largest(data.aB) + v * v + S(std::abs(contact.beta)) * v +
-         S(std::abs(contact.alpha)) * (S(1) + largest(data.aMA.p) + largest(data.bMA.p) + origin + S(placed));
+         S(std::abs(contact.alpha)) * (S(1) + largest(data.aMA.p) + largest(data.bMA.p) + origin + largest(data.on_B));
 }
 
 /// The same where the bodies are placed from the world on. kinA, kinB: of the robots of A and B; of a B that does not

@@ -143,8 +143,7 @@ void release_derivatives(SceneData& data) {
   w.derivatives = {};
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);
-  for (const auto& [shape, pool] : w.pools)
-    for (const auto& island : pool) release(*island);
+  w.pool.each([](IslandWork& island) { release(island); });
 }
 
 namespace {

@@ -33,16 +33,13 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   island->alone.state = island->matrix.state = 0;
   if (island->robots) island->robots->state = 0;
   if (island->bodies) island->bodies->state = 0;
-  w.pools[island->shape.get()].push_back(std::move(island));
+  w.pool.give(std::move(island), w.layout);
 }
 
 std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island& island) {
   const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island);
-  std::vector<std::unique_ptr<IslandWork>>& pool = w.pools[shape.get()];
-  if (pool.empty()) return std::make_unique<IslandWork>(shape, w.options);
-  std::unique_ptr<IslandWork> out = std::move(pool.back());
-  pool.pop_back();
-  return out;
+  std::unique_ptr<IslandWork> out = w.pool.take(*shape);
+  return out ? std::move(out) : std::make_unique<IslandWork>(shape, w.options);
 }
 
 // The island's robots and contacts, of which it has as many as any of its shape.
@@ -184,7 +181,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   keep_derivatives(w);
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
-    w.pools.clear();
+    w.pool.clear();
     w.lanes = {};
     w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
@@ -193,6 +190,10 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   change_islands(scene, data, w, all);
   w.lanes.level = lanes::level_of(w.options.lanes);
   prepare_robots(scene, w);
+  if (w.pool.trim()) {
+    w.shapes.forget_unused();
+    forget_unused_groups(w);
+  }
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <span>
-#include <unordered_map>
 
 #include "applied_forces.hpp"
 #include "derivatives/linearisation.hpp"
@@ -12,6 +11,7 @@
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "parallel.hpp"
+#include "pool.hpp"
 #include "robot_quantities.hpp"
 #include "scene_identity.hpp"
 #include "systems/bodies/bodies.hpp"
@@ -108,7 +108,7 @@ struct Workspace {
   std::vector<int> robot_island;                     // per robot
   std::uint64_t layout = 0;                          // changes of islands so far
   ShapeCache shapes;
-  std::unordered_map<const IslandShape*, std::vector<std::unique_ptr<IslandWork>>> pools;
+  IslandPool pool;
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 

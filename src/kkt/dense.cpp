@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -22,6 +24,11 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
+template <class S>
+void keep_least(DenseKkt<S>& kkt, const S& pivot, const S& terms) {
+  if (!(pivot >= kkt.least_pivot * terms)) kkt.least_pivot = pivot / terms;
+}
+
 // Which rows of J count.
 template <class S>
 void decide_rank(DenseKkt<S>& kkt) {
@@ -35,6 +42,7 @@ void decide_rank(DenseKkt<S>& kkt) {
   const int most = static_cast<int>(std::min(scaled.rows(), scaled.cols()));
   using std::abs;
   while (kkt.rank < most && abs(kkt.choice.matrixQR()(kkt.rank, kkt.rank)) > S(tolerance::kRank)) ++kkt.rank;
+  if (kkt.rank > 0) keep_least(kkt, abs(kkt.choice.matrixQR()(kkt.rank - 1, kkt.rank - 1)), S(1));
 }
 
 template <class S>
@@ -42,7 +50,18 @@ void decompose_rows(DenseKkt<S>& kkt) {
   kkt.of_Jt.compute(kkt.J.transpose() * kkt.choice.colsPermutation());
   MatX<S> C = kkt.of_Jt.matrixQR().topRows(kkt.rank);
   for (int k = 0; k < kkt.rank; ++k) C.col(k).tail(kkt.rank - k - 1).setZero();
-  kkt.of_Ct.compute(C.transpose());
+  const VecX<S> size = C.cwiseAbs().colwise().maxCoeff();
+  std::vector<int> order(kkt.nc());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&size](int i, int j) { return size[i] > size[j]; });
+  MatX<S> sorted(kkt.nc(), kkt.rank);
+  kkt.sorted.resize(kkt.nc());
+  for (int k = 0; k < kkt.nc(); ++k) {
+    sorted.row(k) = C.col(order[k]).transpose();
+    kkt.sorted.indices()[kkt.choice.colsPermutation().indices()[order[k]]] = k;
+  }
+  if (kkt.of_Ct.cols() != kkt.rank) kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);  // as below
+  kkt.of_Ct.compute(sorted);
 }
 
 // A pivot that is no more than rounding of the terms it was computed from.
@@ -52,13 +71,21 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// A = N^T M N; terms: |N|^T |M| |N|, of which A may be no more than rounding, however large beside itself.
+// A = N^T M N, of which a pivot may be no more than rounding of the terms |N|^T |M| |N|, however large these are beside
+// A; or no more than what rounding of N's columns, which are of unit length, makes of M.
 template <class S>
-bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A, const MatX<S>& terms) {
+bool sound_inertia(DenseKkt<S>& kkt, const MatX<S>& A) {
+  const MatX<S>&M = kkt.M, &N = kkt.N;
+  const Eigen::LLT<MatX<S>>& llt = kkt.reduced;
   if (llt.info() != Eigen::Success) return false;
+  const MatX<S> size_M = M.cwiseAbs(), size_N = N.cwiseAbs(), terms = size_N.transpose() * (size_M * size_N);
+  const S of_N = S(tolerance::kRounding) * std::numeric_limits<S>::epsilon();
+  const VecX<S> sums = size_M.rowwise().sum();
   for (int k = 0; k < A.rows(); ++k) {
     const S l = llt.matrixLLT()(k, k);
-    if (is_noise<S>(l * l, terms(k, k))) return false;
+    keep_least(kkt, S(l * l), terms(k, k));
+    if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sums.sum())))
+      return false;
   }
   // Without pivoting, noise can pass on from a poor pivot to the next and grow: the condition shows it.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
@@ -70,10 +97,12 @@ bool sound(const Eigen::LLT<MatX<S>>& llt, const MatX<S>& A, const MatX<S>& term
 }
 
 template <class S>
-bool sound(const Eigen::PartialPivLU<MatX<S>>& lu) {
-  const MatX<S>& LU = lu.matrixLU();
+bool sound_damped(DenseKkt<S>& kkt) {
+  using std::abs;
+  const MatX<S>& LU = kkt.lu.matrixLU();
   for (int k = 0; k < LU.rows(); ++k) {
     const S terms = LU.row(k).head(k).cwiseAbs() * LU.col(k).head(k).cwiseAbs();
+    keep_least(kkt, S(abs(LU(k, k))), terms);
     if (is_noise<S>(LU(k, k), terms, tolerance::kDampingRounding)) return false;
   }
   return true;
@@ -100,10 +129,10 @@ void solve_once(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, Ma
 template <class S>
 MatX<S> DenseKkt<S>::motion(const MatX<S>& b) const {
   if (rank == 0) return MatX<S>::Zero(nv(), b.cols());
-  MatX<S> y = choice.colsPermutation().transpose() * b, a = MatX<S>::Zero(nv(), b.cols());
+  MatX<S> y = sorted * b, a = MatX<S>::Zero(nv(), b.cols());
   y.applyOnTheLeft(of_Ct.householderQ().transpose());
   const auto T = of_Ct.matrixQR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
-  a.topRows(rank) = T.solve(y.topRows(rank));
+  a.topRows(rank) = of_Ct.colsPermutation() * MatX<S>(T.solve(y.topRows(rank)));
   a.applyOnTheLeft(of_Jt.householderQ());
   return a;
 }
@@ -114,15 +143,16 @@ MatX<S> DenseKkt<S>::force(const MatX<S>& g) const {
   MatX<S> z = g, y = MatX<S>::Zero(nc(), g.cols());
   z.applyOnTheLeft(of_Jt.householderQ().transpose());
   const auto T = of_Ct.matrixQR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
-  y.topRows(rank) = T.transpose().solve(z.topRows(rank));
+  y.topRows(rank) = T.transpose().solve(of_Ct.colsPermutation().transpose() * z.topRows(rank));
   y.applyOnTheLeft(of_Ct.householderQ());
-  return choice.colsPermutation() * y;
+  return sorted.transpose() * y;
 }
 
 template <class S>
 void factor(DenseKkt<S>& kkt) {
   const int nv = kkt.nv(), nc = kkt.nc();
   kkt.rank = 0;
+  kkt.least_pivot = S(1);
   kkt.holds = kkt.regular = false;
   if (!kkt.M.allFinite() || !kkt.J.allFinite()) return;
   if (nc > 0) {
@@ -141,12 +171,12 @@ void factor(DenseKkt<S>& kkt) {
   if (kkt.N.cols() > 0) {
     const MatX<S> A = kkt.N.transpose() * (kkt.M * kkt.N);
     kkt.reduced.compute(A);
-    kkt.regular = sound<S>(kkt.reduced, A, kkt.N.cwiseAbs().transpose() * (kkt.M.cwiseAbs() * kkt.N.cwiseAbs()));
+    kkt.regular = sound_inertia<S>(kkt, A);
   }
   kkt.holds = kkt.regular;
   if (kkt.regular && kkt.delta > S(0)) {
     kkt.lu.compute(kkt_matrix(kkt));
-    kkt.regular = sound<S>(kkt.lu);
+    kkt.regular = sound_damped<S>(kkt);
   }
 }
 

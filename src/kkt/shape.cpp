@@ -127,7 +127,7 @@ std::uint64_t word(int robot, int joint) {
 // The trees, and which bodies which types of contact join.
 void add_structure(const Scene& scene, const Island& island, Key& key) {
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
-  for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
+  for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const Attachment A = body_A(island, contact), B = body_B(island, contact);
@@ -135,8 +135,10 @@ void add_structure(const Scene& scene, const Island& island, Key& key) {
   }
 }
 
-// What IslandShape keeps of the contacts' places and axes.
+// What the order contacts-early sees beside that: the models' numbers, and what IslandShape keeps of the contacts'
+// places and axes.
 void add_places(const Scene& scene, const Island& island, Key& key) {
+  for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
     for (double x : numbers.reshaped()) key.push_back(std::bit_cast<std::uint64_t>(x));
   };
@@ -206,6 +208,20 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   structure.insert(structure.end(), contacts_early.begin(), contacts_early.end());
   const auto& shape = shapes_.try_emplace(std::move(structure), std::move(fresh)).first->second;
   return by_places_.try_emplace(key_, shape).first->second;
+}
+
+void ShapeCache::forget_unused() {
+  std::unordered_map<const IslandShape*, long> own;
+  for (const auto* shapes : {&by_places_, &shapes_})
+    for (const auto& [key, shape] : *shapes) ++own[shape.get()];
+  for (auto* shapes : {&by_places_, &shapes_})
+    std::erase_if(*shapes, [&own](const auto& item) {
+      const auto count = own.find(item.second.get());
+      if (count == own.end()) return true;
+      if (item.second.use_count() > count->second) return false;
+      own.erase(count);
+      return true;
+    });
 }
 
 }  // namespace manycontact

@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "structure.hpp"
+
 namespace manycontact {
 
 int Model::find_frame(const std::string& frame_name) const {
@@ -137,6 +139,7 @@ void finalize(Model& model) {
     if (x->size() != 0 && x->size() != model.nv)
       throw std::invalid_argument("finalize: damping and friction must have nv entries, or none");
   if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
+  model.structure = find_structure(model);
 }
 
 std::size_t packed_size(const Model& model) {
@@ -156,7 +159,8 @@ bool is_finalized(const Model& model) {
   return model.nq == nq && model.nv == nv && model.actuated == actuated_coordinates(model) &&
          model.dof_parent.size() == n && model.dof_joint.size() == n && model.dof_depth.size() == n &&
          model.subtree_end.size() == model.joints.size() && model.tree_of.size() == model.joints.size() &&
-         (model.M_begin.size() == n + 1 || (model.M_begin.empty() && n > 0)) && model.armature.size() == nv;
+         (model.M_begin.size() == n + 1 || (model.M_begin.empty() && n > 0)) && model.armature.size() == nv &&
+         model.structure;
 }
 
 Eigen::VectorXd neutral(const Model& model) {

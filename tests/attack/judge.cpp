@@ -314,9 +314,11 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
 bool Trying::values() {
   const Scene& scene = file.scene;
   const Report& r = solve(scene, file.q, file.v, file.u, data);
-  if (r.status == Status::kRegularised) return false;
+  const bool uncertain = std::any_of(r.islands.begin(), r.islands.end(),
+                                     [](const IslandReport& i) { return i.reason == Reason::kUncertain; });
+  if (r.status == Status::kRegularised && !uncertain) return false;
   const std::vector<int>& ranks = trial.truth.ranks();
-  if (r.status == Status::kFailed) {
+  if (r.status == Status::kFailed || uncertain) {
     const Answer& t = trial.truth.at(ranks.back());
     if (method != Method::kDenseSchur && t.regular && t.condition < 1e10)
       find(Fault::kNoAnswer, text("%s, condition %.1e, rank %d of %d", to_string(r.islands.front().reason).c_str(),

@@ -8,9 +8,11 @@
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/static_torque.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/spatial/explog.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -98,6 +100,36 @@ Herd part_of(const Herd& h, const std::vector<int>& which) {
     p.u.segment(to.idx_u, model.nu()) = h.u.segment(from.idx_u, model.nu());
   }
   return p;
+}
+
+// The same herd, each robot of numbers of its own: masses, placements, armatures, friction, and where contacts are on
+// it.
+Herd of_own_numbers(Herd h, std::mt19937& rng) {
+  std::uniform_real_distribution<double> by(0.95, 1.05);
+  Scene scene;
+  scene.damping = h.scene.damping;
+  for (const Robot& robot : h.scene.robots) {
+    auto model = std::make_shared<Model>(*robot.model);
+    for (Joint& joint : model->joints) {
+      const double mass = by(rng);
+      joint.inertia.m *= mass, joint.inertia.h *= mass, joint.inertia.I *= mass;
+      joint.placement.p *= by(rng);
+      if (joint.placement_rotates)
+        joint.placement.R = joint.placement.R * exp3(Vec3<double>(0.05 * random_vector(3, rng)));
+    }
+    for (Eigen::VectorXd* x : {&model->armature, &model->damping, &model->friction}) *x *= by(rng);
+    finalize(*model);
+    add_robot(scene, robot.name, model, robot.base);
+  }
+  for (Contact contact : h.scene.contacts) {
+    contact.A.placement.p *= by(rng);
+    if (contact.B.robot >= 0) contact.B.placement.p *= by(rng);
+    const Vec3<double> axis = contact.axis;
+    const int number = add_contact(scene, contact);
+    scene.contacts[number].axis = axis;  // not normalised twice
+  }
+  h.scene = std::move(scene);
+  return h;
 }
 
 struct Answer {
@@ -460,6 +492,46 @@ TEST_P(InLanes, InAnIslandLevelsAgreeToRounding) {
     EXPECT_LE((on.X[0] - off.X[0]).lpNorm<Eigen::Infinity>(), 10 * allowed * off.X[0].lpNorm<Eigen::Infinity>());
     EXPECT_FALSE(same(on.X[0], off.X[0])) << "not in lanes";
   }
+}
+
+// Robots of one structure stand side by side whatever their numbers are: with the bits that each has alone, and the
+// derivatives and products of no lanes at all.
+TEST_P(InLanes, RobotsOfOwnNumbersToo) {
+  std::mt19937 rng(12);
+  for (const bool floating : {true, false})
+    for (const double damping : {0.0, 1e-3}) {
+      const Herd alike = random_herd(rng, 11, floating, damping), herd = of_own_numbers(alike, rng);
+      for (const Robot& robot : herd.scene.robots) {
+        EXPECT_NE(robot.model, alike.scene.robots[0].model);
+        EXPECT_EQ(robot.model->structure, alike.scene.robots[0].model->structure);
+      }
+      const Answer all = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+      ASSERT_EQ(off.report.status, Status::kOk);
+      const auto expect_near = [](const auto& x, const auto& y) {
+        EXPECT_LE((x - y).template lpNorm<Eigen::Infinity>(), 1e-8 * y.template lpNorm<Eigen::Infinity>());
+      };
+      expect_near(all.a, off.a), expect_near(all.f, off.f);
+      for (int r = 0; r < 11; ++r) {
+        expect_same(herd, all, r, answer(part_of(herd, {r}), GetParam()));
+        expect_near(all.X[r], off.X[r]);
+      }
+      const VectorXd d = random_vector(herd.scene.nv, rng), du = random_vector(herd.scene.nu, rng);
+      const auto tangents = [&](Lanes lanes) {
+        SceneData data(herd.scene, {Method::kSparseLdl, {}, lanes});
+        (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
+        VectorXd da(data.a.size()), df(data.f.size());
+        jvp(herd.scene, data, d, d, du, da, df);
+        VectorXd out(da.size() + df.size());
+        out << da, df;
+        return out;
+      };
+      expect_near(tangents(GetParam()), tangents(Lanes::kOff));
+
+      const Contact like = holding(rng);
+      const Answer ring = answer(joined_in_a_ring(herd, like), GetParam());
+      const Answer without = answer(joined_in_a_ring(herd, like), Lanes::kOff);
+      expect_near(ring.a, without.a), expect_near(ring.f, without.f), expect_near(ring.X[0], without.X[0]);
+    }
 }
 
 // An angle past what lanes take, and a state that is not finite: that robot's terms are those without lanes.

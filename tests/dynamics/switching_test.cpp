@@ -44,6 +44,28 @@ TEST(Switching, TouchesItsIslandAlone) {
   EXPECT_EQ(shapes_analysed(data), 2u);
 }
 
+// Memory of sets that were met is bounded: what is given up is analysed again, to the same bits.
+TEST(Switching, GivesUpSetsMetLongAgo) {
+  const SceneFile file = load_small(kModels + "ring_of_humanoids.xml");
+  SceneData kept(file.scene), bounded(file.scene);
+  prepare(file.scene, bounded);
+  limit_pool(bounded, 1);
+  std::mt19937 rng(5);
+  for (int round = 0; round < 30; ++round) {
+    for (std::size_t c = 0; c < file.scene.contacts.size(); ++c) kept.active[c] = bounded.active[c] = rng() % 4 != 0;
+    for (SceneData* data : {&kept, &bounded}) {
+      solve_at(file, *data);
+      differentiate(file.scene, *data);
+    }
+    EXPECT_EQ(bounded.a, kept.a) << round;
+    EXPECT_EQ(bounded.f, kept.f) << round;
+    for (std::size_t i = 0; i < island_count(kept); ++i)
+      EXPECT_EQ(derivatives(bounded).islands[i].X, derivatives(kept).islands[i].X) << round;
+    EXPECT_LE(shapes_analysed(bounded), island_count(bounded) + 8) << round;
+  }
+  EXPECT_GT(shapes_analysed(kept), 20u);
+}
+
 // Robots that let go of each other and join hands again: islands split, merge, and keep their order.
 TEST(Switching, SplitsAndJoinsIslands) {
   SceneFile file = load_small(kModels + "ring_of_humanoids.xml");

@@ -21,6 +21,9 @@ struct WorldPoint {
   Vec3<S> seen_from(const WorldPoint& b) const { return Vec3<S>(p - b.p) + Vec3<S>(rest - b.rest); }
 };
 
+template <class S>
+struct ModelNumbers;  // manycontact/algorithm/model_numbers.hpp
+
 /// Where a robot's bodies are and how they move. Everything is in the tree frame. Allocated once per robot.
 template <class S>
 struct Kinematics {
@@ -38,6 +41,9 @@ struct Kinematics {
   Vec6<S> a_base;          // what the base accelerates with: -g
 
   std::vector<int> tree_of;  // njoints: which of the model's trees a body is of
+
+  /// Where robots that stand side by side are of models of their own (Model::structure); nullptr: all are of the model.
+  const ModelNumbers<S>* own = nullptr;
 
   /// Origin of the frame that a joint's body is in, in the world.
   const Vec3<S>& origin(int joint) const { return origins[tree_of[joint]].p; }

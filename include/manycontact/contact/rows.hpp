@@ -51,6 +51,7 @@ struct ContactData {
   // by contact_rows
   SE3<S> aMA, bMA;         // A in the tree frame of its own body, and of B's (of the world: its axes, about B')
   SE3<S> G;                // B'MA
+  Vec3<S> on_A, on_B;      // A's and B's frames on their bodies; B's in the world is zero [m]
   Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (without qdd, minus gravity) of A and X B'
   Vec6<S> nu, nudot, x;    // as above; for points x's angular part is zero
   Mat6X<S> Jl;             // 6 x cols: J_l, first the columns of support.a, then of support.b
@@ -58,6 +59,14 @@ struct ContactData {
   MatX<S> J;                                        // rows x cols
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
 };
+
+/// on_A and on_B, of the contact's own placements.
+template <class S>
+void take_places(const Contact& contact, ContactData<S>& data) {
+  data.on_A = contact.A.placement.p.template cast<S>();
+  data.on_B.setZero();
+  if (contact.B.robot >= 0) data.on_B = contact.B.placement.p.template cast<S>();
+}
 
 /// How far A is from B', G = B'MA, in A's axes [m, rad]: log6(G) of 6D; else of the points G_R^T G_p, and of hinges the
 /// turn between their axes m = G_R^T n, m x n; times a gain. W picks the rows of it.
@@ -74,7 +83,7 @@ void contact_rows(const Scene& scene, const Contact& contact, const ContactSuppo
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
 /// The same with the frames' placements given, A's and B's in the tree frames of their bodies, and from_b: A's tree
-/// frame's origin as seen from B's. The contact's own placements are not read.
+/// frame's origin as seen from B's. The contact's own placements are not read: on_A and on_B are the caller's.
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
@@ -100,7 +109,7 @@ S motion_scale(const Contact& contact, const ContactData<S>& data) {
   const S largest = largest_of(0), turning = largest_of(3);
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
-  S lever = reach(data.aMA.p) + S(contact.A.placement.p.cwiseAbs().maxCoeff());
+  S lever = reach(data.aMA.p) + reach(data.on_A);
   if (contact.B.robot >= 0 && contact.B.joint >= 0) lever += reach(data.bMA.p);
   return larger(S(turning * lever / S(100)), largest);
 }

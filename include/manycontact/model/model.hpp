@@ -61,6 +61,9 @@ struct Model {  // A robot's tree: joints, frames, inertias.
   std::vector<char> on_path;     // per joint: on its tree's path
   std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
                                  // so deep that this has 2^31 entries or more
+  /// The same object in models of one structure: alike but for names, masses, placements, armatures, coefficients of
+  /// damping and friction, limits. What is analysed of one holds for all of them.
+  std::shared_ptr<const struct ModelStructure> structure;
 
   int njoints() const { return static_cast<int>(joints.size()); }  // movable ones, the floating base included
   int nu() const { return static_cast<int>(actuated.size()); }     // coordinates with a torque

@@ -89,11 +89,12 @@ PlacedEnd<S> placed_end(const Attachment& at, const Kinematics<S>& kin, const SE
   return {standing.frame, {standing.origin}};
 }
 
-/// Rows of a contact, its ends placed.
+/// Rows of a contact, its ends placed. on_A, on_B: where its frames are on their bodies; B's in the world is zero.
 template <class S>
 void rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
-                  const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Kinematics<S>& kinB, const PlacedEnd<S>& B,
-                  ContactData<S>& rows) {
+                  const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Vec3<S>& on_A, const Kinematics<S>& kinB,
+                  const PlacedEnd<S>& B, const Vec3<S>& on_B, ContactData<S>& rows) {
+  rows.on_A = on_A, rows.on_B = on_B;
   contact_rows_between<S>(gravity, contact, support, kinA, A.frame, moves(contact.B) ? &kinB : nullptr, B.frame,
                           A.origin.seen_from(B.origin), rows);
 }

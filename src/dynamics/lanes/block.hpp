@@ -34,9 +34,9 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 
-/// Constant; shared by robots of one model with alike contacts.
+/// Constant; shared by robots of one structure with alike contacts.
 struct BlockPlan {
-  Scene scene;     // of this robot and its contacts: first those on it alone, then those that join it
+  Scene scene;     // of one of these robots and its contacts: first those on it alone, then those that join it
   Island island;   // all of it
   int alone = 0;   // contacts on it alone
   int border = 0;  // rows of the others

@@ -37,8 +37,7 @@ class InterfaceContactsOf {
     for (std::size_t l = 0; l < rows.size(); ++l) {
       const int lane = static_cast<int>(l);
       rows[l].smallest_row = smallest[lane];
-      rows[l].motion =
-          (holds_turning(contact.type) ? motion : motion_scale(*rows[l].contact, rows_))[lane];  // placement
+      rows[l].motion = motion[lane];
     }
   }
 
@@ -108,8 +107,8 @@ class InterfaceContactsOf {
   };
 
   void evaluate_between(const Vec3<double>& gravity, const Contact& contact) {
-    rows_between<S>(gravity, contact, support_, A_.kin, A_.placed(contact.A.joint), B_.kin, B_.placed(contact.B.joint),
-                    rows_);
+    rows_between<S>(gravity, contact, support_, A_.kin, A_.placed(contact.A.joint), A_.on_body.p, B_.kin,
+                    B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }
 
   // JoinTerms, of rows_ and terms_.

@@ -1,7 +1,7 @@
 #pragma once
-// Robots of one model in SIMD lanes: 2, 4 or 8 of them worked side by side by the same instructions. The kernels are
-// compiled for several levels of instructions and chosen when the program runs. A robot's numbers do not depend on its
-// lane, nor on who stands beside it.
+// Robots of one structure (Model::structure) in SIMD lanes: 2, 4 or 8 of them worked side by side by the same
+// instructions. The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's
+// numbers do not depend on its lane, nor on who stands beside it.
 
 #include <cstdint>
 #include <memory>
@@ -82,7 +82,7 @@ struct Answer {
 };
 
 /// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
-/// alike but for B's placement in the world (`alike`).
+/// alike but for placements (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
@@ -189,8 +189,8 @@ const Level* level_of(Lanes lanes);
 
 /// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether robots of one model with contacts of one shape on them can stand side by side: these are alike but for where
-/// ends stand in the world.
+/// Whether robots of one structure with contacts of one shape on them can stand side by side: these are alike but for
+/// where ends are on their bodies, or stand in the world.
 bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

@@ -26,11 +26,10 @@ std::vector<Lanes> lanes_here() {
 namespace lanes {
 
 namespace {
-bool same(const SE3<double>& x, const SE3<double>& y) { return x.R == y.R && x.p == y.p; }
-
-// Two ends of contacts alike on robots of one model. Where they stand in the world is each one's own.
+// Two ends of contacts on robots of one structure. Where they are on the body, or stand in the world, is each one's
+// own.
 bool alike_ends(const Attachment& x, const Attachment& y) {
-  return x.joint == y.joint && (x.robot < 0) == (y.robot < 0) && (x.robot < 0 || same(x.placement, y.placement));
+  return x.joint == y.joint && (x.robot < 0) == (y.robot < 0);
 }
 }  // namespace
 

@@ -16,6 +16,7 @@
 #include "dependent_rows.hpp"
 #include "lanes.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/algorithm/model_numbers.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
 #include "manycontact/contact/row_scale.hpp"
@@ -120,7 +121,8 @@ class RobotBlock {
   // the steps
   template <class Job>
   void load_state(const Job& job, Robots robots);
-  void load_standing_ends(const Scene& scene, Robots robots);
+  void load_model(const Scene& scene, Robots robots);
+  void load_ends(const Scene& scene, Robots robots);
   void set_up(const Job& job, Robots robots);
   void evaluate_rows(const Scene& scene, Robots robots);
   void check_rows(const Scene& scene, Robots robots);
@@ -227,8 +229,11 @@ class RobotBlock {
 
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
-  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // per contact on the robots alone: A, B
-  Mask usable_;                                          // q, v, tau are finite, quaternions of unit length ...
+  std::vector<std::array<StandingEnd<S>, 2>>
+      standing_;                                // per contact on the robots alone: A, B, where they stand still
+  std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
+  Mask usable_;                                 // q, v, tau are finite, quaternions of unit length ...
+  ModelNumbers<S> own_model_;                   // where the robots are not all of the plan's model
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   S smallest_row_, motion_;
@@ -292,6 +297,8 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       v_(model_->nv),
       tau_(model_->nv),
       standing_(plan_->alone),
+      on_body_(plan_->alone),
+      own_model_(*model_),
       robot_(*model_),
       own_(plan_->border > 0 ? 0 : plan_->memory_size()),
       pivot_terms_(pattern_.size()),
@@ -350,20 +357,50 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.v + r.idx_v; });
   if (!model_->floating_base)
     load_each(job.scene, robots, 12, base_.R.data(), [](const auto& r, auto&) { return r.base.R.data(); });
-  load_standing_ends(job.scene, robots);
+  load_model(job.scene, robots);
+  load_ends(job.scene, robots);
 }
 
+/// The robots' own placements, inertias and armatures, unless they are the model's.
 template <class S>
-void RobotBlock<S>::load_standing_ends(const Scene& scene, Robots robots) {
+void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
+  static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
+  const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
+    return scene.robots[r.number].model;
+  };
+  robot_.kin.own = nullptr;
+  if (std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return of(r) == model_; })) return;
+  robot_.kin.own = &own_model_;
+  const double* from[8];
+  const auto load = [&](int count, S* to, auto&& at) {
+    load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return at(*of(r)); }), count, to);
+  };
+  for (std::size_t i = 0; i < own_model_.placement.size(); ++i) {
+    load(12, own_model_.placement[i].R.data(), [i](const Model& m) { return m.joints[i].placement.R.data(); });
+    load(13, &own_model_.inertia[i].m, [i](const Model& m) { return &m.joints[i].inertia.m; });
+  }
+  load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
+}
+
+/// Where the ends of contacts are: on their bodies, or where they stand.
+template <class S>
+void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
   StandingEnd<double> ends[W];
+  const double* from[8];
   for (std::size_t k = 0; k < standing_.size(); ++k)
     for (const bool B : {false, true}) {
-      if (moves(B ? contact(k).B : contact(k).A)) continue;
-      const double* from[8];
+      const auto end = [&](const Robot& r) -> const Attachment& {
+        const Contact& c = scene.contacts[r.contacts[k]];
+        return B ? c.B : c.A;
+      };
+      if (moves(B ? contact(k).B : contact(k).A)) {
+        load_arrays(side_by_side(robots, from, [&](const Robot& r) { return end(r).placement.R.data(); }), 12,
+                    on_body_[k][B].R.data());
+        continue;
+      }
       for (std::size_t l = 0; l < robots.size(); ++l) {
-        const Contact& of_lane = scene.contacts[robots[l].contacts[k]];
-        ends[l] = standing_end(scene, B ? of_lane.B : of_lane.A);
+        ends[l] = standing_end(scene, end(robots[l]));
         from[l] = ends[l].frame.R.data();
       }
       load_arrays(std::span<const double* const>(from, robots.size()), 15, standing_[k][B].frame.R.data());
@@ -389,11 +426,10 @@ template <class S>
 void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
-    const auto placed = [&](const Attachment& at, const StandingEnd<S>& standing) {
-      return placed_end<S>(at, robot_.kin, at.placement.template cast<S>(), standing);
-    };
-    rows_between<S>(scene.gravity, c, plan_->supports[k], robot_.kin, placed(c.A, standing_[k][0]), robot_.kin,
-                    placed(c.B, standing_[k][1]), contacts_[k]);
+    const auto& [on_A, on_B] = on_body_[k];
+    rows_between<S>(scene.gravity, c, plan_->supports[k], robot_.kin,
+                    placed_end<S>(c.A, robot_.kin, on_A, standing_[k][0]), on_A.p, robot_.kin,
+                    placed_end<S>(c.B, robot_.kin, on_B, standing_[k][1]), on_B.p, contacts_[k]);
   }
 }
 
@@ -859,8 +895,11 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
   forward_accelerations<S>(*model_, v_, a_.data(), job.scene.gravity, robot_.kin);
   if (!memory) return;
   evaluate_rows(job.scene, robots);
-  for (std::size_t i = 0; i < slope_.size(); ++i)
-    for (int l = 0; l < W; ++l) slope_[i].set(l, friction_slope(*model_, static_cast<int>(i), v_[i][l]));
+  for (int l = 0; l < W && !slope_.empty(); ++l) {
+    const Model& model = *job.scene.robots[in_lane(robots, l).number].model;
+    for (std::size_t i = 0; i < slope_.size(); ++i)
+      slope_[i].set(l, friction_slope(model, static_cast<int>(i), v_[i][l]));
+  }
   if (kept || !alone) return;
   if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);

@@ -180,9 +180,13 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
     return true;
   }
   report.reason = last;
-  if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
-  // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
-  if (attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
+  return last == Reason::kSmallPivot && method != Method::kDenseSchur &&
+         solve_undamped(scene, data, scratch, m, report);
+}
+
+bool solve_undamped(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
+                    IslandReport& report) {
+  if (scene.damping == 0 || attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
   return true;
@@ -191,7 +195,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
   constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
   const auto [method, order] = m.owner.choice;
-  if (m.factor == m.dense.get() || method == Method::kDenseSchur || m.owner.island.size() > kLargest) return false;
+  if (m.factor == m.dense.get() || m.owner.island.size() > kLargest) return false;
   const Attempt oracle{FactorKind::kDense, order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
   (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come

@@ -72,6 +72,18 @@ void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
 using Robots = std::span<lanes::RobotBlocks::Robot>;
 using Numbers = std::span<const int>;
 
+// Asks for what kernels read of a batch's models, where each robot has its own.
+void prefetch_models(const Scene& scene, Robots robots) {
+  constexpr int kLine = 64;
+  if (robots.size() < 2 || scene.robots[robots[0].number].model == scene.robots[robots[1].number].model) return;
+  for (const lanes::RobotBlocks::Robot& r : robots)
+    for (const Joint& joint : scene.robots[r.number].model->joints) {
+      const char* const end = reinterpret_cast<const char*>(&joint.inertia + 1);
+      for (const char* at = reinterpret_cast<const char*>(&joint.placement); at < end; at += kLine)
+        __builtin_prefetch(at);
+    }
+}
+
 // use(group, robots, numbers of their islands, memory of the thread) for each batch.
 template <class Wanted, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
@@ -79,6 +91,8 @@ void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use)
   form_batches(scene, w, wanted);
   each_item(w, in.batches.size(), [&](std::size_t k, ThreadWork& thread) {
     const auto [group, first, count] = in.batches[k];
+    if (k + 1 < in.batches.size())
+      prefetch_models(scene, Robots(in.robots).subspan(in.batches[k + 1].first, in.batches[k + 1].count));
     use(*group, Robots(in.robots).subspan(first, count), Numbers(in.islands).subspan(first, count), thread);
   });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <set>
 
 #include "../../internal.hpp"
 #include "manycontact/kkt/choose.hpp"
@@ -13,6 +14,7 @@ namespace manycontact::internal {
 
 namespace {
 
+constexpr std::size_t kMostGroups = 64;  // they come and go with the rows that depend
 constexpr int kLargest = 400;  // rows of a robot's K: the scratch memory of robots side by side stays in the caches
 
 // Of a shape's scene: a robot, the contacts on it alone, those that join it to others, and the pattern of its K without
@@ -58,7 +60,7 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   return plan;
 }
 
-// By what a plan depends on: the model, the contacts' types and joints, the order of elimination, the rows dropped.
+// By what a plan depends on: the structure, the contacts' types and joints, the order of elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   std::vector<int> key{static_cast<int>(order), static_cast<int>(block.contacts.size())};
@@ -72,7 +74,7 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   }
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
   key.insert(key.end(), block.dropped.begin(), block.dropped.end());
-  BlockGroup& group = w.lanes.groups[{scene.robots[block.robot].model.get(), std::move(key)}];
+  BlockGroup& group = w.lanes.groups[{scene.robots[block.robot].model->structure.get(), std::move(key)}];
   if (!group.plan) group.plan = make_plan(block, order);
   return group;
 }
@@ -89,25 +91,6 @@ BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
   if (!pattern->schedule().compiled) return nullptr;
   return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
-}
-
-// Memory that comes and goes with the rows that depend: groups whose rows no island has any more are given back where
-// there are many.
-void forget_groups(Workspace& w) {
-  constexpr std::size_t kMost = 64;
-  auto& groups = w.lanes.groups;
-  if (groups.size() < kMost) return;
-  const auto any_has = [](const std::vector<std::unique_ptr<IslandWork>>& islands, const BlockGroup* group) {
-    const auto is_it = [group](const auto& x) { return x.dependent == group; };
-    return std::any_of(islands.begin(), islands.end(), [&](const auto& d) {
-      return is_it(d->alone) || (d->robots && std::any_of(d->robots->robots.begin(), d->robots->robots.end(), is_it));
-    });
-  };
-  std::erase_if(groups, [&](const auto& item) {
-    const BlockGroup* group = &item.second;
-    return !group->plan->dropped.empty() && !any_has(w.islands, group) &&
-           std::none_of(w.pools.begin(), w.pools.end(), [&](const auto& pool) { return any_has(pool.second, group); });
-  });
 }
 
 bool can_be_joined(const IslandWork& d, const Options& options) {
@@ -128,9 +111,9 @@ bool before(const Contact& x, const Contact& y) {
 
 InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const Contact& contact = scene.contacts[c];
-  const auto model = [&](const Attachment& at) { return scene.robots[at.robot].model.get(); };
+  const auto structure = [&](const Attachment& at) { return scene.robots[at.robot].model->structure.get(); };
   InterfaceContactGroup& group =
-      w.lanes.contacts[{model(contact.A), model(contact.B), contact.type, contact.A.joint, contact.B.joint}];
+      w.lanes.contacts[{structure(contact.A), structure(contact.B), contact.type, contact.A.joint, contact.B.joint}];
   while (group.kernels.size() < w.threads.size()) {
     group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, w.supports[c]));
     group.kernels.back()->reserve_batch(scene, contact, w.supports[c]);
@@ -252,6 +235,18 @@ void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr
 
 }  // namespace
 
+void forget_unused_groups(Workspace& w) {
+  std::set<const BlockGroup*> used;
+  const auto keep = [&used](const IslandWork& d) {
+    used.insert({d.alone.group, d.alone.dependent, d.alone.by});
+    if (!d.robots) return;
+    for (const RobotsSystem::OfRobot& r : d.robots->robots) used.insert({r.group, r.dependent});
+  };
+  for (const auto& d : w.islands) keep(*d);
+  w.pool.each(keep);
+  std::erase_if(w.lanes.groups, [&used](const auto& item) { return !used.contains(&item.second); });
+}
+
 void prepare_robots(const Scene& scene, Workspace& w) {
   InLanes& in = w.lanes;
   for (auto& [key, group] : in.groups) group.islands.clear();
@@ -306,7 +301,7 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
   if (dropped == system.dropped) return true;
   system.dropped.clear();
   system.tried = 0;
-  forget_groups(w);
+  if (w.lanes.groups.size() >= kMostGroups) forget_unused_groups(w);
   std::size_t found = 0;
   for (std::size_t k = 0; k < system.robots.size(); ++k) {
     const Interface::OfRobot& r = system.interface->robots[k];
@@ -345,7 +340,7 @@ void find_dependent_group(Workspace& w, IslandWork& d) {
   for (int& row : dropped) row = pattern->iperm[pattern->nv + row];
   std::sort(dropped.begin(), dropped.end());
   if (d.alone.dependent && d.alone.dependent->plan->dropped == dropped) return;
-  forget_groups(w);
+  if (w.lanes.groups.size() >= kMostGroups) forget_unused_groups(w);
   const Block block{d.shape->scene(), 0, d.shape->island().contacts, {}, pattern, dropped};
   d.alone.dependent = &group_of(w, block, Order::kLeafToRoot);
   make_kernels(w, *d.alone.dependent, w.islands.size() > 1);

@@ -32,7 +32,7 @@ struct BlockGroup {
 /// Contacts that join two robots, alike but for places and gains.
 struct InterfaceContactGroup {
   struct Key {  // what their kernels are made for
-    const Model *A, *B;
+    const ModelStructure *A, *B;
     ContactType type;
     int joint_A, joint_B;
     auto operator<=>(const Key&) const = default;
@@ -42,8 +42,8 @@ struct InterfaceContactGroup {
 
 /// By prepare: who stands in lanes.
 struct InLanes {
-  const lanes::Level* level = nullptr;                                     // nullptr: nobody
-  std::map<std::pair<const Model*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
+  const lanes::Level* level = nullptr;                                              // nullptr: nobody
+  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of a call: the islands it is about, those that stand side by side one after the other
   struct Batch {
@@ -158,6 +158,8 @@ namespace internal {
 /// Sorts the islands at hand into groups, makes what those of several robots need where that is cheaper than their
 /// factor, and settles it on the islands. Allocates nothing for a contact set met before.
 void prepare_robots(const Scene& scene, Workspace& work);
+/// Gives back the groups that no island has, at work or in the pool.
+void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 

@@ -15,7 +15,6 @@ S row_scale(const Contact& contact, const ContactData<S>& data, int k) {
     if (!holds_turning(contact.type)) return motion_scale(contact, data);
     Contact point;  // whose rows are the first three of these
     point.type = ContactType::k3D;
-    point.A.placement = contact.A.placement;
     point.B.robot = contact.B.robot;
     point.B.joint = contact.B.joint;
     return motion_scale(point, data);

@@ -10,5 +10,7 @@ namespace manycontact {
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.
 std::size_t shapes_analysed(const SceneData& data);
+/// Contact sets that are not in use are kept up to so many bytes.
+void limit_pool(SceneData& data, std::size_t bytes);
 
 }  // namespace manycontact

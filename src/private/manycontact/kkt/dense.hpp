@@ -5,10 +5,12 @@
 //   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
 //   f is the least-norm solution of J^T f = M a - b1.
 //
-// Null-space method: J^T P = Q [C; 0], C^T = U T (a complete orthogonal decomposition), a = J^+ b2 + N y,
+// Null-space method: J^T P = Q [C; 0], R C^T = U T V^T (a complete orthogonal decomposition), a = J^+ b2 + N y,
 // (N^T M N) y = N^T (b1 - M J^+ b2). Which rows count, and come first in P, a QR with pivoting tells of J with each row
-// beside its own size: metres and radians, and levers of any length, do not decide it. With delta > 0 the answer is
-// unique: LU of K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2.
+// beside its own size: metres and radians, and levers of any length, do not decide it. R sorts the rows by their sizes,
+// V pivots: least squares of micrometres beside radians lose no digits then. With delta > 0 the answer is unique: LU of
+// K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of Householder QR
+// factorization for weighted least squares problems (1998).
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -28,11 +30,14 @@ struct DenseKkt {  // K and its rank-revealing factor
   int rank = 0;          // of J
   bool holds = false;    // N^T M N is positive definite, whatever delta: contacts hold what M lets go
   bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
-  Eigen::ColPivHouseholderQR<MatX<S>> choice;  // of J^T, rows over their sizes: P, and how much was left of each
-  Eigen::HouseholderQR<MatX<S>> of_Jt, of_Ct;  // J^T P = Q [C; 0], C^T = U T
-  MatX<S> N;                                   // nv x (nv - rank): orthonormal basis of J's null space
-  Eigen::LLT<MatX<S>> reduced;                 // of N^T M N
-  Eigen::PartialPivLU<MatX<S>> lu;             // of K, delta > 0
+  S least_pivot = S(1);  // of all these, beside the terms it was computed from
+  Eigen::ColPivHouseholderQR<MatX<S>> choice;       // of J^T, rows over their sizes: P, and how much was left of each
+  Eigen::HouseholderQR<MatX<S>> of_Jt;              // J^T P = Q [C; 0]
+  Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: rows of J as they stand in R C^T
+  Eigen::ColPivHouseholderQR<MatX<S>> of_Ct;        // R C^T = U T V^T
+  MatX<S> N;                                        // nv x (nv - rank): orthonormal basis of J's null space
+  Eigen::LLT<MatX<S>> reduced;                      // of N^T M N
+  Eigen::PartialPivLU<MatX<S>> lu;                  // of K, delta > 0
 
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }

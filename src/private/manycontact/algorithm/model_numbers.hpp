@@ -1,0 +1,53 @@
+#pragma once
+// The numbers of a robot's model that algorithms read: in doubles those of the model; where robots of one structure
+// stand side by side in the lanes of S, each may have its own.
+
+#include "manycontact/algorithm/kinematics.hpp"
+
+namespace manycontact {
+
+template <class S>
+struct ModelNumbers {
+  explicit ModelNumbers(const Model& model)
+      : placement(model.joints.size()), inertia(model.joints.size()), armature(model.nv) {}
+
+  std::vector<SE3<S>> placement;    // njoints: as Joint has them
+  std::vector<Inertia<S>> inertia;  // njoints
+  VecX<S> armature;                 // nv
+};
+
+/// Of joint i, as Joint has it; each part made when asked for.
+template <class S>
+struct PlacementOf {
+  const SE3<double>& of_model;
+  const SE3<S>* own;  // nullptr: the model's
+
+  PlacementOf(const Model& model, const ModelNumbers<S>* numbers, int i)
+      : of_model(model.joints[i].placement), own(numbers ? &numbers->placement[i] : nullptr) {}
+  [[gnu::always_inline]] Vec3<S> p() const {
+    if constexpr (requires { S::width; })
+      if (own) return own->p;
+    return of_model.p.template cast<S>();
+  }
+  [[gnu::always_inline]] Mat3<S> R() const {
+    if constexpr (requires { S::width; })
+      if (own) return own->R;
+    return of_model.R.template cast<S>();
+  }
+};
+
+template <class S>
+[[gnu::always_inline]] inline Inertia<S> inertia_of(const Model& model, const ModelNumbers<S>* own, int i) {
+  if constexpr (requires { S::width; })
+    if (own) return own->inertia[i];
+  return model.joints[i].inertia.template cast<S>();
+}
+
+template <class S>
+[[gnu::always_inline]] inline S armature_of(const Model& model, const ModelNumbers<S>* own, int i) {
+  if constexpr (requires { S::width; })
+    if (own) return own->armature[i];
+  return S(model.armature[i]);
+}
+
+}  // namespace manycontact
