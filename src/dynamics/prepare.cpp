@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 
 #include "internal.hpp"
@@ -123,6 +124,15 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
     for (int r : w.islands[i]->island.robots) w.robot_island[r] = static_cast<int>(i);
 }
 
+// The analyses and kernels of islands that are neither at work nor in the pool.
+void forget_unused(Workspace& w) {
+  std::set<const IslandShape*> used;
+  for (const auto& island : w.islands) used.insert(island->shape.get());
+  w.pool.each([&used](const IslandWork& island) { used.insert(island.shape.get()); });
+  w.shapes.keep(used);
+  internal::forget_unused_groups(w);
+}
+
 // Memory of derivatives goes with the islands, to the pool and back.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
@@ -190,10 +200,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   change_islands(scene, data, w, all);
   w.lanes.level = lanes::level_of(w.options.lanes);
   prepare_robots(scene, w);
-  if (w.pool.trim()) {
-    w.shapes.forget_unused();
-    forget_unused_groups(w);
-  }
+  if (w.pool.trim()) forget_unused(w);
   restore_derivatives(w);
   lay_out_forces(scene, data);
   data.report.islands.resize(w.islands.size());

@@ -210,18 +210,9 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   return by_places_.try_emplace(key_, shape).first->second;
 }
 
-void ShapeCache::forget_unused() {
-  std::unordered_map<const IslandShape*, long> own;
-  for (const auto* shapes : {&by_places_, &shapes_})
-    for (const auto& [key, shape] : *shapes) ++own[shape.get()];
+void ShapeCache::keep(const std::set<const IslandShape*>& used) {
   for (auto* shapes : {&by_places_, &shapes_})
-    std::erase_if(*shapes, [&own](const auto& item) {
-      const auto count = own.find(item.second.get());
-      if (count == own.end()) return true;
-      if (item.second.use_count() > count->second) return false;
-      own.erase(count);
-      return true;
-    });
+    std::erase_if(*shapes, [&used](const auto& item) { return !used.contains(item.second.get()); });
 }
 
 }  // namespace manycontact

@@ -160,6 +160,7 @@ void Trying::judge_values(const Answer& t) {
 
 void Trying::judge_status(const Answer& t) {
   const Status status = data.report.status;
+  if (status == Status::kRegularised && std::max(data.report.error_acceleration, data.report.error_forces) >= 1) return;
   const double size = t.moved + t.drift;
   // In between the two the definition's own rounding decides.
   // Where nothing acts, all of it is rounding of the reference's own.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <unordered_map>
 
 #include "manycontact/kkt/bodies/subtrees.hpp"
@@ -64,8 +65,8 @@ class ShapeCache {
   /// Allocates nothing when an island with the same trees and contacts was asked for before.
   const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
   std::size_t size() const { return shapes_.size(); }
-  /// Gives back the shapes that nobody else holds.
-  void forget_unused();
+  /// Forgets all others.
+  void keep(const std::set<const IslandShape*>& used);
 
  private:
   using Key = std::vector<std::uint64_t>;
