@@ -11,6 +11,11 @@ void fit_state(SceneFile& file) {
   make_consistent(file);
 }
 
+void fit_state(TaskFile& task) {
+  fit_state(task.scene);
+  place_references(task);
+}
+
 namespace {
 
 SceneFile completed(SceneFile file) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/io/task_file.hpp"
 
 namespace manycontact {
 
@@ -10,7 +10,10 @@ SceneFile load_scene(const std::string& path);
 SceneFile load_scene_text(const std::string& text, const std::string& path);
 
 /// Where the file asks for them, the q of its poses (analysis/place.hpp), then consistent q, v
-/// (analysis/consistent.hpp). Throws InputError. For scenes that read_scene or read_task has read.
+/// (analysis/consistent.hpp). Throws InputError. For scenes that read_scene has read.
 void fit_state(SceneFile& file);
+/// The same for the scene of a task that read_task has read, and the references that are poses: postures found from the
+/// scene's q that meet them, and hold the contacts that the scene or the start of the task has put in their places.
+void fit_state(TaskFile& task);
 
 }  // namespace manycontact

@@ -20,7 +20,7 @@
 #include <array>
 #include <optional>
 
-#include "manycontact/io/scene_file.hpp"
+#include "manycontact/io/task_file.hpp"
 #include "manycontact/model/rigid_bodies.hpp"
 
 namespace manycontact {
@@ -86,5 +86,9 @@ PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
 /// their frames are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose,
 /// where they cannot all be met within limits from there.
 void place(SceneFile& file);
+
+/// The references of a task's terms that are poses, as fit_state (analysis/load_scene.hpp), from the scene's q. Throws
+/// InputError, by the worst pose.
+void place_references(TaskFile& task);
 
 }  // namespace manycontact
