@@ -3,6 +3,7 @@
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/io/task_file.hpp"
 
 namespace manycontact {
 

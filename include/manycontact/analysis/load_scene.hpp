@@ -1,7 +1,9 @@
 #pragma once
-#include "manycontact/io/task_file.hpp"
+#include "manycontact/io/scene_file.hpp"
 
 namespace manycontact {
+
+struct TaskFile;  // io/task_file.hpp
 
 /// read_scene; q and v by fit_state; and the torques of robots with u="gravity" by quasi_static
 /// (dynamics/quasi_static.hpp) at that q. Throws InputError.

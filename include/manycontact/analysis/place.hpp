@@ -20,10 +20,12 @@
 #include <array>
 #include <optional>
 
-#include "manycontact/io/task_file.hpp"
+#include "manycontact/io/scene_file.hpp"
 #include "manycontact/model/rigid_bodies.hpp"
 
 namespace manycontact {
+
+struct TaskFile;  // io/task_file.hpp
 
 /// Three numbers of which some may be left open: {std::nullopt, std::nullopt, 0.0} asks for z = 0.
 using Partial = std::array<std::optional<double>, 3>;
