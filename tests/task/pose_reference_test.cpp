@@ -33,9 +33,9 @@ SE3<double> at(const TaskFile& task, const TaskTerm& term, const std::string& fr
 
 TEST(PoseReference, IsMetWithTheContactsInPlace) {
   const TaskFile task = posed("<phase nodes='30' contacts='left right'>" +
-                              state("<pose frame='humanoid/pelvis' z='0.7'/>", "weight='10'") +
+                              state("<pose frame='humanoid/pelvis' z='0.7'/>", "weight='100'") +
                               "<cost name='u' type='control' weight='1e-4'/></phase><terminal>" +
-                              state("<pose frame='humanoid/pelvis' z='0.7'/>", "weight='100'") + "</terminal>");
+                              state("<pose frame='humanoid/pelvis' z='0.7'/>", "weight='1e4'") + "</terminal>");
   const Scene& scene = task.scene.scene;
   for (const TaskTerm* term : {&task.phases[0].costs[0], &task.terminal.costs[0]}) {
     ASSERT_EQ(term->reference.size(), scene.nq + scene.nv);
