@@ -39,6 +39,15 @@ Scene with_inertias(const Scene& scene, const Eigen::VectorXd& added) {
   return out;
 }
 
+void measure(const Scene& scene, const Eigen::VectorXd& q, ImplicitSprings& s) {
+  if (s.measured) return;
+  SpringMobilities free = spring_mobilities(scene, std::vector<char>(scene.contacts.size(), 0), q);
+  s.of_joints = std::move(free.joints);
+  for (const Mat3<double>& C : free.springs)
+    s.of_springs.push_back(C.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  s.measured = true;
+}
+
 // Into added and d.tau.
 void take_joints(const Scene& scene, SimulationData& d, ImplicitSprings& s) {
   const double h = d.h;
@@ -51,7 +60,7 @@ void take_joints(const Scene& scene, SimulationData& d, ImplicitSprings& s) {
   }
   for (const Robot& robot : scene.robots)
     for (int i = 0; i < robot.model->nv; ++i) {
-      const double m = s.free->joints[robot.idx_v + i];
+      const double m = s.of_joints[robot.idx_v + i];
       if (!(m > 0)) continue;
       const double k = s.stiffness[robot.idx_v + i],
                    c = robot.model->damping.size() > 0 ? robot.model->damping[i] : 0;
@@ -79,10 +88,7 @@ void choose_forces(const Scene& scene, const SimulationData& d, ImplicitSprings&
   };
   for (std::size_t i = 0; i < scene.springs.size(); ++i) {
     const Spring& spring = scene.springs[i];
-    const double k = spring.stiffness, c = spring.damping;
-    const double m = Eigen::SelfAdjointEigenSolver<Mat3<double>>()
-                         .computeDirect(s.free->springs[i], Eigen::EigenvaluesOnly)
-                         .eigenvalues()[2];
+    const double k = spring.stiffness, c = spring.damping, m = s.of_springs[i];
     if (!(m > 0)) continue;
     if (spring.length == 0 && c == 0) {
       for (int e = 0; e < 3 && too_long(h, k * m, 0); ++e) take(i, Vec3<double>::Unit(e), k, 0);
@@ -113,7 +119,7 @@ AtRest at_rest_with_springs(const Scene& scene, SimulationData& d) {
 bool take_springs(const Scene& scene, SimulationData& d) {
   if (!d.implicit) return true;
   ImplicitSprings& s = *d.implicit;
-  if (!s.free) s.free = spring_mobilities(scene, std::vector<char>(scene.contacts.size(), 0), d.q);
+  measure(scene, d.q, s);
   take_joints(scene, d, s);
   choose_forces(scene, d, s);
   const auto n = static_cast<Eigen::Index>(s.forces.size());
