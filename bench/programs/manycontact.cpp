@@ -1,4 +1,5 @@
-// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up; a robot's algorithms.
+// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up; a robot's
+// algorithms.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"

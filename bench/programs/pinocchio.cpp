@@ -117,8 +117,7 @@ struct Bodies : Common {
     if (task == "rnea") pin::rnea(model, data, q, v, a);
     if (task == "aba") pin::aba(model, data, q, v, a);
     if (task == "crba") pin::crba(model, data, q);  // a triangle
-    if (task == "frame_jacobian")
-      pin::computeFrameJacobian(model, data, q, model.getFrameId("held"), pin::LOCAL, J);
+    if (task == "frame_jacobian") pin::computeFrameJacobian(model, data, q, model.getFrameId("held"), pin::LOCAL, J);
   }
   Eigen::VectorXd accelerations() override { return {}; }
   std::string task;

@@ -110,8 +110,8 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
   std::string key = failed ? robot.group.urdf : canonical.string();
   key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") +
-         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature) +
-         std::string(1, '\0') + o.root;
+         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature) + std::string(1, '\0') +
+         o.root;
   for (const auto& [name, values] : o.joint_armature) {
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);

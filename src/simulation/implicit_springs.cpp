@@ -62,8 +62,7 @@ void take_joints(const Scene& scene, SimulationData& d, ImplicitSprings& s) {
     for (int i = 0; i < robot.model->nv; ++i) {
       const double m = s.of_joints[robot.idx_v + i];
       if (!(m > 0)) continue;
-      const double k = s.stiffness[robot.idx_v + i],
-                   c = robot.model->damping.size() > 0 ? robot.model->damping[i] : 0;
+      const double k = s.stiffness[robot.idx_v + i], c = robot.model->damping.size() > 0 ? robot.model->damping[i] : 0;
       if (!too_long(h, k * m, c * m)) continue;
       s.to_add[robot.idx_v + i] = h * h * k + h * c;
       d.tau[robot.idx_v + i] += h * c * d.v[robot.idx_v + i];

@@ -29,8 +29,8 @@ struct ImplicitSprings {
 
   // When first stepped, without contacts: about the most that springs can move.
   bool measured = false;
-  Eigen::VectorXd of_joints;        // nv: SpringMobilities::joints
-  std::vector<double> of_springs;   // per spring: the largest over directions
+  Eigen::VectorXd of_joints;       // nv: SpringMobilities::joints
+  std::vector<double> of_springs;  // per spring: the largest over directions
   // Those of joints. Where there are none, SimulationData::at_rest and dynamics serve.
   Eigen::VectorXd added, to_add, stiffness;  // nv: to the diagonal, as solved with; in this step; k of coordinates
   std::unique_ptr<SceneAtRest> at_rest;      // with `added` in its armatures

@@ -44,8 +44,8 @@ int UnitTorques::number(const Scene& scene, const std::vector<char>& active, std
     if (force.spring >= 0) join(scene.springs[force.spring].A, scene.springs[force.spring].B);
   int most = 0;
   for (UnitForce& force : forces) {
-    force.island = islands.root(force.spring >= 0 ? scene.springs[force.spring].A.robot
-                                                  : robot_of(scene, force.coordinate));
+    force.island =
+        islands.root(force.spring >= 0 ? scene.springs[force.spring].A.robot : robot_of(scene, force.coordinate));
     force.number = count_[static_cast<std::size_t>(force.island)]++;
     most = std::max(most, force.number + 1);
   }
@@ -53,7 +53,10 @@ int UnitTorques::number(const Scene& scene, const std::vector<char>& active, std
 }
 
 UnitTorques::UnitTorques(const Scene& scene)
-    : ends_(with_ends(scene, push_)), forces_(ends_), scratch_(forces_), robots_(scene.robots.size()),
+    : ends_(with_ends(scene, push_)),
+      forces_(ends_),
+      scratch_(forces_),
+      robots_(scene.robots.size()),
       w_(ends_.pushes.size(), Vec6<double>::Zero()) {
   std::iota(robots_.begin(), robots_.end(), 0);
   for (Eigen::VectorXd* x : {&rest_, &tau_, &joints_, &a_, &by_q_, &by_v_}) x->setZero(scene.nv);

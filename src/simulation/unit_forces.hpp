@@ -9,10 +9,10 @@
 namespace manycontact::internal {
 
 struct UnitForce {
-  int spring = -1;                                 // between points: on A's end, and its opposite on B's ...
-  Vec3<double> direction = Vec3<double>::Zero();   // ... along this, in the world; or
-  int coordinate = -1;                             // on a joint: of the scene's velocities
-  int island = -1, number = 0;                     // by UnitTorques::number: forces of one number are on different ones
+  int spring = -1;                                // between points: on A's end, and its opposite on B's ...
+  Vec3<double> direction = Vec3<double>::Zero();  // ... along this, in the world; or
+  int coordinate = -1;                            // on a joint: of the scene's velocities
+  int island = -1, number = 0;                    // by UnitTorques::number: forces of one number are on different ones
 };
 
 class UnitTorques {

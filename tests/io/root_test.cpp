@@ -30,8 +30,8 @@ std::string joint(const std::string& name, const std::string& type, const std::s
          "'/><limit lower='-1' upper='2' velocity='3' effort='4'/></joint>";
 }
 
-// trunk -z_neck- head; trunk -m_arm- upper =a_fixed= elbow -k_slide- lower -b_wrist- hand -locked- finger, hand -c_thumb-
-// thumb; a ball hangs on the trunk and stays on its side of every root that is tried.
+// trunk -z_neck- head; trunk -m_arm- upper =a_fixed= elbow -k_slide- lower -b_wrist- hand -locked- finger, hand
+// -c_thumb- thumb; a ball hangs on the trunk and stays on its side of every root that is tried.
 const std::string kRobot =
     "<robot name='r'>" + link("trunk", 5) + link("head", 1) + link("upper", 2) + link("elbow", 0.5) +
     link("lower", 1.5) + link("hand", 0.7) + link("finger", 0.2) + link("thumb", 0.3) + link("ball", 0.4) +

@@ -181,7 +181,8 @@ TEST(StiffSprings, SolveTheEquationsOfTheStep) {
       const double e = 1e-6;
       const VectorXd d = e * VectorXd::Unit(scene.nv, i);
       g[i] = (spring_length(scene, integrate(scene, s.q, d), spring) -
-              spring_length(scene, integrate(scene, s.q, -d), spring)) / (2 * e);
+              spring_length(scene, integrate(scene, s.q, -d), spring)) /
+             (2 * e);
     }
     const VectorXd& v = stiff[k] ? sim.v : s.v;
     const double stretch = spring_length(scene, s.q, spring) - spring.length + (stiff[k] ? h * g.dot(v) : 0);
@@ -204,8 +205,8 @@ TEST(StiffSprings, SolveTheEquationsOfTheStep) {
   EXPECT_LT(left.norm(), 1e-6 * tau.norm());
 }
 
-// Masses in space, each by three slides, in a net that hangs on the world, stretched by a twentieth. Where all its modes
-// are faster than the steps, energy falls with every step, until the net stands still.
+// Masses in space, each by three slides, in a net that hangs on the world, stretched by a twentieth. Where all its
+// modes are faster than the steps, energy falls with every step, until the net stands still.
 TEST(StiffSprings, OfANetTakeEnergy) {
   for (const double stiffness : {1e4, 1e6, 1e9}) {
     SCOPED_TRACE(stiffness);
@@ -312,7 +313,8 @@ TEST(StiffSprings, HoldAWeight) {
   model.frames = {{"mass", 0, {}, false, {}, "root"}};
   finalize(model);
   add_robot(s.scene, "body", std::make_shared<const Model>(model));
-  add_spring(s.scene, {"rope", attach(s.scene, "body", "mass"), {-1, -1, {Mat3<double>::Identity(), {0, 0, 2}}}, 1e7, 1, 0});
+  add_spring(s.scene,
+             {"rope", attach(s.scene, "body", "mass"), {-1, -1, {Mat3<double>::Identity(), {0, 0, 2}}}, 1e7, 1, 0});
   s.q = neutral(s.scene);
   s.q[2] = 1;
   s.v = VectorXd::Zero(6);

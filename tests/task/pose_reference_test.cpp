@@ -58,8 +58,8 @@ TEST(PoseReference, LeavesContactsThatWereOpen) {
   };
   const TaskFile task = posed(phase(shut, "") + phase("left", lifted) + phase(shut, lifted));
   for (const int k : {1, 2}) EXPECT_NEAR(at(task, task.phases[k].costs[0], "humanoid/right_sole").p[2], 0.1, 1e-9);
-  for (const std::string& bad : {phase(shut, lifted), phase(shut, "") + phase("left", "") +
-                                                          phase(shut, lifted, "at='scene'") }) {
+  for (const std::string& bad :
+       {phase(shut, lifted), phase(shut, "") + phase("left", "") + phase(shut, lifted, "at='scene'")}) {
     try {
       (void)posed(bad);
       ADD_FAILURE();

@@ -47,7 +47,7 @@ struct TaskTerm {
   bool copied = false;  // all copies are meant, and places are those of the robot before `arrange` moved it
   std::string frame;    // of the robots
 
-  Eigen::VectorXd reference;  // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
+  Eigen::VectorXd reference;     // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
   std::vector<ScenePose> poses;  // of a state with reference="pose": its reference is a posture at rest, the whole
                                  // scene's, that meets them; fit_state (analysis/load_scene.hpp) finds it
   SE3<double> placement;         // xyz, quat_xyzw
