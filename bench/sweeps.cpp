@@ -24,6 +24,7 @@ struct Sweep {
   std::string scene;
   Posed (*make)(int);
   std::vector<int> sizes, quick;
+  std::vector<std::string> Program::*tasks = &Program::tasks;
 };
 
 const Sweep kSweeps[] = {
@@ -31,6 +32,7 @@ const Sweep kSweeps[] = {
     {"ring", [](int n) { return robots(n, true); }, {4, 8, 16, 64, 256, 1024}, {4, 16, 64}},
     {"feet", herd_on_feet, {1, 4, 16, 32, 48, 64}, {16, 64}},
     {"points", on_points, {1, 2, 4, 6, 8, 16, 32}, {2, 8}},
+    {"bodies", [](int n) { return robots(n); }, {1}, {1}, &Program::of_bodies},
     {"chain", chain, {10, 30, 100, 300, 1000, 10000, 100000}, {10, 100, 1000, 10000}},
 };
 
@@ -127,7 +129,7 @@ void sweep_task(benchmark::State& state, const Sweep& sweep, int size, const std
 const Registration registered([] {
   for (const Sweep& sweep : kSweeps)
     for (const int size : settings().quick ? sweep.quick : sweep.sizes)
-      for (const std::string& task : program().tasks) {
+      for (const std::string& task : program().*sweep.tasks) {
         const std::string name = "sweep/" + sweep.scene + "/" + std::to_string(size) + "/" + task;
         benchmark::RegisterBenchmark(name.c_str(),
                                      [&sweep, size, task](benchmark::State& s) { sweep_task(s, sweep, size, task); })

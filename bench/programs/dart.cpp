@@ -123,7 +123,7 @@ std::string refuses(const Posed& s, const std::string&) { return strange(s); }
 }  // namespace
 
 const Program& program() {
-  static const Program p{"DART", DART_VERSION, {"step"}, refuses, load};
+  static const Program p{"DART", DART_VERSION, {"step"}, {}, refuses, load};
   return p;
 }
 

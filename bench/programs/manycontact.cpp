@@ -1,5 +1,7 @@
-// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up.
+// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up; a robot's
+// algorithms.
 
+#include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
@@ -40,6 +42,24 @@ struct SetUp : Loaded {
   const Posed& s;
 };
 
+struct Bodies : Loaded {
+  Bodies(const Posed& scene, std::string algorithm) : s(scene), task(std::move(algorithm)), data(scene.scene) {}
+  void run() override {
+    if (task == "rnea") (void)rnea(s.scene, s.q, s.v, a, data);
+    if (task == "aba") (void)aba(s.scene, s.q, s.v, a, data);
+    if (task == "crba") (void)crba(s.scene, s.q, data);
+    if (task == "frame_jacobian") {
+      forward_kinematics(s.scene, s.q, data);
+      J = frame_jacobian(s.scene, data, s.scene.contacts.front().A);
+    }
+  }
+  const Posed& s;
+  std::string task;
+  RigidBodyData data;
+  Eigen::VectorXd a = 2 * s.v;  // or torques
+  Mat6X<double> J;
+};
+
 std::string refuses(const Posed& s, const std::string& task) {
   const bool one_deep_tree = s.scene.nrobots() == 1 && s.scene.nv > 200;
   if (task == "derivatives" && one_deep_tree) return "as large as the square of the links";
@@ -52,13 +72,19 @@ std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   if (task == "derivatives") return std::make_unique<Derivatives>(s);
   if (task == "vjp") return std::make_unique<Products>(s);
   if (task == "set-up") return std::make_unique<SetUp>(s);
+  if (task != "solve") return std::make_unique<Bodies>(s, task);
   return std::make_unique<Solve>(s);
 }
 
 }  // namespace
 
 const Program& program() {
-  static const Program p{"manycontact", MANYCONTACT_VERSION, {"solve", "derivatives", "vjp", "set-up"}, refuses, load};
+  static const Program p{"manycontact",
+                         MANYCONTACT_VERSION,
+                         {"solve", "derivatives", "vjp", "set-up"},
+                         {"rnea", "aba", "crba", "frame_jacobian"},
+                         refuses,
+                         load};
   return p;
 }
 

@@ -131,7 +131,7 @@ std::unique_ptr<Loaded> load(const Posed& s, const std::string&) {
 }  // namespace
 
 const Program& program() {
-  static const Program p{"MuJoCo", mj_versionString(), {"mj_forward"}, refuses, load};
+  static const Program p{"MuJoCo", mj_versionString(), {"mj_forward"}, {}, refuses, load};
   return p;
 }
 

@@ -1,4 +1,4 @@
-// Pinocchio: constraintDynamics, its derivatives after it, and constrainedABA.
+// Pinocchio: constraintDynamics, its derivatives after it, and constrainedABA; a robot's algorithms.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -6,6 +6,11 @@
 #include <pinocchio/algorithm/constrained-dynamics-derivatives.hpp>
 #include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/pv.hpp>
+// and
+#include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/frames.hpp>
+#include <pinocchio/algorithm/rnea.hpp>
 
 #include "bodies.hpp"
 #include "manycontact/dynamics/solve.hpp"
@@ -42,6 +47,10 @@ pin::Model model_of(const Posed& s) {
       const auto id = model.addJoint(b.parent + 1, joint(j), place(on_parent), r.name + "/" + j.name);
       model.appendBodyToJoint(id, pin::Inertia(b.mass, b.com, b.inertia));
     }
+  if (s.scene.nrobots() == 1 && !s.scene.contacts.empty()) {
+    const Attachment& held = s.scene.contacts.front().A;
+    model.addFrame(pin::Frame("held", held.joint + 1, 0, place(held.placement), pin::OP_FRAME));
+  }
   return model;
 }
 
@@ -101,6 +110,21 @@ struct ConstrainedAba : Common {
   pin::ProximalSettings settings;
 };
 
+struct Bodies : Common {
+  Bodies(const Posed& s, std::string algorithm)
+      : Common(s), task(std::move(algorithm)), a(2 * s.v), J(pin::Data::Matrix6x::Zero(6, model.nv)) {}
+  void run() override {
+    if (task == "rnea") pin::rnea(model, data, q, v, a);
+    if (task == "aba") pin::aba(model, data, q, v, a);
+    if (task == "crba") pin::crba(model, data, q);  // a triangle
+    if (task == "frame_jacobian") pin::computeFrameJacobian(model, data, q, model.getFrameId("held"), pin::LOCAL, J);
+  }
+  Eigen::VectorXd accelerations() override { return {}; }
+  std::string task;
+  Eigen::VectorXd a;  // or torques
+  pin::Data::Matrix6x J;
+};
+
 std::string refuses(const Posed& s, const std::string& task) {
   const double nv = s.scene.nv;
   if (5 * 8 * nv * nv * nv > 4e9) return "its data would take more than 4 GB";
@@ -113,14 +137,19 @@ std::string refuses(const Posed& s, const std::string& task) {
 std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   if (task == "constrainedABA") return std::make_unique<ConstrainedAba>(s);
   if (task == "derivatives") return std::make_unique<Derivatives>(s);
-  return std::make_unique<ConstraintDynamics>(s);
+  if (task == "constraintDynamics") return std::make_unique<ConstraintDynamics>(s);
+  return std::make_unique<Bodies>(s, task);
 }
 
 }  // namespace
 
 const Program& program() {
-  static const Program p{
-      "Pinocchio", PINOCCHIO_VERSION, {"constraintDynamics", "derivatives", "constrainedABA"}, refuses, load};
+  static const Program p{"Pinocchio",
+                         PINOCCHIO_VERSION,
+                         {"constraintDynamics", "derivatives", "constrainedABA"},
+                         {"rnea", "aba", "crba", "frame_jacobian"},
+                         refuses,
+                         load};
   return p;
 }
 

@@ -23,6 +23,8 @@ struct Loaded {
 struct Program {
   std::string name, version;
   std::vector<std::string> tasks;
+  /// Of one robot, without its contacts: of rnea, aba, crba, frame_jacobian those that it has.
+  std::vector<std::string> of_bodies;
   /// Empty, or why this program does not do this.
   std::string (*refuses)(const Posed& scene, const std::string& task);
   std::unique_ptr<Loaded> (*load)(const Posed& scene, const std::string& task);

@@ -115,7 +115,7 @@ std::string refuses(const Posed& s, const std::string&) { return strange(s); }
 }  // namespace
 
 const Program& program() {
-  static const Program p{"Simbody", version(), {"realize"}, refuses, load};
+  static const Program p{"Simbody", version(), {"realize"}, {}, refuses, load};
   return p;
 }
 

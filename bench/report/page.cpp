@@ -58,7 +58,10 @@ void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, 
       << table_of_robots(runs);
   for (const Figure& f : drawn) out << "\n![" << f.title << "](" << f.file << ".png)\n";
   write_differences(out, runs);
-  out << "\n## Parts of a solve\n\n" << table_of_parts(runs.at(0)) << "\n## Growth\n\n" << table_of_exponents(runs);
+  out << "\n## Parts of a solve\n\n" << table_of_parts(runs.at(0));
+  const std::string bodies = table_of_bodies(runs);
+  if (!bodies.empty()) out << "\n## A robot without contacts\n\n" << bodies;
+  out << "\n## Growth\n\n" << table_of_exponents(runs);
   const std::string builds = table_of_builds(runs);
   if (!builds.empty()) out << "\n## Portable and native\n\n" << builds;
   if (!out.flush()) throw std::runtime_error(path + " cannot be written");

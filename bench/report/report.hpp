@@ -38,6 +38,8 @@ void draw(const Figure& figure, const std::vector<Run>& runs, const std::string&
 /// Markdown. Times of a robot in us, and in units of plain ldl_numeric on its K.
 std::string table_of_robots(const std::vector<Run>& runs);
 std::string table_of_parts(const Run& ours);
+/// Of a robot without contacts: times of each algorithm by program, in us.
+std::string table_of_bodies(const std::vector<Run>& runs);
 /// Exponents fitted to time over robots and over links, beside theory.
 std::string table_of_exponents(const std::vector<Run>& runs);
 /// Times of the portable build over those of the native one; empty where only one was run.

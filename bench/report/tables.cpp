@@ -93,6 +93,26 @@ std::string table_of_parts(const Run& run) {
   return out.str();
 }
 
+std::string table_of_bodies(const std::vector<Run>& runs) {
+  std::vector<const Run*> with;
+  for (const Run& run : runs)
+    if (!tasks(run, "bodies").empty()) with.push_back(&run);
+  if (with.empty()) return {};
+  std::vector<std::string> titles = {"one " + with.front()->robot + ", us"};
+  for (const Run* run : with) titles.push_back(run->program);
+  std::ostringstream out;
+  out << heading(titles);
+  for (const std::string& task : tasks(*with.front(), "bodies")) {
+    out << "| `" << task << "` |";
+    for (const Run* run : with) {
+      const Result* r = find(*run, "sweep/bodies/1/" + task);
+      out << " " << (r ? number(r->us) : "") << " |";
+    }
+    out << "\n";
+  }
+  return out.str();
+}
+
 std::string table_of_exponents(const std::vector<Run>& runs) {
   std::ostringstream out;
   out << heading({"time ~ size^p", "sizes", "p", "p from 16 robots or 100 links on", "theory"});

@@ -3,12 +3,18 @@
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/io/task_file.hpp"
 
 namespace manycontact {
 
 void fit_state(SceneFile& file) {
   place(file);
   make_consistent(file);
+}
+
+void fit_state(TaskFile& task) {
+  fit_state(task.scene);
+  place_references(task);
 }
 
 namespace {

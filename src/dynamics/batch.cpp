@@ -18,10 +18,12 @@ struct BatchCopies {
   int count;
   Scene scene;
   SceneData data;
-  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu;  // of all copies
+  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // of all copies
 };
 
 namespace {
+
+Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.pushes.size()); }
 
 Scene copies_of(const Scene& scene, int count) {
   Scene out;
@@ -80,6 +82,7 @@ BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
   q.resize(scene.nq);
   for (Eigen::VectorXd* x : {&v, &wa, &wq, &wv}) x->resize(scene.nv);
   for (Eigen::VectorXd* x : {&u, &wu}) x->resize(scene.nu);
+  ww.resize(wrench_numbers(scene));
 }
 
 BatchData::BatchData(const Scene& scene, int count, const Options& opts) : options(opts) {
@@ -310,8 +313,12 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
   });
 }
 
-void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
-               BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status) {
+namespace {
+
+// WW: nullptr where it is not asked for.
+void products_of_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA,
+                       const ConstBatchRows& WF, BatchData& batch, BatchRows& WQ, BatchRows& WV, BatchRows& WU,
+                       BatchRows* WW, std::span<Status> status) {
   check("vjp_batch", scene, states, batch, status);
   const Eigen::Index count = states.q.rows();
   check("vjp_batch", "WA", WA, count, scene.nv);
@@ -319,17 +326,36 @@ void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRo
   check("vjp_batch", "WQ", WQ, count, scene.nv);
   check("vjp_batch", "WV", WV, count, scene.nv);
   check("vjp_batch", "WU", WU, count, scene.nu);
+  if (WW) check("vjp_batch", "WW", *WW, count, wrench_numbers(scene));
   each_state(scene, states, batch, status, [&](const Solved& s) {
+    const auto product = [&](const auto& wa, const auto& wf, auto&& wq, auto&& wv, auto&& wu, auto&& ww) {
+      WW ? vjp(s.scene, s.data, wa, wf, wq, wv, wu, ww) : vjp(s.scene, s.data, wa, wf, wq, wv, wu);
+    };
     if (!s.copies)
-      return vjp(s.scene, s.data, row_of(WA, s.first), row_of(WF, s.first), row_of(WQ, s.first), row_of(WV, s.first),
-                 row_of(WU, s.first));
+      return product(row_of(WA, s.first), row_of(WF, s.first), row_of(WQ, s.first), row_of(WV, s.first),
+                     row_of(WU, s.first), row_of(WW ? *WW : WU, s.first));
     BatchCopies& c = *s.copies;
     internal::remake(c.wf, s.data.f.size());
     gather(WA, s.first, c.count, c.wa);
     gather(WF, s.first, c.count, c.wf);
-    vjp(s.scene, s.data, c.wa, c.wf, c.wq, c.wv, c.wu);
-    for (int k = 0; k < s.states; ++k) put(c.wq, s, k, WQ), put(c.wv, s, k, WV), put(c.wu, s, k, WU);
+    product(c.wa, c.wf, c.wq, c.wv, c.wu, c.ww);
+    for (int k = 0; k < s.states; ++k) {
+      put(c.wq, s, k, WQ), put(c.wv, s, k, WV), put(c.wu, s, k, WU);
+      if (WW) put(c.ww, s, k, *WW);
+    }
   });
+}
+
+}  // namespace
+
+void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
+               BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status) {
+  products_of_batch(scene, states, WA, WF, batch, WQ, WV, WU, nullptr, status);
+}
+
+void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
+               BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status) {
+  products_of_batch(scene, states, WA, WF, batch, WQ, WV, WU, &WW, status);
 }
 
 }  // namespace manycontact

@@ -8,7 +8,8 @@
 
 namespace manycontact {
 
-StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene.nv)) {
+StaticTorque::StaticTorque(const Scene& scene) : applied(scene), scratch(applied) {
+  for (Eigen::VectorXd* x : {&tau, &tau_s, &l, &wq, &wv}) x->setZero(scene.nv);
   for (const Robot& robot : scene.robots) {
     kin.emplace_back(*robot.model);
     terms.emplace_back(*robot.model);
@@ -17,7 +18,7 @@ StaticTorque::StaticTorque(const Scene& scene) : tau(Eigen::VectorXd::Zero(scene
   }
 }
 
-void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s) {
+void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
   const auto known = [&w](std::uint64_t state) {
     if (state != w.state)
@@ -41,7 +42,34 @@ void static_torque(const Scene& scene, const SceneData& data, bool contacts, Sta
     if (!contacts) std::fill(s.fext[r].begin(), s.fext[r].end(), Vec6<double>(Vec6<double>::Zero()));
     inverse_dynamics<double>(*robot.model, s.kin[r], nullptr, s.fext[r], s.f[r], tau);
   }
+  if (!has_applied_forces(scene)) return;
+  s.tau_s.setZero();
+  add_applied_forces<double>(scene, q, s.l.data(), data.pushes, s.applied, s.tau_s.data());  // l: zero velocity
+  s.tau -= s.tau_s;
 }
+
+namespace {
+
+// out -= dtau_s/dq, row by row.
+void subtract_applied(const Scene& scene, const Island& island, StaticTorque& s,
+                      Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
+  if (!has_applied_forces(scene)) return;
+  const Eigen::VectorXd& rest = s.tau_s.setZero();
+  each_velocity_block(scene, island, [&](int at, int row, int n) {
+    for (int i = 0; i < n; ++i) {
+      s.wq.setZero(), s.wv.setZero();
+      s.l[at + i] = 1;
+      add_applied_adjoint(scene, rest.data(), s.applied, island.robots, s.l.data(), s.scratch, s.wq.data(), s.wv.data(),
+                          nullptr);
+      s.l[at + i] = 0;
+      each_velocity_block(scene, island, [&](int from, int column, int count) {
+        out.row(row + i).segment(column, count) -= s.wq.segment(from, count).transpose();
+      });
+    }
+  });
+}
+
+}  // namespace
 
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t i, bool contacts, StaticTorque& s,
                               Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
@@ -55,6 +83,7 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
     // `out` is stored by rows: its transpose by columns, with the triangles exchanged
     unpack_tree(model, s.terms[r].dq_upper, s.terms[r].dq_lower, out.block(o, o, model.nv, model.nv).transpose());
   }
+  subtract_applied(scene, island, s, out);
   if (!contacts) return;
   out *= -1;  // -dr1/dq
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {

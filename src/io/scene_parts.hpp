@@ -121,6 +121,8 @@ void add_pushes(const std::vector<Element>& elements, SceneFile& out);
 void add_springs(const std::vector<Element>& elements, SceneFile& out);
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 
+/// Adds the poses of a <pose> element, one per copy.
+void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out);
 /// Adds all poses.
 void add_poses(const std::vector<Element>& elements, SceneFile& out);
 

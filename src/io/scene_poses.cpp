@@ -17,32 +17,33 @@ void read_three(const Element& e, const char* together, const std::array<const c
 
 }  // namespace
 
+void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out) {
+  e.allow_attributes({"frame", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
+  e.allow_children({});
+  const End end = ends.read_first(e, "frame");
+  const std::string written = e.required("frame");
+  if (end.frame.joint < 0)
+    e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
+  ScenePose pose;
+  pose.file = *e.where().file;
+  pose.line = e.line();
+  read_three(e, "xyz", {"x", "y", "z"}, {&pose.x, &pose.y, &pose.z});
+  read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
+  if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
+    e.fail("<pose> of " + quote(written) + " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+  SE3<double> offset;
+  if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
+  for (int i = 0; i < end.count; ++i) {
+    const int robot = end.first + i;
+    pose.name = scene.robots[robot].name + "/" + end.frame.name;
+    pose.frame = {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
+    out.push_back(pose);
+  }
+}
+
 void add_poses(const std::vector<Element>& elements, SceneFile& out) {
   EndReader ends(out);
-  for (const Element& e : elements) {
-    e.allow_attributes({"frame", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
-    e.allow_children({});
-    const End end = ends.read_first(e, "frame");
-    const std::string written = e.required("frame");
-    if (end.frame.joint < 0)
-      e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
-    ScenePose pose;
-    pose.file = *e.where().file;
-    pose.line = e.line();
-    read_three(e, "xyz", {"x", "y", "z"}, {&pose.x, &pose.y, &pose.z});
-    read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
-    if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
-      e.fail("<pose> of " + quote(written) +
-             " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
-    SE3<double> offset;
-    if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
-    for (int i = 0; i < end.count; ++i) {
-      const int robot = end.first + i;
-      pose.name = out.scene.robots[robot].name + "/" + end.frame.name;
-      pose.frame = {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
-      out.poses.push_back(pose);
-    }
-  }
+  for (const Element& e : elements) read_pose(e, out.scene, ends, out.poses);
 }
 
 }  // namespace manycontact::io

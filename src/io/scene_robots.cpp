@@ -49,6 +49,7 @@ void read_name(const Element& e, RobotGroup& group) {
 void read_options(const Element& e, RobotElement& robot) {
   UrdfOptions& options = robot.options;
   options.floating_base = e.choice("base", {"floating", "fixed"}, 1) == 0;
+  if (e.has("root")) options.root = e.required("root");
   options.refuse_mimic = e.choice("mimic", {"ignore", "refuse"}, 0) == 1;
   options.refuse_inertia = e.choice("inertia", {"tell", "refuse"}, 0) == 1;
   options.model_dynamics = e.choice("dynamics", {"ignore", "model"}, 0) == 1;
@@ -77,7 +78,7 @@ void read_options(const Element& e, RobotElement& robot) {
 
 RobotElement read_robot(const Element& e) {
   e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies",
-                      "arrange", "spacing"});
+                      "arrange", "spacing", "root"});
   e.allow_children({"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
@@ -109,7 +110,8 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
   std::string key = failed ? robot.group.urdf : canonical.string();
   key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") +
-         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature);
+         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature) + std::string(1, '\0') +
+         o.root;
   for (const auto& [name, values] : o.joint_armature) {
     key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
     for (const double a : values) key += " " + show(a);

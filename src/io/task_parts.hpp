@@ -20,7 +20,8 @@ class TermReader {
   void read_subject(const Element& e, TaskTerm& term);
   void read_robots(const Element& e, TaskTerm& term) const;
   void read_contact(const Element& e, const std::vector<bool>& active, TaskTerm& term) const;
-  void read_numbers(const Element& e, TaskTerm& term) const;
+  void read_reference(const Element& e, const char* attribute, TaskTerm& term);
+  void read_numbers(const Element& e, TaskTerm& term);
   void normalise_bases(const Element& e, TaskTerm& term) const;
   int reference_size(const TaskTerm& term) const;
   int rows(const TaskTerm& term) const;

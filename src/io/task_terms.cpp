@@ -39,7 +39,7 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   else
     e.allow_attributes({"name", "type", "lower", "upper", "robot", "reference", "frame", "xyz", "quat_xyzw",
                         "reference_frame", "twist", "contact", "mu", "normal", "box"});
-  e.allow_children({});
+  e.allow_children({"pose"});
   TaskTerm term;
   term.line = e.line();
   term.name = e.required("name");
@@ -175,16 +175,27 @@ void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
   for (const Robot& robot : scene.robots) normalise(*robot.model, robot.idx_q);
 }
 
-void TermReader::read_numbers(const Element& e, TaskTerm& term) const {
+void TermReader::read_reference(const Element& e, const char* attribute, TaskTerm& term) {
+  const auto pose = e.child("pose");
+  if (term.residual == TaskResidual::kState && e.optional(attribute, "") == "pose") {
+    if (!pose) e.where(attribute).fail(e.label(attribute) + " is pose, expected <pose> elements in it");
+    for (auto next = pose; next; next = next->next("pose")) read_pose(*next, scene_.scene, ends_, term.poses);
+    return;
+  }
+  if (pose)
+    pose->fail("<pose> in a <" + e.name() +
+               "> that does not ask for it, expected one of type state with reference=\"pose\"");
+  if (!e.has(attribute)) return;
+  const auto list = parse_numbers(e.where(attribute), e.label(attribute), e.required(attribute),
+                                  static_cast<std::size_t>(reference_size(term)));
+  term.reference = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+  if (term.residual == TaskResidual::kState) normalise_bases(e, term);
+}
+
+void TermReader::read_numbers(const Element& e, TaskTerm& term) {
   const TaskResidual r = term.residual;
   if (r == TaskResidual::kCom) (void)e.required("reference");
-  const char* reference = r == TaskResidual::kFrameVelocity ? "twist" : "reference";
-  if (e.has(reference)) {
-    const auto list = parse_numbers(e.where(reference), e.label(reference), e.required(reference),
-                                    static_cast<std::size_t>(reference_size(term)));
-    term.reference = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
-    if (r == TaskResidual::kState) normalise_bases(e, term);
-  }
+  read_reference(e, r == TaskResidual::kFrameVelocity ? "twist" : "reference", term);
   if (r == TaskResidual::kFramePlacement || r == TaskResidual::kFrameTranslation) {
     (void)e.required("xyz");
     term.placement.p = Vec3<double>(e.numbers<3>("xyz")->data());

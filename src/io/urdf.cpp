@@ -115,20 +115,19 @@ class Builder {
     model_.name = robot_.getName();
     model_.floating_base = options_.floating_base;
     check_locks();
-    // Explicit stack: a chain of links may be longer than the machine's.
-    struct Todo {
-      const urdf::Link* link;
-      Place parent;
-    };
-    std::vector<Todo> stack{{robot_.getRoot().get(), {}}};
+    std::vector<Step> stack{{&root_link()}};  // a chain of links may be longer than the machine's stack
     while (!stack.empty()) {
-      const Todo todo = stack.back();
+      const Step step = stack.back();
       stack.pop_back();
-      const urdf::Joint* joint = todo.link->parent_joint.get();
-      const Place place = joint ? cross(*joint, todo.parent, todo.link->name) : root();
-      add_link(*todo.link, place);
-      for (auto c = todo.link->child_links.rbegin(); c != todo.link->child_links.rend(); ++c)
-        stack.push_back({c->get(), place});
+      const Place place = step.joint ? cross(step) : root(step.link->name);
+      add_link(*step.link, place);
+      const std::size_t first = stack.size();
+      for (const urdf::LinkSharedPtr& child : step.link->child_links)
+        if (child->parent_joint.get() != step.joint) stack.push_back({child.get(), child->parent_joint.get(), place});
+      if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
+        stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
+      std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
+                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // the last is next
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
     set_passive();
@@ -144,27 +143,51 @@ class Builder {
   }
 
  private:
-  Place root() {
+  // From a link that has its place over a joint to another, from the file's child to its parent if backwards.
+  struct Step {
+    const urdf::Link* link;
+    const urdf::Joint* joint = nullptr;  // none: to the root
+    Place from = {};
+    bool backwards = false;
+  };
+
+  const urdf::Link& root_link() const {
+    if (options_.root.empty()) return *robot_.getRoot();
+    const auto found = robot_.links_.find(options_.root);
+    if (found != robot_.links_.end()) return *found->second;
+    std::vector<std::string> names;
+    for (const auto& [name, link] : robot_.links_) names.push_back(name);
+    throw UrdfOptionError(
+        "", false,
+        "the robot has no link " + quote(options_.root) + " for its root, " + suggestion(options_.root, names));
+  }
+
+  Place root(const std::string& link) {
     if (!options_.floating_base) return {};
     Joint base;
     base.name = "root";
     while (robot_.joints_.count(base.name)) base.name += "_";
     base.type = JointType::kFloating;
     set_limits(base);
-    return {append(std::move(base), robot_.getRoot()->name), {}};
+    return {append(std::move(base), link), {}};
   }
 
-  // From the parent's link over a joint to the child's link.
-  Place cross(const urdf::Joint& joint, const Place& parent, const std::string& child) {
-    const SE3<double> at = parent.placement * placement_of(joint.parent_to_joint_origin_transform);
+  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q), and backwards
+  // oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
+  Place cross(const Step& step) {
+    const urdf::Joint& joint = *step.joint;
+    const Place& parent = step.from;
+    const SE3<double> X = placement_of(joint.parent_to_joint_origin_transform), none;
+    const SE3<double> at = parent.placement * (step.backwards ? none : X), behind = step.backwards ? X.inverse() : none;
+    const double sign = step.backwards ? -1 : 1;
     const auto lock = options_.locked.find(joint.name);
     if (joint.type == urdf::Joint::FIXED) {
       model_.notes.merged.push_back(joint.name);
-      return {parent.joint, at};
+      return {parent.joint, at * behind};
     }
     if (lock != options_.locked.end()) {
       model_.notes.locked.push_back(joint.name);
-      return {parent.joint, at * motion(joint, lock->second)};
+      return {parent.joint, at * motion(joint, sign * lock->second) * behind};
     }
     note(joint, parent);
     Joint out;
@@ -172,15 +195,20 @@ class Builder {
     out.type = type_of(joint);
     out.parent = parent.joint;
     out.placement = at;
-    SE3<double> link;
+    if (step.backwards && out.nv() > 1)
+      throw UrdfOptionError("", false,
+                            "joint " + quote(joint.name) + " has several coordinates and is between the file's root " +
+                                quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
+                                ", expected a root on this side of it");
+    SE3<double> link = behind;
     if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps URDF's frame
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {
-      out.axis = axis_of(joint);
+      out.axis = sign * axis_of(joint);
     }
     set_limits(out, details_.joint.at(joint.name));
-    return {append(std::move(out), child), link};
+    return {append(std::move(out), step.link->name), link};
   }
 
   static SE3<double> motion(const urdf::Joint& joint, double q) {

@@ -100,22 +100,26 @@ Solutions batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py:
   return {A.array, F.array, D.array, status_array(status)};
 }
 
-std::tuple<Numbers, Numbers, Numbers, Worth> batch_of_products(const Scene& scene, py::handle q, py::handle v,
-                                                               py::handle u, py::handle wa, py::handle wf,
-                                                               BatchData& batch) {
+struct Products {
+  Numbers q, v, u, w;
+  Worth status;
+};
+
+Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::handle u, py::handle wa, py::handle wf,
+                           BatchData& batch) {
   const char* name = "vjp_batch";
   const Rows Q = rows_of(name, "Q", q);
   const Eigen::Index n = Q.array.shape(0);
   const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
   const Rows WA = rows_of(name, "WA", wa, n), WF = rows_of(name, "WF", wf, n);
-  NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu);
+  NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu), WW(n, static_cast<Eigen::Index>(6 * scene.pushes.size()));
   std::vector<Status> status(static_cast<std::size_t>(n));
   run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
     vjp_batch(scene, {Q.part(k, count), V.part(k, count), U.part(k, count)}, WA.part(k, count), WF.part(k, count),
-              batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count),
+              batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count), WW.part(k, count),
               std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count)));
   });
-  return {WQ.array, WV.array, WU.array, status_array(status)};
+  return {WQ.array, WV.array, WU.array, WW.array, status_array(status)};
 }
 
 void add_batch_data(py::module_& m) {
@@ -169,12 +173,21 @@ void add_batch_functions(py::module_& m) {
   m.def(
       "vjp_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
-        return batch_of_products(scene, Q, V, U, WA, WF, batch);
+        const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
+        return std::make_tuple(p.q, p.v, p.u, p.status);
       },
       py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
       (std::string("(WQ, WV, WU, status): rows of WA (n, nv), WF (n, rows) times the derivatives at each state.") +
        states)
           .c_str());
+  m.def(
+      "vjp_batch_with_pushes",
+      [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
+        const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
+        return std::make_tuple(p.q, p.v, p.u, p.w, p.status);
+      },
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
+      "(WQ, WV, WU, WW, status): vjp_batch, and by the wrenches of the scene's pushes, 6 numbers each.");
 }
 
 }  // namespace

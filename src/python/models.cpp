@@ -119,7 +119,8 @@ void add_joints(py::module_& m) {
 void add_findings(py::module_& m) {
   py::class_<Finding> finding(m, "Finding", "Something odd but usable, and how it is taken.");
   add_value(finding)
-      .def_readonly("kind", &Finding::kind, "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent'.")
+      .def_readonly("kind", &Finding::kind,
+                    "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent'.")
       .def_readonly("name", &Finding::name, "Of the joint, link or other element.")
       .def_readonly("text", &Finding::text)
       .def_readonly("file", &Finding::file)
@@ -160,15 +161,18 @@ void add_robot_models(py::module_& m) {
       [](const std::string& path, bool floating_base, double armature,
          const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
          bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics, bool refuse_inertia,
-         const std::set<std::string>& actuated) {
-        return std::make_shared<Model>(load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic,
-                                                        passive, model_dynamics, refuse_inertia, actuated}));
+         const std::set<std::string>& actuated, const std::map<std::string, double>& joint_damping,
+         const std::string& root) {
+        return std::make_shared<Model>(
+            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, passive, model_dynamics,
+                             refuse_inertia, actuated, joint_damping, root}));
       },
       py::arg("path"), py::kw_only(), py::arg("floating_base") = false, py::arg("armature") = 0.0,
       py::arg("joint_armature") = std::map<std::string, std::vector<double>>(),
       py::arg("locked") = std::map<std::string, double>(), py::arg("refuse_mimic") = false,
       py::arg("passive") = std::set<std::string>(), py::arg("model_dynamics") = false,
       py::arg("refuse_inertia") = false, py::arg("actuated") = std::set<std::string>(),
+      py::arg("joint_damping") = std::map<std::string, double>(), py::arg("root") = "",
       "A robot from a URDF file.\n\n"
       "floating_base: joint 0 is then 'root', carrying the root link.\n"
       "armature: reflected rotor inertia of every joint [kg m^2; kg for prismatic joints].\n"
@@ -176,6 +180,9 @@ void add_robot_models(py::module_& m) {
       "passive: joints without torques. model_dynamics: the URDF's damping and friction of joints.\n"
       "refuse_inertia: principal moments that no body has are an error, not a finding.\n"
       "actuated: floating joints of the file that have torques; by default they are passive.\n"
+      "joint_damping: {joint: damping} in place of the URDF's. root: the link that is the root in place of the "
+      "file's;\n"
+      "joints between the two are passed backwards, and their q, v, torques and limits keep their meaning.\n"
       "What is odd but usable is taken, and told by urdf_findings.\n"
       "Joints are numbered depth first, children in byte order of their names.\n"
       "Raises InputError (a ValueError) for the file, ValueError for options that do not fit.");

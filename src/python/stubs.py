@@ -21,6 +21,8 @@ from typing import (
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
+from .notebook import view as view
+
 __version__: str
 
 _Got = TypeVar("_Got", covariant=True)

@@ -135,7 +135,7 @@ void add_task(py::module_& m) {
       "read_task",
       [](const std::string& path) {
         const auto task = std::make_shared<TaskFile>(read_task(path));
-        fit_state(task->scene);
+        fit_state(*task);
         return task;
       },
       py::arg("path"), Unlocked(), "A task from its XML file. Raises InputError (a ValueError).");

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "implicit_springs.hpp"
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/integrate.hpp"
@@ -29,15 +30,15 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   return status != Status::kFailed;
 }
 
-void watch_condition(const Scene& scene, SimulationData& data) {
+void watch_condition(const Scene& scene, SceneData& of, SimulationData& data) {
   if (data.condition_every == 0 || data.steps % data.condition_every != 0) return;
-  estimate_condition(scene, data.dynamics);
-  data.condition = data.dynamics.report.condition;
+  estimate_condition(scene, of);
+  data.condition = of.report.condition;
 }
 
-void keep_what_depends(SimulationData& data) {
+void keep_what_depends(SceneData& of, SimulationData& data) {
   if (data.kept_active == data.dynamics.active) return;
-  keep_dependent(data.dynamics);
+  keep_dependent(of);
   data.kept_active = data.dynamics.active;
 }
 
@@ -55,6 +56,9 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
     throw std::invalid_argument("SimulationData: q or v does not fit the scene");
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   if (has_applied_forces(scene)) applied = std::make_shared<AppliedForces<double>>(scene);
+  if (!scene.springs.empty() || !scene.joint_springs.empty() ||
+      std::any_of(scene.robots.begin(), scene.robots.end(), [](const Robot& r) { return r.model->damping.size() > 0; }))
+    implicit = std::make_shared<ImplicitSprings>(scene);
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
   left_v = v;

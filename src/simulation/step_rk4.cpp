@@ -18,9 +18,9 @@ bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
     }
     if (!solve_stage(scene, d.stage_q, d.stage_v, u, d)) return false;
     if (s == 0) {
-      keep_what_depends(d);
+      keep_what_depends(d.dynamics, d);
       keep_forces(d);
-      watch_condition(scene, d);
+      watch_condition(scene, d.dynamics, d);
     }
     dexp_inverse(scene, d.w, d.stage_v, d.w_rate);
     d.v_rate = d.dynamics.a;

@@ -35,17 +35,23 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
   torques_of_motors(scene, u, d.w);  // what motors, pushes and springs give
   if (d.applied) add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
-  begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
   d.tau *= -h;  // M v - h h(q, v)
   for (const Robot& robot : scene.robots)
     add_friction(*robot.model, d.v.data() + robot.idx_v, d.tau.data() + robot.idx_v, h);
-  d.tau += h * d.w;
   want_contact_velocities(scene, d);
-  const Status status = solve_tau(d.at_rest.scene, d.q, d.at_rest.zero, d.tau, d.wanted, d.dynamics).status;
-  watch_condition(d.at_rest.scene, d);
-  d.worst = std::max(d.worst, status);
+  const bool taken = take_springs(scene, d);
+  const auto [rest, data] = at_rest_with_springs(scene, d);
+  Status status = Status::kFailed;
+  if (taken) {
+    begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
+    d.tau += h * d.w;
+    status = solve_tau(rest, d.q, d.at_rest.zero, d.tau, d.wanted, data).status;
+    watch_condition(rest, data, d);
+    d.worst = std::max(d.worst, status);
+  }
+  if (&data != &d.dynamics) d.dynamics.a = data.a, d.dynamics.f = data.f, d.dynamics.report = data.report;
   if (status == Status::kFailed) return false;
-  keep_what_depends(d);
+  keep_what_depends(data, d);
   d.next_v = d.dynamics.a;
   d.dynamics.a = (d.next_v - d.v) / h;
   d.dynamics.f /= h;

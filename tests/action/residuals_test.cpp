@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/energy.hpp"
 #include "manycontact/algorithm/frames.hpp"
+#include "support/applied.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -111,7 +112,9 @@ TEST_P(Residuals, JacobiansMatchDifferences) {
     std::mt19937 rng(seed);
     SceneOptions options;
     options.nrobots = 1 + seed % 3;
-    Tried t(random_scene(rng, options), GetParam(), seed);
+    RandomScene scene = random_scene(rng, options);
+    if (seed > 2) add_random_forces(scene.scene, rng);
+    Tried t(scene, GetParam(), seed);
     for (const NamedResidual& r : t.residuals) ++count[r.name.substr(0, r.name.find('_'))];
     const std::string where = "seed " + std::to_string(seed);
     expect_jacobians(t, false, where);
@@ -184,18 +187,33 @@ TEST(ResidualValues, AreThoseOfTheScene) {
       EXPECT_LT((r + model->get_reference() - v).norm(), 1e-13 * (1 + v.norm())) << named.name;
     }
   }
-  // tau - (g - J^T f) is M a at rest.
-  Eigen::VectorXd still = p.x;
-  still.tail(p.state->get_nv()).setZero();
-  t.model->calc(t.data, still, p.u);
-  Eigen::VectorXd Ma = t.of("ContactControlGrav").r;
-  for (int i = 0; i < shared.scene.nrobots(); ++i) {
-    const Robot& robot = shared.scene.robots[i];
-    Eigen::MatrixXd M(robot.model->nv, robot.model->nv);
-    unpack_inertia<double>(*robot.model, inertia_of(shared.solution, i).data(), M);
-    Ma.segment(robot.idx_v, robot.model->nv) -= M * t.data->xout.segment(robot.idx_v, robot.model->nv);
+}
+
+// tau - (g - tau_s - J^T f) is M a at rest; a node without controls has -(g - tau_s).
+TEST(ResidualValues, OfGravityAreWhatAccelerates) {
+  for (const bool pushed : {false, true}) {
+    SCOPED_TRACE(pushed);
+    std::mt19937 rng(11);
+    RandomScene scene = random_scene(rng, {});
+    if (pushed) add_random_forces(scene.scene, rng);
+    Tried t(scene, Actuated::kFull, 11);
+    const Problem& p = t.problem;
+    const DataCollector& shared = *as_fwddyn(t.data).multibody;
+    Eigen::VectorXd still = p.x;
+    still.tail(p.state->get_nv()).setZero();
+    t.model->calc(t.data, still, p.u);
+    Eigen::VectorXd Ma = Eigen::VectorXd::Zero(p.u.size());
+    for (int i = 0; i < shared.scene.nrobots(); ++i) {
+      const Robot& robot = shared.scene.robots[i];
+      Eigen::MatrixXd M(robot.model->nv, robot.model->nv);
+      unpack_inertia<double>(*robot.model, inertia_of(shared.solution, i).data(), M);
+      Ma.segment(robot.idx_v, robot.model->nv) = M * t.data->xout.segment(robot.idx_v, robot.model->nv);
+    }
+    const Eigen::VectorXd by_contacts = t.of("ContactControlGrav").r, alone = t.of("ControlGrav").r;
+    EXPECT_LT((by_contacts - Ma).norm(), 1e-9 * (1 + by_contacts.norm()));
+    t.model->calc(t.data, still);
+    EXPECT_LT((alone - p.u - t.of("ControlGrav").r).norm(), 1e-12 * (1 + alone.norm()));
   }
-  EXPECT_LT(Ma.norm(), 1e-9 * (1 + t.of("ContactControlGrav").r.norm()));
 }
 
 TEST(Cones, HoldWhatTheySay) {

@@ -213,6 +213,9 @@ TEST(AppliedForces, BatchesOfStates) {
   }
   std::vector<Status> status(n);
   differentiate_batch(s.scene, {Q, V, U}, batch, A, F, D, status);
+  const BatchMatrix WA = BatchMatrix::Ones(n, A.cols()), WF = BatchMatrix::Ones(n, F.cols());
+  BatchMatrix WQ = V, WV = V, WU = U, WW(n, 6 * s.scene.pushes.size());
+  vjp_batch(s.scene, {Q, V, U}, WA, WF, batch, WQ, WV, WU, WW, status);
   SceneData data(s.scene);
   data.pushes = batch.pushes;
   for (int k = 0; k < n; ++k) {
@@ -222,6 +225,11 @@ TEST(AppliedForces, BatchesOfStates) {
     const MatrixXd d(sparse_derivatives(s.scene, data));
     const Eigen::Map<const BatchMatrix> mine(D.row(k).data(), d.rows(), d.cols());
     EXPECT_LE((mine - d).cwiseAbs().maxCoeff(), 1e-11 * d.cwiseAbs().maxCoeff());
+    VectorXd wq(WQ.cols()), wv(WV.cols()), wu(WU.cols()), ww(WW.cols());
+    vjp(s.scene, data, WA.row(k), WF.row(k), wq, wv, wu, ww);
+    EXPECT_GT(ww.norm(), 0);
+    EXPECT_EQ(WQ.row(k).transpose(), wq);
+    EXPECT_EQ(WW.row(k).transpose(), ww);
   }
 }
 

@@ -44,7 +44,7 @@ struct States {
 
 /// Full of what a caller may have left there.
 struct Answers {
-  BatchMatrix A, F, D, WA, WF, WQ, WV, WU;
+  BatchMatrix A, F, D, WA, WF, WQ, WV, WU, WW;
   std::vector<Status> status;
 
   Answers(const Scene& scene, int nf, int count) : status(count, Status::kRegularised) {
@@ -55,13 +55,14 @@ struct Answers {
     F = poisoned(nf);
     D = poisoned((scene.nv + nf) * (2 * scene.nv + scene.nu));
     WU = poisoned(scene.nu);
+    WW = poisoned(static_cast<Eigen::Index>(6 * scene.pushes.size()));
     std::mt19937 rng(5);  // the same weights for each state
     WA = random_vector(scene.nv, rng).transpose().replicate(count, 1);
     WF = random_vector(nf, rng).transpose().replicate(count, 1);
   }
   Answers picked(const std::vector<int>& order) const {
     Answers out = *this;
-    for (auto X : {&Answers::A, &Answers::F, &Answers::D, &Answers::WQ, &Answers::WV, &Answers::WU})
+    for (auto X : {&Answers::A, &Answers::F, &Answers::D, &Answers::WQ, &Answers::WV, &Answers::WU, &Answers::WW})
       out.*X = (this->*X)(order, Eigen::all).eval();
     for (std::size_t k = 0; k < order.size(); ++k) out.status[k] = status[order[k]];
     return out;
@@ -82,6 +83,7 @@ void expect_same(const Answers& x, const Answers& y) {
   expect_same_bits(x.WQ, y.WQ, "wq");
   expect_same_bits(x.WV, y.WV, "wv");
   expect_same_bits(x.WU, y.WU, "wu");
+  expect_same_bits(x.WW, y.WW, "ww");
   EXPECT_EQ(x.status, y.status);
 }
 
@@ -106,11 +108,12 @@ Answers alone(const Scene& scene, const States& s, const Options& options, const
     Eigen::Map<BatchMatrix> D(out.D.row(k).data(), scene.nv + nf, cols);
     D.topRows(scene.nv) << d.da_dq, d.da_dv, d.da_du;
     D.bottomRows(nf) << d.dforces_dq, d.dforces_dv, d.dforces_du;
-    Eigen::VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu);
-    vjp(scene, data, out.WA.row(k).transpose(), out.WF.row(k).transpose(), wq, wv, wu);
+    Eigen::VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(out.WW.cols());
+    vjp(scene, data, out.WA.row(k).transpose(), out.WF.row(k).transpose(), wq, wv, wu, ww);
     out.WQ.row(k) = wq.transpose();
     out.WV.row(k) = wv.transpose();
     out.WU.row(k) = wu.transpose();
+    out.WW.row(k) = ww.transpose();
   }
   return out;
 }
@@ -124,7 +127,10 @@ Answers in_batch(const Scene& scene, const States& s, BatchData& batch) {
   expect_same_bits(A, out.A, "a, solved and differentiated");
   expect_same_bits(F, out.F, "f, solved and differentiated");
   EXPECT_EQ(status, out.status);
-  vjp_batch(scene, s.view(), out.WA, out.WF, batch, out.WQ, out.WV, out.WU, out.status);
+  vjp_batch(scene, s.view(), out.WA, out.WF, batch, out.WQ, out.WV, out.WU, out.WW, out.status);
+  Answers bare = out;
+  vjp_batch(scene, s.view(), out.WA, out.WF, batch, bare.WQ, bare.WV, bare.WU, bare.status);
+  expect_same(bare, out);
   return out;
 }
 
@@ -241,6 +247,7 @@ TEST(Batch, StatesStandInLanes) {
   <robot name="other" urdf="arm.urdf" base="fixed" xyz="3 0 0"/>
   <robot name="box" urdf="box.urdf" base="floating" xyz="3.4 0 0.5"/>
   <contact name="push" type="3d" frame="other/tool" to="box/face_back" gains="50 10"/>
+  <push frame="arm/tool" force="1 2 3" torque="0 0.1 0"/> <push frame="box/crate" force="0 5 0" reference_frame="world"/>
 </scene>)");
   for (Lanes lanes : lanes_here()) {
     Scene scene = file.scene;
@@ -316,6 +323,7 @@ TEST(Batch, WrongSizesAndOtherScenesAreRefused) {
   refused([&] { solve_batch(scene, s.view(), batch, x.A, x.F, two); }, "status has 2");
   refused([&] { differentiate_batch(scene, s.view(), batch, x.A, x.F, x.A, x.status); }, "D is 3 x 38");
   refused([&] { vjp_batch(scene, s.view(), few, x.WF, batch, x.WQ, x.WV, x.WU, x.status); }, "WA is 2 x 38");
+  refused([&] { vjp_batch(scene, s.view(), x.WA, x.WF, batch, x.WQ, x.WV, x.WU, x.WU, x.status); }, "WW is 3 x 32");
   refused([&] { solve_batch(other.scene, s.view(), batch, x.A, x.F, x.status); }, "the data do not fit the scene");
   batch.active.push_back(1);
   refused([&] { solve_batch(scene, s.view(), batch, x.A, x.F, x.status); }, "3 active flags for 2 contacts");
@@ -331,7 +339,7 @@ TEST(Batch, ASecondCallAllocatesNothing) {
   const auto all = [&] {
     solve_batch(scene, s.view(), batch, x.A, x.F, x.status);
     differentiate_batch(scene, s.view(), batch, x.A, x.F, x.D, x.status);
-    vjp_batch(scene, s.view(), x.WA, x.WF, batch, x.WQ, x.WV, x.WU, x.status);
+    vjp_batch(scene, s.view(), x.WA, x.WF, batch, x.WQ, x.WV, x.WU, x.WW, x.status);
   };
   all();
   EXPECT_EQ(allocations(all), 0u);

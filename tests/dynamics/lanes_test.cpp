@@ -359,12 +359,12 @@ TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   EXPECT_THROW((void)kinematics_of(data, 0), std::logic_error);
   EXPECT_THROW((void)matrix_of(data, 0), std::logic_error);
   StaticTorque at_rest(h.scene), at_rest_off(h.scene);
-  EXPECT_THROW(static_torque(h.scene, data, true, at_rest), std::logic_error);
+  EXPECT_THROW(static_torque(h.scene, data, h.q.data(), true, at_rest), std::logic_error);
   const VectorXd a = data.a;
   complete(h.scene, data);
   EXPECT_TRUE(same(data.a, a));
-  static_torque(h.scene, data, true, at_rest);
-  static_torque(h.scene, off, true, at_rest_off);
+  static_torque(h.scene, data, h.q.data(), true, at_rest);
+  static_torque(h.scene, off, h.q.data(), true, at_rest_off);
   EXPECT_LT((at_rest.tau - at_rest_off.tau).norm(), 1e-11 * at_rest_off.tau.norm());
   for (int r = 0; r < 3; ++r) {
     EXPECT_TRUE(same(kinematics_of(data, r).J, kinematics_of(off, r).J));

@@ -115,3 +115,6 @@ def test_simulation_and_batches(pushed):
     data.pushes[0] *= 2
     mc.solve(scene, file.q, file.v, file.u, data)
     assert np.array_equal(A[0], data.a) and np.array_equal(F[0], data.f)
+    WQ, WV, WU, WW, _ = mc.vjp_batch_with_pushes(scene, file.q[None], file.v[None], file.u[None], A, F, batch)
+    for many, one in zip((WQ, WV, WU, WW), mc.vjp_with_pushes(scene, data, data.a, data.f)):
+        assert np.array_equal(many[0], one)

@@ -25,6 +25,8 @@
 
 namespace manycontact {
 
+struct TaskFile;  // io/task_file.hpp
+
 /// Three numbers of which some may be left open: {std::nullopt, std::nullopt, 0.0} asks for z = 0.
 using Partial = std::array<std::optional<double>, 3>;
 
@@ -86,5 +88,9 @@ PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
 /// their frames are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose,
 /// where they cannot all be met within limits from there.
 void place(SceneFile& file);
+
+/// The references of a task's terms that are poses, as fit_state (analysis/load_scene.hpp), from the scene's q. Throws
+/// InputError, by the worst pose.
+void place_references(TaskFile& task);
 
 }  // namespace manycontact

@@ -51,7 +51,7 @@ struct BatchData {
 /// BatchRows of the active contacts: the size of a state's forces.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// All three: states of failed islands give NaN for these islands, and the state's status is kFailed; the others are
+// All: states of failed islands give NaN for these islands, and the state's status is kFailed; the others are
 // solved all the same. `status` has one entry per state. Throw std::invalid_argument when a size does not fit or the
 // data are of another scene, before anything is computed; std::bad_alloc, also from a thread: then outputs are as they
 // come. OpenBLAS is held to one thread meanwhile, in the whole program; one batch at a time.
@@ -69,5 +69,9 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
 /// `vjp`. Each state is solved for that.
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status);
+
+/// The same, and WW (6 per push) by the wrenches of pushes, in the axes that these are stated in.
+void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
+               BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status);
 
 }  // namespace manycontact

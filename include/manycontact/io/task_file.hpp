@@ -47,8 +47,10 @@ struct TaskTerm {
   bool copied = false;  // all copies are meant, and places are those of the robot before `arrange` moved it
   std::string frame;    // of the robots
 
-  Eigen::VectorXd reference;  // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
-  SE3<double> placement;      // xyz, quat_xyzw
+  Eigen::VectorXd reference;     // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
+  std::vector<ScenePose> poses;  // of a state with reference="pose": its reference is a posture at rest, the whole
+                                 // scene's, that meets them; fit_state (analysis/load_scene.hpp) finds it
+  SE3<double> placement;         // xyz, quat_xyzw
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
   double mu = 0;
   std::optional<Vec3<double>> normal;  // of a cone, as Contact::normal; none: the contact's
@@ -97,7 +99,7 @@ struct TaskFile {  // A task as its file has it.
   int nodes() const;  // running ones, impacts among them
 };
 
-/// Throws InputError, for the scene's file too.
+/// Throws InputError, for the scene's file too. What takes a solver is left to fit_state (analysis/load_scene.hpp).
 TaskFile read_task(const std::string& path);
 
 }  // namespace manycontact

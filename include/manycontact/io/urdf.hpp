@@ -2,7 +2,7 @@
 // A robot from a URDF file.
 //
 // Fixed joints are merged into the parent's body, so are locked ones; every link stays usable as a frame.
-// Joints are numbered depth first, children in byte order of their names (as urdfdom lists them). Masses and
+// Joints are numbered depth first from the root, those of a link in byte order of their names. Masses and
 // inertias are judged per moving body, after merging. With a fixed base the bodies merged into the root link
 // are immovable and dropped.
 //
@@ -32,6 +32,10 @@ struct UrdfOptions {           // What is said of a robot beside its file.
   bool refuse_inertia = false;          // principal moments that no body has are an InputError; else only noted
   std::set<std::string> actuated = {};  // floating joints of the file with torques in u: they are passive by default
   std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints of one coordinate only
+  /// The link that is the root instead of the file's: with a floating base that which "root" carries, with a fixed base
+  /// that which stands in the world. Empty: the file's. A joint between the two is passed backwards, its child carries
+  /// its parent: about -axis, so that q, v, torques and limits keep their meaning.
+  std::string root = {};
 
   bool operator==(const UrdfOptions&) const = default;
 };
@@ -41,7 +45,7 @@ struct UrdfOptionError : std::invalid_argument {
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
       : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}  // message: what is wrong
   std::string joint;
-  bool lock;  // from UrdfOptions::locked, else from an armature
+  bool lock;  // from UrdfOptions::locked, else from another
 };
 
 /// Reads and finalizes. Limits are infinite where the file has none that bound anything; a lower or upper that <limit>

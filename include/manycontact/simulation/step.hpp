@@ -6,14 +6,16 @@
 //     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// with tau = tau(q, v, u, w) of motors, friction, pushes and springs,
-// and then gives what nothing ties to the world the momentum that it has to have (simulation/momentum.hpp). Here e is
-// the contact's error and c its velocity as the last step left it: J v at the start, then J of the last
-// configuration times v. Where e = c = 0 this takes v + h a_free to the nearest velocity that the contacts allow, in
-// the kinetic metric: contacts never add energy but for e and c. (Accelerations J a = -J' v - beta J v - alpha e with
-// beta near 1/h do: J v has grown by h J' v since the last step, so that the curvature J' v is answered twice, and
-// where it grows from step to step, as legs straighten, half the energy of a scene was added in 10 ms.) For the scheme
-// without gains see Stewart and Trinkle, International Journal for Numerical Methods in Engineering 39 (1996).
+// with tau = tau(q, v, u, w) of motors, friction, pushes and springs. Of springs and of dampers in joints that bear no
+// steps of 2 h so, the forces are those at the end of the step instead, which adds h^2 k + h c to M along them: stable
+// for any h, and what swings faster than steps can follow dies out. It then gives what nothing ties to the world the
+// momentum that it has to have (simulation/momentum.hpp). Here e is the contact's error and c its velocity as the last
+// step left it: J v at the start, then J of the last configuration times v. Where e = c = 0 this takes v + h a_free to
+// the nearest velocity that the contacts allow, in the kinetic metric: contacts never add energy but for e and c.
+// (Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do: J v has grown by h J' v since the last step,
+// so that the curvature J' v is answered twice, and where it grows from step to step, as legs straighten, half the
+// energy of a scene was added in 10 ms.) For the scheme without gains see Stewart and Trinkle, International Journal
+// for Numerical Methods in Engineering 39 (1996).
 //
 // RK4 is Munthe-Kaas': q(t) = q0 (+) w(t), and the classical scheme on (w, v) from w = 0 with
 //
@@ -39,7 +41,8 @@
 namespace manycontact {
 
 template <class S>
-struct AppliedForces;  // private to floor algorithm
+struct AppliedForces;    // private to floor algorithm
+struct ImplicitSprings;  // private to this floor
 
 /// What became of a step.
 enum class StepStatus {
@@ -99,6 +102,7 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   // by semi-implicit Euler
   FreeGroups free_groups;
   std::shared_ptr<AppliedForces<double>> applied;  // nullptr: the scene has none
+  std::shared_ptr<ImplicitSprings> implicit;       // nullptr: it has neither springs nor dampers
   Eigen::VectorXd contact_v;                       // c, rows as in f, for the state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;

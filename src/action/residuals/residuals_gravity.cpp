@@ -102,16 +102,16 @@ void GravityResidual::lay_out(ResidualDataAbstract& data) const {
   }
 }
 
-void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                            const ConstVectorRef&) {
   GravityData& d = gravity_data(data);
-  static_torque(d.shared->scene, d.shared->solution, contacts_, d.statics);
+  static_torque(d.shared->scene, d.shared->solution, x.data(), contacts_, d.statics);
   d.r = d.shared->actuation->tau - d.statics.tau;
 }
 
-void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
+void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
   GravityData& d = gravity_data(data);
-  static_torque(d.shared->scene, d.shared->solution, false, d.statics);
+  static_torque(d.shared->scene, d.shared->solution, x.data(), false, d.statics);
   d.r = -d.statics.tau;
 }
 

@@ -97,7 +97,7 @@ int run_optimize(const Arguments& arguments) {
   check_files(arguments, {path}, kFiles);
 
   TaskFile task = read_task(path);
-  fit_state(task.scene);
+  fit_state(task);
   check_files(arguments, task.scene.files, kFiles);
   if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);

@@ -187,9 +187,10 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-// The spring that bears the smallest step, if that is below h.
+// The spring that bears the smallest step, if h is too long for it.
 std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
-  if (shortest.spring < 0 || shortest.largest >= sim.h) return "";
+  const bool implicit = sim.integrator == Integrator::kSemiImplicitEuler;
+  if (shortest.spring < 0 || shortest.largest >= (implicit ? 2 : 1) * sim.h) return "";
   std::string who;
   if (shortest.in_joint) {
     const JointSpring& spring = scene.joint_springs[static_cast<std::size_t>(shortest.spring)];
@@ -198,6 +199,10 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
   } else {
     who = "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
   }
+  if (implicit)
+    return who + " bears steps of " + number(shortest.largest) +
+           " s at most, for what it moves at the start, and is taken implicitly: what swings faster than steps of " +
+           number(sim.h) + " s can follow dies out";
   return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
          " s, for what it moves at the start";
 }

@@ -14,5 +14,6 @@ the base's own frame for a floating base, SI units. Bad input raises ValueError 
 from . import _classes, _manycontact
 from ._manycontact import *  # noqa: F401,F403
 from ._manycontact import __version__  # noqa: F401
+from .notebook import view  # noqa: F401
 
 _classes.complete(_manycontact)

@@ -1,5 +1,7 @@
 #pragma once
-// Torques beyond those that hold the scene still. Names and constructors of Crocoddyl; nu defaults to nv as there.
+// Torques beyond those that hold the scene still under gravity, pushes and springs: with g(q) the torques against
+// gravity and tau_s(q) what the pushes and springs of the scene come to at rest. Names and constructors of Crocoddyl,
+// which knows no tau_s; nu defaults to nv as there.
 
 #include "manycontact/action/residual.hpp"
 
@@ -11,7 +13,7 @@ class GravityResidual : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
-  /// Terminal: -g(q).
+  /// Terminal: tau_s(q) - g(q).
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
   void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
@@ -24,15 +26,15 @@ class GravityResidual : public ResidualModelAbstract {
   bool contacts_;
 };
 
-/// tau(x, u) - g(q) (nv).
+/// tau(x, u) - (g(q) - tau_s(q)) (nv).
 class ResidualModelControlGrav : public GravityResidual {
  public:
   ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
   explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state);
 };
 
-/// tau(x, u) - (g(q) - J^T f(x, u)) (nv). The Jacobians have all of f's derivatives (in Crocoddyl 3.0, J^T df is
-/// missing).
+/// tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv). The Jacobians have all of f's derivatives (in Crocoddyl 3.0,
+/// J^T df is missing).
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
   ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);

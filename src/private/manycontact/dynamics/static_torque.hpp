@@ -1,6 +1,9 @@
 #pragma once
-// Torques that would hold the scene still at the last solve's q with its contact forces: g(q) - J^T f.
+// Torques that would hold the scene still at the last solve's q with its contact forces, pushes and springs:
+//
+//     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: of algorithm/applied_forces.hpp
 
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
@@ -13,12 +16,17 @@ struct StaticTorque {
   std::vector<Kinematics<double>> kin;             // per robot
   std::vector<RneaDerivatives> terms;              // per robot
   std::vector<std::vector<Vec6<double>>> fext, f;  // per robot: njoints contact forces (tree frame), scratch
+  AppliedForces<double> applied;                   // pushes and springs, at rest
+  AppliedScratch scratch;                          // for their derivatives
   Eigen::VectorXd tau;                             // nv: by static_torque
+  Eigen::VectorXd tau_s;                           // nv: what `applied` comes to
+  Eigen::VectorXd l, wq, wv;                       // nv: scratch, l zero between uses
 };
 
-/// s.tau = g(q) - J^T f (nv), or g(q) alone without `contacts`. After forward_kinematics of data's robots and, with
-/// `contacts`, a solve; throws std::logic_error where that went in lanes and `complete` was not called since.
-void static_torque(const Scene& scene, const SceneData& data, bool contacts, StaticTorque& s);
+/// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.pushes. q: nq. After
+/// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where that went in
+/// lanes and `complete` was not called since.
+void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
 /// Its derivative with respect to q, on the tangent space, f held constant in each contact's own frame: an island's
 /// nv x nv. After static_torque with the same `contacts`; crba and, with `contacts`, differentiate.
