@@ -3,7 +3,7 @@
 
 #include <ostream>
 
-#include "manycontact/action/multibody.hpp"
+#include "manycontact/action/state.hpp"
 
 namespace manycontact::internal {
 
@@ -29,7 +29,7 @@ template <class Part, class State>
 void check_part(const char* who, const std::string& name, const std::shared_ptr<Part>& part,
                 const std::shared_ptr<State>& state, std::size_t nu) {
   require(part != nullptr, who, "\"" + name + "\" is a null pointer, a model is expected");
-  require(part->get_state() == state, who, "\"" + name + "\" belongs to another state, this one's is expected");
+  require(same_space(*part->get_state(), *state), who, "\"" + name + "\" belongs to another state, this one's is expected");
   require(part->get_nu() == nu, who,
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }
