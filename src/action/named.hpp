@@ -21,7 +21,7 @@ auto find_named(const char* who, const char* what, Map& parts, const std::string
 template <class Map>
 void check_new(const char* who, const char* what, const Map& parts, const std::string& name) {
   require(!parts.contains(name), who,
-          std::string("a ") + what + " called \"" + name + "\" is there already, a new name is expected");
+          std::string(what[0] == 'i' ? "an " : "a ") + what + " called \"" + name + "\" is there already, a new name is expected");
 }
 
 /// A part fits a stack: it exists, and has the same state and number of controls.
