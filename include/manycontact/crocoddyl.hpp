@@ -8,6 +8,7 @@
 
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
 
@@ -15,10 +16,10 @@
 #include "manycontact/control.hpp"
 
 #ifndef throw_pretty
-#define throw_pretty(m)                                                                     \
-  {                                                                                         \
-    std::stringstream pretty_message;                                                       \
-    pretty_message << m;                                                                    \
+#define throw_pretty(m)                                                                        \
+  {                                                                                            \
+    std::stringstream pretty_message;                                                          \
+    pretty_message << m;                                                                       \
     throw crocoddyl::Exception(pretty_message.str(), __FILE__, __PRETTY_FUNCTION__, __LINE__); \
   }
 #endif
@@ -38,7 +39,8 @@ using namespace manycontact;
 class Exception : public std::exception {  // of throw_pretty
  public:
   Exception(const std::string& message, const char* file, const char* function, int line)
-      : message_(message), place_(std::string("In ") + file + "\n" + function + " " + std::to_string(line)),
+      : message_(message),
+        place_(std::string("In ") + file + "\n" + function + " " + std::to_string(line)),
         what_(place_ + "\n" + message_) {}
   const char* what() const noexcept override { return what_.c_str(); }
   std::string getMessage() const { return message_; }
@@ -90,8 +92,7 @@ class ConstraintModelManager : public manycontact::ConstraintModelManager {
  public:
   using Base = manycontact::ConstraintModelManager;
   using Base::Base;
-  void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
-                     bool active = true) {
+  void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true) {
     if (internal::expect_named(get_constraints(), name, false, "add", "constraint"))
       Base::addConstraint(name, std::move(constraint), active);
   }

@@ -177,8 +177,7 @@ void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract
     return d.data_0->tau;
   };
   const Eigen::Index nv = size(state_->get_nv()), ndx = size(state_->get_ndx());
-  d.dtau_dx =
-      jacobian(nv, ndx, step_, [&](const Eigen::VectorXd& dx) { return tau(state_->integrate_x(x, dx), u); });
+  d.dtau_dx = jacobian(nv, ndx, step_, [&](const Eigen::VectorXd& dx) { return tau(state_->integrate_x(x, dx), u); });
   d.dtau_du = jacobian_by_u(nv, u, step_, [&](const Eigen::VectorXd& at_u) { return tau(x, at_u); });
   calc(data, x, u);
 }
@@ -286,9 +285,8 @@ void CostModelNumDiff::differentiate(CostDataAbstract& d, const Eigen::VectorXd&
     out << d.cost, d.residual->r;
     return out;
   };
-  const Eigen::MatrixXd by_x = jacobian(1 + nr, size(state.get_ndx()), step_, [&](const Eigen::VectorXd& dx) {
-    return values(state.integrate_x(x, dx), u);
-  });
+  const Eigen::MatrixXd by_x = jacobian(1 + nr, size(state.get_ndx()), step_,
+                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
   Eigen::MatrixXd by_u;
   if (!terminal) by_u = jacobian_by_u(1 + nr, u, step_, [&](const Eigen::VectorXd& at_u) { return values(x, at_u); });
   (void)values(x, u);
@@ -345,9 +343,8 @@ void ConstraintModelNumDiff::differentiate(ConstraintDataAbstract& d, const Eige
     out << d.g, d.h;
     return out;
   };
-  const Eigen::MatrixXd by_x = jacobian(ng + nh, size(state.get_ndx()), step_, [&](const Eigen::VectorXd& dx) {
-    return values(state.integrate_x(x, dx), u);
-  });
+  const Eigen::MatrixXd by_x = jacobian(ng + nh, size(state.get_ndx()), step_,
+                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
   d.Gx = by_x.topRows(ng);
   d.Hx = by_x.bottomRows(nh);
   if (!terminal) {

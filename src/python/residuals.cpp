@@ -45,7 +45,8 @@ thread_local std::vector<Running> running;
 
 struct Scope {
   Scope(const ResidualModelAbstract& model, const ResidualDataAbstract& data) {
-    running.push_back({&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state()))});
+    running.push_back(
+        {&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state()))});
   }
   ~Scope() {
     running.back().shared->end();

@@ -28,14 +28,14 @@ void expect_as_its_twin(const std::shared_ptr<ActuationModelAbstract>& model, co
 }
 
 struct Quadrotor {
-  std::shared_ptr<StateMultibody> state = std::make_shared<StateMultibody>(std::make_shared<const Model>(
-      load_urdf(MANYCONTACT_SOURCE_DIR "/models/box.urdf", {.floating_base = true})));
+  std::shared_ptr<StateMultibody> state = std::make_shared<StateMultibody>(
+      std::make_shared<const Model>(load_urdf(MANYCONTACT_SOURCE_DIR "/models/box.urdf", {.floating_base = true})));
   std::vector<Thruster> thrusters;
   Quadrotor() {
     for (int k = 0; k < 4; ++k)
-      thrusters.emplace_back(SE3<double>{Eigen::Matrix3d::Identity(),
-                                         {0.2 * std::cos(k * M_PI / 2), 0.2 * std::sin(k * M_PI / 2), 0}},
-                             0.02, k % 2 ? CW : CCW);
+      thrusters.emplace_back(
+          SE3<double>{Eigen::Matrix3d::Identity(), {0.2 * std::cos(k * M_PI / 2), 0.2 * std::sin(k * M_PI / 2), 0}},
+          0.02, k % 2 ? CW : CCW);
   }
 };
 

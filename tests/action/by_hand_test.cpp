@@ -12,7 +12,8 @@ constexpr double kByHand = 1e-7;  // central ones, beside the larger of the matr
 
 // The walker's parts by hand, with contact forces that depend on x and u.
 struct ByHand : testing::Test {
-  ByHand() : motion(*w.state->get_model()), torques(w.actuation->createData()), contacts(w.contacts->createData(&motion)) {
+  ByHand()
+      : motion(*w.state->get_model()), torques(w.actuation->createData()), contacts(w.contacts->createData(&motion)) {
     std::mt19937 rng(3);
     const int nc = static_cast<int>(w.contacts->get_nc()), ndx = static_cast<int>(w.state->get_ndx());
     force = random_vector(nc, rng, 10);
@@ -33,7 +34,8 @@ struct ByHand : testing::Test {
   }
   // What needs no solution of the dynamics.
   static bool stands_alone(const ResidualModelAbstract& residual) {
-    return !residual.depends_on().acceleration && dynamic_cast<const ResidualModelContactControlGrav*>(&residual) == nullptr;
+    return !residual.depends_on().acceleration &&
+           dynamic_cast<const ResidualModelContactControlGrav*>(&residual) == nullptr;
   }
 
   Walker w;
@@ -185,12 +187,12 @@ TEST(ContactsByHand, AreTheActions) {
     const Eigen::Vector2d gains(30, 5);
     const FrameIndex hand = w.state->get_model()->getFrameId("left_hand");
     w.contacts->addContact("a6", std::make_shared<ContactModel6D>(w.state, w.left, w.left_pref, frame, w.nu, gains));
-    w.contacts->addContact("b3", std::make_shared<ContactModel3D>(w.state, w.right, Eigen::Vector3d(0.1, 0, 0), frame,
-                                                                  w.nu, gains));
-    w.contacts->addContact("c1", std::make_shared<ContactModel1D>(w.state, hand, 0.3, frame,
-                                                                  Eigen::Matrix3d::Identity(), w.nu, gains));
-    w.contacts->addContact("d2", std::make_shared<ContactModel2D>(w.state, hand, Eigen::Vector2d(0.2, 0.4), w.nu, gains,
-                                                                  frame), false);
+    w.contacts->addContact(
+        "b3", std::make_shared<ContactModel3D>(w.state, w.right, Eigen::Vector3d(0.1, 0, 0), frame, w.nu, gains));
+    w.contacts->addContact(
+        "c1", std::make_shared<ContactModel1D>(w.state, hand, 0.3, frame, Eigen::Matrix3d::Identity(), w.nu, gains));
+    w.contacts->addContact(
+        "d2", std::make_shared<ContactModel2D>(w.state, hand, Eigen::Vector2d(0.2, 0.4), w.nu, gains, frame), false);
     const auto model = w.model();
     const auto data = evaluated(*model, w.x, w.u);
     MultibodyData motion(*w.state->get_model());
@@ -259,7 +261,8 @@ TEST(ImpulsesByHand, AreTheDifferences) {
   ImpulseModelMultiple stack(w.state);
   stack.addImpulse("a", std::make_shared<ImpulseModel6D>(w.state, w.left, LOCAL));
   stack.addImpulse("b", std::make_shared<ImpulseModel3D>(w.state, w.right, WORLD));
-  stack.addImpulse("c", std::make_shared<ImpulseModel3D>(w.state, w.state->get_model()->getFrameId("left_hand"), LOCAL));
+  stack.addImpulse("c",
+                   std::make_shared<ImpulseModel3D>(w.state, w.state->get_model()->getFrameId("left_hand"), LOCAL));
   const auto data = stack.createData(&motion);
   const auto velocity = [&](const Eigen::VectorXd& dq) {
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(2 * motion.scene.nv);
@@ -347,8 +350,9 @@ TEST(SameSpace, OfTheSameMultibody) {
   Walker w;
   const auto twin = std::make_shared<StateMultibody>(w.state->get_model());
   EXPECT_TRUE(same_space(*twin, *w.state));
-  w.costs->addCost("state", std::make_shared<CostModelResidual>(
-                                twin, std::make_shared<ResidualModelState>(twin, w.x_rest, w.nu)), 1);
+  w.costs->addCost(
+      "state", std::make_shared<CostModelResidual>(twin, std::make_shared<ResidualModelState>(twin, w.x_rest, w.nu)),
+      1);
   const auto data = evaluated(*w.model(), w.x, w.u);
   EXPECT_GT(data->cost, 0);
   const auto other = std::make_shared<StateMultibody>(w.file.scene);

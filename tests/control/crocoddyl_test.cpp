@@ -82,7 +82,8 @@ TEST(Crocoddyl, AWholeProgram) {
   costs->addCost("u", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelControl>(state, nu)),
                  1e-3);
   const auto node = std::make_shared<IntegratedActionModelEuler>(
-      std::make_shared<DifferentialActionModelContactFwdDynamics>(state, actuation, contacts, costs, constraints), 0.01);
+      std::make_shared<DifferentialActionModelContactFwdDynamics>(state, actuation, contacts, costs, constraints),
+      0.01);
   const auto problem = std::make_shared<ShootingProblem>(
       state->zero(), std::vector<std::shared_ptr<ActionModelAbstract>>(5, node), node);
   SolverFDDP solver(problem);
@@ -97,7 +98,8 @@ TEST(Crocoddyl, SumsOnAVectorSpace) {
   CostModelSum costs(state, 2);
   const Eigen::Vector4d xref(1, 2, 3, 4), x(0, 1, 0, 1);
   const Eigen::Vector2d u(5, 6);
-  costs.addCost("x", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelState>(state, xref, 2)), 2);
+  costs.addCost("x", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelState>(state, xref, 2)),
+                2);
   costs.addCost("u", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelControl>(state, 2)), 3);
   DataCollectorAbstract shared;
   const auto data = costs.createData(&shared);

@@ -33,14 +33,14 @@ struct ContactForce : Eigen::VectorXd {
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
-/// Numbers of one contact, filled by the action model, or by hand. The columns of Jc and da0_dx are those of the robots of A and B'
-/// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for
-/// v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
+/// Numbers of one contact, filled by the action model, or by hand. The columns of Jc and da0_dx are those of the robots
+/// of A and B' (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for
+/// q and for v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
 struct ContactDataAbstract {
   Eigen::MatrixXd Jc;      // nc x v_columns: by calc
   Eigen::VectorXd a0;      // nc: by calc
   Eigen::MatrixXd da0_dx;  // nc x 2 v_columns: by calcDiff; derivative of J a + a0 at the accelerations held constant
-  ContactForce f;  // nc: by calc; zero when inactive. By hand: by updateForce
+  ContactForce f;          // nc: by calc; zero when inactive. By hand: by updateForce
   // By calcDiff, when force derivatives are on: nc x f_x_columns, nc x f_u_columns.
   PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};
   PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};

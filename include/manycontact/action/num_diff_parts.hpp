@@ -4,7 +4,9 @@
 // more than x and u: set_reevals takes what brings that up to date, called with each x, u before the part's calc, and
 // at last with the point itself.
 
+#include <cmath>
 #include <functional>
+#include <limits>
 
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"

@@ -70,7 +70,8 @@ class ResidualModelAbstract {  // r(x, u)
   virtual void lay_out(ResidualDataAbstract& data) const;
   /// False when the data must be laid out again: they are of another frame, say.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
-  /// Fills the blocks of the data with the whole matrices, where calcDiff wrote those alone: of Crocoddyl's constructor.
+  /// Fills the blocks of the data with the whole matrices, where calcDiff wrote those alone: of Crocoddyl's
+  /// constructor.
   void take_whole(ResidualDataAbstract& data) const;
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }

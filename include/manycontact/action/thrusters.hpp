@@ -17,8 +17,8 @@ struct Thruster {
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
 
-  SE3<double> pose;               // in the base's frame; it pushes along its z
-  double ctorque;                 // torque about that axis per thrust [m]
+  SE3<double> pose;  // in the base's frame; it pushes along its z
+  double ctorque;    // torque about that axis per thrust [m]
   ThrusterType type;
   double min_thrust, max_thrust;  // N: bounds for u, which an action model does not take over
 };

@@ -10,7 +10,8 @@ ConstraintModelResidual::ConstraintModelResidual(std::shared_ptr<StateAbstract> 
     : state_(std::move(state)), residual_(std::move(residual)), lb_(lower), ub_(upper) {
   constexpr const char* kWho = "ConstraintModelResidual";
   require(state_ && residual_, kWho, "a null pointer was given, a state and a residual are expected");
-  require(same_space(*residual_->get_state(), *state_), kWho, "the residual belongs to another state, this one's is expected");
+  require(same_space(*residual_->get_state(), *state_), kWho,
+          "the residual belongs to another state, this one's is expected");
   check_size(kWho, "the lower bound", lower.size(), residual_->get_nr());
   check_size(kWho, "the upper bound", upper.size(), residual_->get_nr());
   for (int i = 0; i < lower.size(); ++i) {

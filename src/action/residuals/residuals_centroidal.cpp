@@ -77,7 +77,7 @@ void ResidualModelCoMPosition::calc(const std::shared_ptr<ResidualDataAbstract>&
 }
 
 void ResidualModelCoMPosition::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                        const ConstVectorRef&) {
+                                             const ConstVectorRef&) {
   const DataCollector& shared = *data->shared;
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {
@@ -125,8 +125,8 @@ void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbs
 }
 
 // dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
-void ResidualModelCentroidalMomentum::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                               const ConstVectorRef&) {
+void ResidualModelCentroidalMomentum::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                    const ConstVectorRef&, const ConstVectorRef&) {
   CentroidalData& d = centroidal_data(data);
   const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
   RowMajorMatrix& Rx = d.blocks[0].Rx;

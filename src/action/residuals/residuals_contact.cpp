@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <ostream>
 
+#include "../contacts/contact_columns.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/algorithm/frames.hpp"
-#include "../contacts/contact_columns.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {
@@ -119,7 +119,8 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   d.contact = &d.shared->contact_on(d.id, name_, contact_);
   const Contact& contact = *d.contact->contact;
   const std::string why = misfit(contact.type);
-  require(why.empty(), name_, "the contact on " + internal::multibody(state_).get_model()->frames[d.id].name + " is " + why);
+  require(why.empty(), name_,
+          "the contact on " + internal::multibody(state_).get_model()->frames[d.id].name + " is " + why);
   internal::unit_wrenches(contact.type, contact.axis, d.P);
   d.B.setZero(nr_, contact.rows());
   d.b.setZero(nr_);
@@ -162,7 +163,7 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
 }
 
 void ContactResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                               const ConstVectorRef&) {
+                                    const ConstVectorRef&) {
   ContactResidualData& d = contact_data(data);
   if (d.blocks.empty()) return;
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);

@@ -89,8 +89,8 @@ void ResidualModelFramePlacement::calc(const std::shared_ptr<ResidualDataAbstrac
   data->r = log6<double>(pref_.inverse() * frame_data(data).oMf());
 }
 
-void ResidualModelFramePlacement::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                           const ConstVectorRef&) {
+void ResidualModelFramePlacement::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                const ConstVectorRef&, const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Mat6<double> J = Jlog6<double>(d.r);
@@ -112,8 +112,8 @@ void ResidualModelFrameTranslation::calc(const std::shared_ptr<ResidualDataAbstr
   data->r = frame_data(data).oMf().p - xref_;
 }
 
-void ResidualModelFrameTranslation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                             const ConstVectorRef&) {
+void ResidualModelFrameTranslation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                  const ConstVectorRef&, const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Eigen::Vector3d p = d.in_tree().p;
@@ -135,7 +135,7 @@ void ResidualModelFrameRotation::calc(const std::shared_ptr<ResidualDataAbstract
 }
 
 void ResidualModelFrameRotation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+                                               const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   Vec6<double> xi = Vec6<double>::Zero();
@@ -165,7 +165,7 @@ void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract
 // In the tree frame, with S = S_i, v the body's velocity and v_p that of the parent of i's joint:
 //   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
 void ResidualModelFrameVelocity::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+                                               const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Kinematics<double>& kin = d.kin();

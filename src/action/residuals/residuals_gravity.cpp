@@ -116,7 +116,7 @@ void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
 }
 
 void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                               const ConstVectorRef&) {
+                                    const ConstVectorRef&) {
   GravityData& d = gravity_data(data);
   set_static_part(d, contacts_);
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {

@@ -92,7 +92,7 @@ void ResidualModelControl::calc(const std::shared_ptr<ResidualDataAbstract>& dat
 void ResidualModelControl::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
 void ResidualModelControl::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                    const ConstVectorRef&) {}
+                                         const ConstVectorRef&) {}
 
 void ResidualModelControl::print(std::ostream& os) const { os << "ResidualModelControl"; }
 
@@ -133,7 +133,7 @@ void ResidualModelJointEffort::calc(const std::shared_ptr<ResidualDataAbstract>&
 void ResidualModelJointEffort::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
 void ResidualModelJointEffort::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                        const ConstVectorRef&) {}
+                                             const ConstVectorRef&) {}
 
 void ResidualModelJointEffort::print(std::ostream& os) const { os << "ResidualModelJointEffort"; }
 
@@ -169,8 +169,8 @@ void ResidualModelJointAcceleration::lay_out(ResidualDataAbstract& data) const {
   for (const IslandColumns& island : data.shared->islands) data.blocks.emplace_back(island.v, island.x, island.u);
 }
 
-void ResidualModelJointAcceleration::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                              const ConstVectorRef&) {
+void ResidualModelJointAcceleration::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                   const ConstVectorRef&, const ConstVectorRef&) {
   for (std::size_t i = 0; i < data->blocks.size(); ++i) {
     ResidualBlock& block = data->blocks[i];
     const PanelView panel = data->shared->panel(i);
