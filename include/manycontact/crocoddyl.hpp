@@ -6,6 +6,7 @@
 // std::cerr and go on where a part is added twice, or one is removed or switched that is not there; pseudoInverse.
 // src/doc/coming_from.md says what else differs.
 
+#include <Eigen/QR>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -150,6 +151,15 @@ class ImpulseModelMultiple : public manycontact::ImpulseModelMultiple {
            Base::getImpulseStatus(name);
   }
 };
+
+template <std::same_as<double> Scalar>
+using CostModelSumTpl = CostModelSum;
+template <std::same_as<double> Scalar>
+using ConstraintModelManagerTpl = ConstraintModelManager;
+template <std::same_as<double> Scalar>
+using ContactModelMultipleTpl = ContactModelMultiple;
+template <std::same_as<double> Scalar>
+using ImpulseModelMultipleTpl = ImpulseModelMultiple;
 
 }  // namespace crocoddyl
 

@@ -1,5 +1,6 @@
 #include "manycontact/action/actuation.hpp"
 
+#include <Eigen/QR>
 #include <numeric>
 #include <ostream>
 

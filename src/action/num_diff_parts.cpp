@@ -1,5 +1,7 @@
 #include "manycontact/action/num_diff_parts.hpp"
 
+#include <Eigen/QR>
+
 namespace manycontact {
 
 namespace {
@@ -196,6 +198,15 @@ void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
   model_->commands(d.data_0, x, tau);
   d.u = d.data_0->u;
+}
+
+void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
+                                            const ConstVectorRef& x, const ConstVectorRef& u) {
+  calcDiff(data, x, u);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
+  inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
+  inverse.compute(Eigen::MatrixXd(data->dtau_du));
+  data->Mtau = inverse.pseudoInverse();
 }
 
 // ---- residual

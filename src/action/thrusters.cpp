@@ -1,5 +1,6 @@
 #include "manycontact/action/thrusters.hpp"
 
+#include <Eigen/QR>
 #include <cmath>
 #include <ostream>
 

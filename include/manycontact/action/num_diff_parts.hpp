@@ -80,7 +80,8 @@ struct ActivationDataNumDiff : ActivationDataAbstract {
   Eigen::MatrixXd Arr_;  // nr x nr: the whole Hessian
 };
 
-/// dtau_dx, dtau_du; Mtau is the pseudo-inverse of dtau_du.
+/// dtau_dx, dtau_du; Mtau is the pseudo-inverse of dtau_du, of whose singular values those within the differences'
+/// accuracy are zero.
 class ActuationModelNumDiff : public ActuationModelAbstract, public internal::Step {
  public:
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
@@ -92,6 +93,8 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public internal::St
   void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) override;
   void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& tau) override;
+  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                       const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   const std::shared_ptr<ActuationModelAbstract>& get_model() const { return model_; }
 
