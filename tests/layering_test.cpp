@@ -18,10 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"abi", -1},     {"version", -1},     {"simd", -1},    {"sparse", 0},  {"lq", 1},         {"spatial", 1},
-    {"model", 2},    {"algorithm", 3},    {"contact", 4}, {"io", 5},         {"kkt", 5},
-    {"dynamics", 6}, {"analysis", 7},     {"action", 7},  {"simulation", 7}, {"control", 8},
-    {"task", 9},     {"manycontact", 10}, {"cli", 11},    {"python", 11},
+    {"abi", -1},         {"version", -1},  {"simd", -1},      {"sparse", 0},  {"lq", 1},        {"spatial", 1},
+    {"model", 2},        {"algorithm", 3}, {"contact", 4},    {"io", 5},      {"kkt", 5},       {"dynamics", 6},
+    {"analysis", 7},     {"action", 7},    {"simulation", 7}, {"control", 8}, {"crocoddyl", 9}, {"task", 9},
+    {"manycontact", 10}, {"cli", 11},      {"python", 11},
 };
 
 struct Guarded {

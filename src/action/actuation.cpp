@@ -1,5 +1,7 @@
 #include "manycontact/action/actuation.hpp"
 
+#include <Eigen/QR>
+#include <numeric>
 #include <ostream>
 
 namespace manycontact {
@@ -22,6 +24,14 @@ void ActuationModelAbstract::check(const char* where, const ConstVectorRef& x, c
   check_size(where, "u", u.size(), nu_);
 }
 
+void ActuationModelAbstract::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
+                                             const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ActuationModel::torqueTransform", x, u);
+  calc(data, x, u);
+  calcDiff(data, x, u);
+  data->Mtau = Eigen::MatrixXd(data->dtau_du).completeOrthogonalDecomposition().pseudoInverse();
+}
+
 void ActuationModelAbstract::print(std::ostream& os) const { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
 std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model) {
@@ -29,7 +39,7 @@ std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model) 
   return os;
 }
 
-ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateMultibody> state, std::vector<int> selection,
+ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection,
                                                  std::string name)
     : ActuationModelAbstract(std::move(state), selection.size()), name_(std::move(name)) {
   selection_ = std::move(selection);
@@ -77,24 +87,27 @@ void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {
 
 namespace {
 
-std::vector<int> coordinates(const StateMultibody* state, bool all) {
-  require(state, "ActuationModel", "a state is expected, not a null pointer");
+std::vector<int> all_coordinates(const StateAbstract* state) {
+  require(state, "ActuationModelFull", "a state is expected, not a null pointer");
+  std::vector<int> out(state->get_nv());
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+std::vector<int> actuated_coordinates(const StateMultibody* state) {
+  require(state, "ActuationModelFloatingBase", "a state is expected, not a null pointer");
   std::vector<int> out;
   for (const Robot& robot : state->get_model()->scene().robots)
-    for (int i = 0; i < (all ? robot.model->nv : robot.model->nu()); ++i)
-      out.push_back(robot.idx_v + (all ? i : robot.model->actuated[i]));
+    for (const int i : robot.model->actuated) out.push_back(robot.idx_v + i);
   return out;
 }
 
 }  // namespace
 
-ActuationModelFull::ActuationModelFull(std::shared_ptr<StateMultibody> state)
-    : ActuationModelSelection(state, coordinates(state.get(), true), "ActuationModelFull") {}
+ActuationModelFull::ActuationModelFull(std::shared_ptr<StateAbstract> state)
+    : ActuationModelSelection(state, all_coordinates(state.get()), "ActuationModelFull") {}
 
 ActuationModelFloatingBase::ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state)
-    : ActuationModelSelection(state, coordinates(state.get(), false), "ActuationModelFloatingBase") {
-  require(nu_ < state_->get_nv(), "ActuationModelFloatingBase",
-          "no robot has a floating base or a passive joint, at least one is expected; use ActuationModelFull");
-}
+    : ActuationModelSelection(state, actuated_coordinates(state.get()), "ActuationModelFloatingBase") {}
 
 }  // namespace manycontact

@@ -1,5 +1,7 @@
 #include "manycontact/action/collector.hpp"
 
+#include <numeric>
+
 namespace manycontact {
 
 namespace {
@@ -10,13 +12,91 @@ Options robot_by_robot(Options options) {
 }
 }  // namespace
 
+MultibodyData::MultibodyData(const Multibody& model)
+    : scene(model.scene()),
+      solution(scene, robot_by_robot({})),
+      q(Eigen::VectorXd::Zero(scene.nq)),
+      v(Eigen::VectorXd::Zero(scene.nv)),
+      a(v) {
+  manycontact::prepare(scene, solution);
+  for (const Robot& robot : scene.robots) {
+    motion.emplace_back(*robot.model);
+    terms.emplace_back(*robot.model);
+  }
+}
+
+void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_v) {
+  update(at_q, at_v, Eigen::VectorXd::Zero(scene.nv));
+}
+
+void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_v, const ConstVectorRef& at_a) {
+  check_size("MultibodyData::update", "a", at_a.size(), static_cast<std::size_t>(scene.nv));
+  update_kinematics(scene, at_q, at_v, solution);
+  q = at_q;
+  v = at_v;
+  a = at_a;
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    motion[r] = kinematics_of(solution, static_cast<int>(r));
+    const std::span<const Inertia<double>> Yc = composite_inertias(solution, static_cast<int>(r));
+    forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv), a.data() + robot.idx_v,
+                                  scene.gravity, motion[r]);
+    rnea_derivatives<double>(*robot.model, motion[r], {Yc.begin(), Yc.end()}, {}, terms[r]);
+  }
+}
+
+// The scene of an action model.
+struct DataCollector::Own {
+  Own(const Scene& s, const Options& options) : scene(s), solution(scene, options) {}
+  Scene scene;
+  SceneData solution;
+};
+
 DataCollector::DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act)
-    : scene(s),
-      solution(scene, robot_by_robot(options)),
+    : own_(std::make_unique<Own>(s, robot_by_robot(options))),
+      whole(false),
+      scene(own_->scene),
+      solution(own_->solution),
       actuation(std::move(act)),
       contacts(std::make_shared<ContactDataMultiple>()) {
   prepare();
 }
+
+DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDataAbstract> act,
+                             std::shared_ptr<ContactDataMultiple> contact)
+    : own_(motion ? nullptr : std::make_unique<Own>(Scene{}, Options{})),
+      whole(true),
+      pinocchio(motion),
+      scene(motion ? motion->scene : own_->scene),
+      solution(motion ? motion->solution : own_->solution),
+      actuation(std::move(act)),
+      contacts(contact ? std::move(contact) : std::make_shared<ContactDataMultiple>()) {
+  if (!motion) return;
+  // Torques may couple everything, as with any actuation that is no selection of coordinates.
+  const int nv = scene.nv, nu = actuation ? static_cast<int>(actuation->u.size()) : 0;
+  const auto range = [](int first, int n) {
+    std::vector<int> out(static_cast<std::size_t>(n));
+    std::iota(out.begin(), out.end(), first);
+    return out;
+  };
+  for (std::size_t i = 0; i < island_count(solution); ++i) {
+    IslandColumns& columns = islands.emplace_back();
+    columns.x = range(0, 2 * nv);
+    columns.u = range(0, nu);
+    for (const int r : island_of(solution, i).robots) {
+      const std::vector<int> of_robot = range(scene.robots[r].idx_v, scene.robots[r].model->nv);
+      columns.v.insert(columns.v.end(), of_robot.begin(), of_robot.end());
+    }
+  }
+  custom.resize(islands.size());
+}
+
+DataCollector::DataCollector() : DataCollector(nullptr, nullptr, nullptr) {}
+DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact)
+    : DataCollector(motion, nullptr, std::move(contact)) {}
+DataCollector::DataCollector(std::shared_ptr<ActuationDataAbstract> act)
+    : DataCollector(nullptr, std::move(act), nullptr) {}
+DataCollector::~DataCollector() = default;
 
 void DataCollector::prepare() {
   manycontact::prepare(scene, solution);

@@ -3,7 +3,7 @@
 
 #include <ostream>
 
-#include "manycontact/action/multibody.hpp"
+#include "manycontact/action/state.hpp"
 
 namespace manycontact::internal {
 
@@ -21,7 +21,8 @@ auto find_named(const char* who, const char* what, Map& parts, const std::string
 template <class Map>
 void check_new(const char* who, const char* what, const Map& parts, const std::string& name) {
   require(!parts.contains(name), who,
-          std::string("a ") + what + " called \"" + name + "\" is there already, a new name is expected");
+          std::string(what[0] == 'i' ? "an " : "a ") + what + " called \"" + name +
+              "\" is there already, a new name is expected");
 }
 
 /// A part fits a stack: it exists, and has the same state and number of controls.
@@ -29,7 +30,8 @@ template <class Part, class State>
 void check_part(const char* who, const std::string& name, const std::shared_ptr<Part>& part,
                 const std::shared_ptr<State>& state, std::size_t nu) {
   require(part != nullptr, who, "\"" + name + "\" is a null pointer, a model is expected");
-  require(part->get_state() == state, who, "\"" + name + "\" belongs to another state, this one's is expected");
+  require(same_space(*part->get_state(), *state), who,
+          "\"" + name + "\" belongs to another state, this one's is expected");
   require(part->get_nu() == nu, who,
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }

@@ -4,6 +4,13 @@
 
 namespace manycontact {
 
+bool same_space(const StateAbstract& a, const StateAbstract& b) {
+  if (&a == &b) return true;
+  const auto* one = dynamic_cast<const StateMultibody*>(&a);
+  const auto* other = dynamic_cast<const StateMultibody*>(&b);
+  return one && other && one->get_model() == other->get_model();
+}
+
 StateAbstract::StateAbstract(std::size_t nx, std::size_t ndx)
     : nx_(nx), ndx_(ndx), nq_(nx - ndx / 2), nv_(ndx / 2), lb_(nx), ub_(nx) {
   lb_.setConstant(-std::numeric_limits<double>::infinity());

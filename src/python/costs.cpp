@@ -93,11 +93,16 @@ void add_cost_models(py::module_& m) {
       .def_readonly("cost", &CostDataResidual::cost)
       .def_readonly("activation", &CostDataResidual::activation)
       .def_readonly("residual", &CostDataResidual::residual)
-      .def_property_readonly("Lx", &CostDataResidual::Lx, "(ndx), without the weight.")
-      .def_property_readonly("Lu", &CostDataResidual::Lu, "(nu)")
-      .def_property_readonly("Lxx", &CostDataResidual::Lxx, "(ndx, ndx), Gauss-Newton.")
-      .def_property_readonly("Lxu", &CostDataResidual::Lxu, "(ndx, nu)")
-      .def_property_readonly("Luu", &CostDataResidual::Luu, "(nu, nu)");
+      .def_property_readonly(
+          "Lx", [](const CostDataResidual& d) { return d.whole_derivatives().Lx; }, "(ndx), without the weight.")
+      .def_property_readonly(
+          "Lu", [](const CostDataResidual& d) { return d.whole_derivatives().Lu; }, "(nu)")
+      .def_property_readonly(
+          "Lxx", [](const CostDataResidual& d) { return d.whole_derivatives().Lxx; }, "(ndx, ndx), Gauss-Newton.")
+      .def_property_readonly(
+          "Lxu", [](const CostDataResidual& d) { return d.whole_derivatives().Lxu; }, "(ndx, nu)")
+      .def_property_readonly(
+          "Luu", [](const CostDataResidual& d) { return d.whole_derivatives().Luu; }, "(nu, nu)");
   py::class_<CostModelResidual, std::shared_ptr<CostModelResidual>>(
       m, "CostModelResidual", "The cost a(r(x, u)); without an activation 1/2 |r|^2.")
       .def(py::init<State, Activation, Residual>(), py::arg("state"), py::arg("activation").none(false),

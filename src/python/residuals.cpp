@@ -45,7 +45,8 @@ thread_local std::vector<Running> running;
 
 struct Scope {
   Scope(const ResidualModelAbstract& model, const ResidualDataAbstract& data) {
-    running.push_back({&data, std::make_shared<Shared>(data.shared, *model.get_state())});
+    running.push_back(
+        {&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state()))});
   }
   ~Scope() {
     running.back().shared->end();
@@ -149,14 +150,14 @@ void check_jacobian(const char* name, const Eigen::MatrixXd& J, Eigen::Index row
 
 // The whole matrix into the blocks' rows and columns.
 void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
-  const Eigen::MatrixXd now = d.Rx();
+  const Eigen::MatrixXd now = d.whole_Rx();
   check_jacobian("Rx", J, now.rows(), now.cols());
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < b.xcols.size(); ++j) b.Rx(i, j) = J(b.rows[i], b.xcols[j]);
 }
 void set_Ru(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
-  const Eigen::MatrixXd now = d.Ru();
+  const Eigen::MatrixXd now = d.whole_Ru();
   check_jacobian("Ru", J, now.rows(), now.cols());
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
@@ -194,8 +195,8 @@ void add_residual_base(py::module_& m) {
       .def_readwrite("forces", &Dependence::forces);
 
   py::class_<ResidualDataAbstract, std::shared_ptr<ResidualDataAbstract>> data(m, "ResidualDataAbstract");
-  data.def_property("Rx", &ResidualDataAbstract::Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
-      .def_property("Ru", &ResidualDataAbstract::Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
+  data.def_property("Rx", &ResidualDataAbstract::whole_Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
+      .def_property("Ru", &ResidualDataAbstract::whole_Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
       .def_property_readonly("shared", &shared_of, "DataCollector, while calc and calcDiff run.");
   member_view(data, "r", &ResidualDataAbstract::r, "(nr): by calc.");
 

@@ -152,7 +152,9 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
       "BlockSparse",     "IslandColumns",   "ResidualBlock",   "Dependence",
       "CostDerivatives", "FrameResidual",   "ContactResidual", "CentroidalResidual",
       "GravityResidual", "Vector3MaskType", "MatrixStorage",   "CostGroup",
-      "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies"};
+      "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies",
+      "ActuationMatrix", "MultibodyData",   "SpatialForce",    "ContactForce",
+      "Step",            "Reevaluation"};
   const std::string tpl = read(kFloor / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

@@ -74,9 +74,9 @@ void expect_jacobians(Tried& t, bool terminal, const std::string& where) {
     const Eigen::MatrixXd truth = expected.middleRows(at, data.r.size());
     Eigen::MatrixXd given(truth.rows(), truth.cols());
     if (terminal)
-      given = data.Rx();
+      given = data.whole_Rx();
     else
-      given << data.Rx(), data.Ru();
+      given << data.whole_Rx(), data.whole_Ru();
     at += data.r.size();
     const ResidualModelAbstract& model = *item->cost->get_residual();
     const Dependence& on = model.depends_on();

@@ -80,6 +80,13 @@ inline DataPtr evaluated(ActionModel& model, const Eigen::VectorXd& x, const Eig
   return data;
 }
 
+/// The largest difference beside 1 or the larger of the matrices; NaN where they have other shapes.
+inline double twin_difference(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin) {
+  if (mine.rows() != twin.rows() || mine.cols() != twin.cols()) return std::numeric_limits<double>::quiet_NaN();
+  if (mine.size() == 0) return 0;
+  return (mine - twin).cwiseAbs().maxCoeff() / std::max({1.0, size_of(mine), size_of(twin)});
+}
+
 /// The largest relative error of what calc and calcDiff fill.
 inline double difference_of(const DifferentialActionDataAbstract& a, const DifferentialActionDataAbstract& b) {
   double worst = std::abs(a.cost - b.cost) / std::max(1e-300, std::abs(b.cost));

@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/control.hpp"
+#include "manycontact/crocoddyl.hpp"
 #include "manycontact/io/urdf.hpp"
 
 namespace {
 
-namespace crocoddyl = manycontact;
 using Eigen::VectorXd;
 
 template <class Scalar>

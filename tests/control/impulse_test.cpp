@@ -200,7 +200,7 @@ TEST(Impact, IsLikeItsTwin) {
       EXPECT_LT(twin_error(data->Lx, numbers->Lx, std::abs(data->cost)), kTolerance);
       Eigen::MatrixXd Lxx = Eigen::MatrixXd::Zero(data->Lxx.rows(), data->Lxx.cols());
       for (const auto& [name, cost] : as_impulse(data).costs->costs)
-        Lxx += p.costs->get_costs().at(name)->weight * cost->Lxx();
+        Lxx += p.costs->get_costs().at(name)->weight * cost->whole_derivatives().Lxx;
       EXPECT_LT(error_of(data->Lxx, Lxx), 1e-12);
       EXPECT_LT(twin_error(data->Gx, numbers->Gx, size_of(data->g)), kTolerance);
       EXPECT_LT(twin_error(data->Hx, numbers->Hx, size_of(data->h)), kTolerance);

@@ -5,12 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "manycontact/algorithm/frames.hpp"
-#include "manycontact/control.hpp"
+#include "manycontact/crocoddyl.hpp"
 #include "manycontact/io/urdf.hpp"
 
 namespace {
 
-namespace crocoddyl = manycontact;
 using crocoddyl::FrameIndex;
 using ActionPtr = std::shared_ptr<crocoddyl::ActionModelAbstract>;
 using Eigen::Vector3d;

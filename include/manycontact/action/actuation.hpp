@@ -10,16 +10,41 @@ namespace manycontact {
 
 class ActuationModelAbstract;
 
+/// A sparse matrix that reads and is written as a dense one where an actuation written for Crocoddyl does so.
+class ActuationMatrix : public Eigen::SparseMatrix<double> {
+ public:
+  using Base = Eigen::SparseMatrix<double>;
+  using Base::Base;
+  template <class D>
+  ActuationMatrix& operator=(const Eigen::SparseMatrixBase<D>& other) {
+    Base::operator=(other.derived());
+    return *this;
+  }
+  template <class D>
+  ActuationMatrix& operator=(const Eigen::MatrixBase<D>& dense) {
+    Base::operator=(dense.derived().sparseView());
+    return *this;
+  }
+  double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }  // there is an entry from then on
+  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }
+  bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
+    return Eigen::MatrixXd(*this).isZero(precision);
+  }
+  friend Eigen::MatrixXd operator-(const ActuationMatrix& a, const ActuationMatrix& b) {
+    return Eigen::MatrixXd(a) - Eigen::MatrixXd(b);
+  }
+};
+
 struct ActuationDataAbstract {  // tau and its derivatives
   explicit ActuationDataAbstract(const ActuationModelAbstract* model);
   virtual ~ActuationDataAbstract() = default;
 
-  Eigen::VectorXd tau;                  // nv: by calc
-  Eigen::VectorXd u;                    // nu: by commands
-  Eigen::SparseMatrix<double> dtau_dx;  // nv x ndx: by calcDiff
-  Eigen::SparseMatrix<double> dtau_du;  // nv x nu: by calcDiff
-  Eigen::SparseMatrix<double> Mtau;     // nu x nv: by torqueTransform
-  std::vector<bool> tau_set;            // nv: actuated coordinates
+  Eigen::VectorXd tau;        // nv: by calc
+  Eigen::VectorXd u;          // nu: by commands
+  ActuationMatrix dtau_dx;    // nv x ndx: by calcDiff
+  ActuationMatrix dtau_du;    // nv x nu: by calcDiff
+  ActuationMatrix Mtau;       // nu x nv: by torqueTransform
+  std::vector<bool> tau_set;  // nv: actuated coordinates
 };
 
 class ActuationModelAbstract {  // tau(x, u): torques on all coordinates
@@ -31,17 +56,17 @@ class ActuationModelAbstract {  // tau(x, u): torques on all coordinates
   virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                     const ConstVectorRef& u) = 0;
   /// Without control: nothing to do.
-  void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
   /// data->dtau_dx, dtau_du.
   virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& u) = 0;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
   /// data->u: the controls that give tau where the actuation can.
   virtual void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& tau) = 0;
-  /// data->Mtau: u = Mtau tau.
+  /// data->Mtau: u = Mtau tau. By default the pseudo-inverse of dtau_du at (x, u), which it computes.
   virtual void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                               const ConstVectorRef& u) = 0;
+                               const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
   /// Where each control is the torque of one coordinate: that coordinate, for each of the nu; empty otherwise. Lets the
@@ -77,18 +102,18 @@ class ActuationModelSelection : public ActuationModelAbstract {
   void print(std::ostream& os) const override;
 
  protected:
-  ActuationModelSelection(std::shared_ptr<StateMultibody> state, std::vector<int> selection, std::string name);
+  ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection, std::string name);
   std::string name_;
 };
 
 /// Every coordinate, floating bases and passive joints included: nu = nv.
 class ActuationModelFull : public ActuationModelSelection {
  public:
-  explicit ActuationModelFull(std::shared_ptr<StateMultibody> state);
+  explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
-/// The actuated coordinates of every robot: all but floating bases and passive joints, the u of `solve`. Throws
-/// std::invalid_argument when no robot has either.
+/// The actuated coordinates of every robot: all but floating bases and passive joints, the u of `solve`. All of them
+/// where no robot has either.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
   explicit ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state);

@@ -24,11 +24,47 @@ struct Impact {
   Eigen::MatrixXd dvnext_dx;               // nv x ndx: by calcDiff
 };
 
-struct DataCollector {  // what residuals see
-  DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
+/// The state's robots in motion, for residuals, contacts and impulses that are evaluated by hand: what pinocchio::Data
+/// is to Crocoddyl.
+class MultibodyData {
+ public:
+  explicit MultibodyData(const Multibody& model);
+  MultibodyData(const MultibodyData&) = delete;
 
-  Scene scene;         // the state's robots, the contacts in the order of their names, damping, armature
-  SceneData solution;  // kinematics of the last calc; the rest of the last calc(data, x, u)
+  /// Places, velocities, inertias and their derivatives at q, v and the accelerations a (nv; zero). Throws
+  /// std::invalid_argument on a wrong size.
+  void update(const ConstVectorRef& q, const ConstVectorRef& v, const ConstVectorRef& a);
+  void update(const ConstVectorRef& q, const ConstVectorRef& v);
+
+  Scene scene;         // without contacts
+  SceneData solution;  // by update: kinematics
+  Eigen::VectorXd q, v, a;
+  std::vector<Kinematics<double>> motion;  // by update, per robot: with a
+  std::vector<RneaDerivatives> terms;      // by update, per robot: Psid, Psidd, Sv
+};
+
+struct DataCollector {  // what residuals see
+  /// Of an action model.
+  DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
+  /// By hand: as a residual needs them. Parts are kept up to date by their owner, before each calc: the motion by
+  /// MultibodyData::update, torques by the actuation, contacts' forces by updateForce, updateForceDiff.
+  DataCollector();
+  explicit DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDataAbstract> act = nullptr,
+                         std::shared_ptr<ContactDataMultiple> contact = nullptr);
+  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);
+  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);
+  DataCollector(const DataCollector&) = delete;
+  virtual ~DataCollector();
+
+ private:
+  struct Own;
+  std::unique_ptr<Own> own_;
+
+ public:
+  const bool whole;                    // by hand: data created with it have whole matrices
+  MultibodyData* pinocchio = nullptr;  // by hand
+  Scene& scene;         // the state's robots, the contacts in the order of their names, damping, armature
+  SceneData& solution;  // kinematics of the last calc; the rest of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
   std::vector<IslandColumns> islands;  // per island of the solution
@@ -52,6 +88,11 @@ struct DataCollector {  // what residuals see
   void prepare();
 };
 using DataCollectorAbstract = DataCollector;
+using DataCollectorActuation = DataCollector;
+using DataCollectorMultibody = DataCollector;
+using DataCollectorActMultibody = DataCollector;
+using DataCollectorMultibodyInContact = DataCollector;
 using DataCollectorMultibodyInImpulse = DataCollector;
+using DataCollectorActMultibodyInContact = DataCollector;
 
 }  // namespace manycontact

@@ -6,17 +6,37 @@
 
 namespace manycontact {
 
+class ConstraintModelResidual;
+
+/// One constraint at one x, u, by hand.
+struct ConstraintDataResidual {
+  ConstraintDataResidual(ConstraintModelResidual* model, DataCollector* shared);
+  DataCollector* shared;
+  std::shared_ptr<ResidualDataAbstract> residual;
+  Eigen::VectorXd g, h;    // ng, nh: by calc
+  Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu: by calcDiff
+  Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu: by calcDiff
+};
+using ConstraintDataAbstract = ConstraintDataResidual;
+
 /// lower <= r(x, u) <= upper; components whose bounds are equal are equality constraints h = r - lower.
 class ConstraintModelResidual {
  public:
   /// In terminal nodes too, unless `T_act` is false or the residual needs controls, accelerations or forces.
-  ConstraintModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual,
+  ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
   /// r = 0.
-  ConstraintModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual,
+  ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           bool T_act = true);
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  /// By hand: data->g, data->h; then their Jacobians.
+  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
+  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
+  std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
+
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
   std::size_t get_nu() const { return residual_->get_nu(); }
   std::size_t get_ng() const { return inequalities_.size(); }
@@ -30,7 +50,9 @@ class ConstraintModelResidual {
   void print(std::ostream& os) const;
 
  private:
-  std::shared_ptr<StateMultibody> state_;
+  void pick_values(ConstraintDataResidual& data) const;
+  void pick_jacobians(ConstraintDataResidual& data) const;
+  std::shared_ptr<StateAbstract> state_;
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd lb_, ub_;
   std::vector<int> inequalities_, equalities_;
@@ -46,14 +68,46 @@ struct ConstraintItem {  // a constraint by its name, and whether it is active
   bool active = true;
 };
 
-/// g, h and their Jacobians are written into the action's data.
+/// g, h and their Jacobians are written into the action's data; by hand they are data of their own.
 struct ConstraintDataManager {
+  /// Views on out's, or on those that shareMemory was given: by hand. Jacobians where out has dense ones.
+  Eigen::Map<Eigen::VectorXd> g{nullptr, 0}, h{nullptr, 0};
+  Eigen::Map<Eigen::MatrixXd> Gx{nullptr, 0, 0}, Gu{nullptr, 0, 0}, Hx{nullptr, 0, 0}, Hu{nullptr, 0, 0};
+  /// From now on g, ..., Hu are those of an action's data, which must live as long.
+  template <class ActionData>
+  void shareMemory(ActionData* data) {
+    new (&g) Eigen::Map<Eigen::VectorXd>(data->g.data(), data->g.size());
+    new (&h) Eigen::Map<Eigen::VectorXd>(data->h.data(), data->h.size());
+    new (&Gx) Eigen::Map<Eigen::MatrixXd>(data->Gx.data(), data->Gx.rows(), data->Gx.cols());
+    new (&Gu) Eigen::Map<Eigen::MatrixXd>(data->Gu.data(), data->Gu.rows(), data->Gu.cols());
+    new (&Hx) Eigen::Map<Eigen::MatrixXd>(data->Hx.data(), data->Hx.rows(), data->Hx.cols());
+    new (&Hu) Eigen::Map<Eigen::MatrixXd>(data->Hu.data(), data->Hu.rows(), data->Hu.cols());
+  }
+  /// An action's data with room for its model's constraints, of a running or a terminal node, and shared.
+  template <class ActionModel, class ActionData>
+  void resize(ActionModel* model, ActionData* data, bool running_node = true) {
+    const auto ng = static_cast<Eigen::Index>(running_node ? model->get_ng() : model->get_ng_T());
+    const auto nh = static_cast<Eigen::Index>(running_node ? model->get_nh() : model->get_nh_T());
+    const auto ndx = static_cast<Eigen::Index>(model->get_state()->get_ndx());
+    const auto nu = static_cast<Eigen::Index>(model->get_nu());
+    data->g.conservativeResize(ng), data->h.conservativeResize(nh);
+    data->Gx.conservativeResize(ng, ndx), data->Gu.conservativeResize(ng, nu);
+    data->Hx.conservativeResize(nh, ndx), data->Hu.conservativeResize(nh, nu);
+    shareMemory(data);
+  }
+  /// The data's own, of a running or a terminal node. Evaluation does this itself.
+  template <class Manager>
+  void resize(Manager* model, bool running_node = true) {
+    model->lay_out(*this, !running_node);
+  }
+
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
   std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals they were created by
   DataCollector* shared = nullptr;
   std::size_t version = 0, status = 0;  // of the model when last laid out
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
+  std::unique_ptr<DifferentialActionDataAbstract> own;  // by hand: out
   // Parts of the residuals' blocks that are rows of g, and of h.
   struct Part {
     std::size_t block = 0;             // of the residual
@@ -67,8 +121,8 @@ class ConstraintModelManager {  // a stack of constraints by their names
  public:
   using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
 
-  ConstraintModelManager(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ConstraintModelManager(std::shared_ptr<StateMultibody> state);  // nu = nv
+  ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state);  // nu = nv
 
   /// Throw std::invalid_argument for a name that is taken (unknown), a constraint of another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
@@ -83,10 +137,11 @@ class ConstraintModelManager {  // a stack of constraints by their names
   void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
+  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // by hand
   /// Lays out the residuals' blocks again (the islands changed), and the sizes of out's vectors and matrices.
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   const ConstraintModelContainer& get_constraints() const { return constraints_; }
   std::size_t get_nu() const { return nu_; }
   std::size_t get_ng() const { return ng_; }  // of the active constraints
@@ -113,7 +168,7 @@ class ConstraintModelManager {  // a stack of constraints by their names
   void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
   void stack_values(ConstraintDataManager& data, bool terminal) const;
   void stack_jacobians(ConstraintDataManager& data, bool terminal) const;
-  std::shared_ptr<StateMultibody> state_;
+  std::shared_ptr<StateAbstract> state_;
   ConstraintModelContainer constraints_;
   std::size_t nu_, ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, version_ = 0, status_ = 0;
   Eigen::VectorXd lb_, ub_, lb_T_, ub_T_;

@@ -10,14 +10,37 @@
 
 namespace manycontact {
 
-/// Numbers of one contact, filled by the action model. The columns of Jc and da0_dx are those of the robots of A and B'
-/// (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for q and for
-/// v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
+class MultibodyData;  // collector.hpp
+
+/// [linear; angular], by Pinocchio's names.
+struct SpatialForce : Vec6<double> {
+  SpatialForce() : Vec6<double>(Vec6<double>::Zero()) {}
+  using Vec6<double>::operator=;
+  const Vec6<double>& toVector() const { return *this; }
+  auto linear() const { return head<3>(); }
+  auto angular() const { return tail<3>(); }
+};
+
+/// What a contact exerts on A at its origin, in the contact's reference frame: its nc numbers, and the whole wrench by
+/// Pinocchio's names.
+struct ContactForce : Eigen::VectorXd {
+  using Eigen::VectorXd::VectorXd;
+  using Eigen::VectorXd::operator=;
+  Vec6<double> toVector() const;
+  Vec3<double> linear() const { return toVector().head<3>(); }
+  Vec3<double> angular() const { return toVector().tail<3>(); }
+  ContactType type = ContactType::k6D;  // of the contact, as its axis
+  Vec3<double> axis = Vec3<double>::UnitZ();
+};
+
+/// Numbers of one contact, filled by the action model, or by hand. The columns of Jc and da0_dx are those of the robots
+/// of A and B' (all of x when there is one robot): `v_columns` says which of the nv each is; da0_dx has them twice, for
+/// q and for v. Those of df_dx and df_du are the island's: `f_x_columns`, `f_u_columns`.
 struct ContactDataAbstract {
   Eigen::MatrixXd Jc;      // nc x v_columns: by calc
   Eigen::VectorXd a0;      // nc: by calc
   Eigen::MatrixXd da0_dx;  // nc x 2 v_columns: by calcDiff; derivative of J a + a0 at the accelerations held constant
-  Eigen::VectorXd f;  // nc: by calc; force on A at its origin, in the contact's reference frame; zero when inactive
+  ContactForce f;          // nc: by calc; zero when inactive. By hand: by updateForce
   // By calcDiff, when force derivatives are on: nc x f_x_columns, nc x f_u_columns.
   PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};
   PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};
@@ -27,11 +50,36 @@ struct ContactDataAbstract {
   FrameIndex frame = 0;
   int index = -1;  // in the scene of the action data
   bool active = true;
+  const Contact* contact = nullptr;  // what it is; in that scene, or by hand here
+
+  // By hand.
+  MultibodyData* pinocchio = nullptr;
+  SpatialForce fext;       // by updateForce: on A's body, in the frame of its joint
+  Eigen::MatrixXd dv0_dq;  // nc x nv, of an impulse: by calcDiff, d(J v)/dq at v
+  Contact own_contact;
+  std::vector<int> own_x_columns, own_u_columns;
+  RowMajorMatrix own_df_dx, own_df_du;  // by updateForceDiff
+
+  ContactDataAbstract() = default;
+  ContactDataAbstract(const ContactDataAbstract&) = delete;  // views into itself
 };
 
 class ContactModelAbstract {  // what a contact is; the action model evaluates it
  public:
   virtual ~ContactModelAbstract() = default;
+
+  /// By hand, at the motion of `data->pinocchio` (x is not read): Jc and a0, with J times its accelerations in a0; then
+  /// da0_dx.
+  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
+  void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
+  /// By hand: f = force (nc) and fext; df_dx (nc x ndx) and df_du (nc x nu). Throw std::invalid_argument on a wrong
+  /// size.
+  void updateForce(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::MatrixXd& df_dx,
+                       const Eigen::MatrixXd& df_du) const;
+  void setZeroForce(const std::shared_ptr<ContactDataAbstract>& data) const;
+  void setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const;
+  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
   std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }
@@ -171,12 +219,20 @@ struct ContactItem {  // a contact by its name, and whether it is active
 
 struct ContactDataMultiple {  // what the stack's contacts hold, by name
   std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
+
+  // By hand: rows of the active contacts, in the order of names.
+  Eigen::MatrixXd Jc, da0_dx;      // nc_total x nv, x ndx: by calc, calcDiff
+  Eigen::VectorXd a0;              // nc_total: by calc
+  Eigen::VectorXd dv;              // nv: by updateAcceleration
+  Eigen::MatrixXd ddv_dx;          // nv x ndx: by updateAccelerationDiff
+  std::vector<SpatialForce> fext;  // per joint, robot after robot: by updateForce; its contacts', in its frame
 };
 
 /// The contacts of an action model, by name; their rows stack in the order of names.
 class ContactModelMultiple {
  public:
   using ContactModelContainer = std::map<std::string, std::shared_ptr<ContactItem>>;
+  using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
   ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu);
   explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state);  // nu = nv
@@ -186,6 +242,17 @@ class ContactModelMultiple {
   void removeContact(const std::string& name);
   void changeContactStatus(const std::string& name, bool active);
   bool getContactStatus(const std::string& name) const;
+
+  /// By hand, of the active contacts: as ContactModelAbstract's, and stacked.
+  void calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
+  void calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
+  /// force: nc; df_dx: nc x ndx; df_du: nc x nu. Inactive contacts get zero.
+  void updateForce(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& df_dx,
+                       const Eigen::MatrixXd& df_du) const;
+  void updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& dv) const;
+  void updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& ddv_dx) const;
+  std::shared_ptr<ContactDataMultiple> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
   const ContactModelContainer& get_contacts() const { return contacts_; }

@@ -17,20 +17,20 @@ struct CostDataResidual {  // one cost at one x, u
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// Derivatives of this cost alone, without its weight, after calcDiff: for looking at, made anew at each call.
-  Eigen::VectorXd Lx() const;
-  Eigen::VectorXd Lu() const;
-  Eigen::MatrixXd Lxx() const;
-  Eigen::MatrixXd Lxu() const;
-  Eigen::MatrixXd Luu() const;
+  /// Derivatives of this cost alone, without its weight, by calcDiff. Without a size in the data of an action model;
+  /// there by whole_derivatives.
+  Eigen::VectorXd Lx, Lu;
+  Eigen::MatrixXd Lxx, Lxu, Luu;
+  /// The same, after calcDiff: for looking at, made anew at each call.
+  CostDerivatives whole_derivatives() const;
 };
 
 class CostModelResidual {  // a(r(x, u))
  public:
-  CostModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActivationModelAbstract> activation,
+  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// With the activation 1/2 |r|^2.
-  CostModelResidual(std::shared_ptr<StateMultibody> state, std::shared_ptr<ResidualModelAbstract> residual);
+  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
 
   /// data->cost.
   void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
@@ -40,7 +40,7 @@ class CostModelResidual {  // a(r(x, u))
   void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
   std::shared_ptr<CostDataResidual> createData(DataCollector* shared);
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
   std::size_t get_nu() const { return residual_->get_nu(); }
@@ -48,7 +48,8 @@ class CostModelResidual {  // a(r(x, u))
 
  private:
   void check(const char* where, const std::shared_ptr<CostDataResidual>& data) const;
-  std::shared_ptr<StateMultibody> state_;
+  void finish_derivatives(CostDataResidual& data, bool terminal) const;
+  std::shared_ptr<StateAbstract> state_;
   std::shared_ptr<ActivationModelAbstract> activation_;
   std::shared_ptr<ResidualModelAbstract> residual_;
 };
@@ -66,13 +67,26 @@ struct CostItem {  // a cost by its name, with its weight, and whether it is act
 
 struct CostDataSum {                    // the sum's value and derivatives
   double cost = 0;                      // by calc
-  CostDerivatives* derivatives = &own;  // by calcDiff
+  CostDerivatives* derivatives = &own;  // by calcDiff, where the sum is an action model's
+  /// By calcDiff: views on those derivatives; by hand on the data's own, or on those that shareMemory was given.
+  Eigen::Map<Eigen::VectorXd> Lx{nullptr, 0}, Lu{nullptr, 0};
+  Eigen::Map<Eigen::MatrixXd> Lxx{nullptr, 0, 0}, Lxu{nullptr, 0, 0}, Luu{nullptr, 0, 0};
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
   DataCollector* shared = nullptr;
   std::size_t version = 0;      // of the model's set of costs
   CostGroups groups;            // by lay_out
   std::vector<double> weights;  // scratch of calcDiff
   CostDerivatives own;
+
+  /// From now on Lx, ..., Luu are those of an action's data, which must live as long.
+  template <class ActionData>
+  void shareMemory(ActionData* data) {
+    new (&Lx) Eigen::Map<Eigen::VectorXd>(data->Lx.data(), data->Lx.size());
+    new (&Lu) Eigen::Map<Eigen::VectorXd>(data->Lu.data(), data->Lu.size());
+    new (&Lxx) Eigen::Map<Eigen::MatrixXd>(data->Lxx.data(), data->Lxx.rows(), data->Lxx.cols());
+    new (&Lxu) Eigen::Map<Eigen::MatrixXd>(data->Lxu.data(), data->Lxu.rows(), data->Lxu.cols());
+    new (&Luu) Eigen::Map<Eigen::MatrixXd>(data->Luu.data(), data->Luu.rows(), data->Luu.cols());
+  }
 
   CostDataSum() = default;
   CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
@@ -82,8 +96,8 @@ class CostModelSum {  // a weighted sum of costs by their names
  public:
   using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
 
-  CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit CostModelSum(std::shared_ptr<StateMultibody> state);  // nu = nv
+  CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit CostModelSum(std::shared_ptr<StateAbstract> state);  // nu = nv
 
   /// Throw std::invalid_argument for a name that is taken (unknown), a cost of another state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
@@ -96,12 +110,12 @@ class CostModelSum {  // a weighted sum of costs by their names
   void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
   void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
-  /// The derivatives go into `out` when it is given, of the right sizes.
+  /// The derivatives go into `out` when it is given, of the right sizes; else the sum is evaluated by hand.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
   /// Lays out the residuals' blocks again (the islands changed) and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   const CostModelContainer& get_costs() const { return costs_; }
   std::size_t get_nu() const { return nu_; }
   std::size_t get_nr() const { return nr_; }              // of the active costs
@@ -115,7 +129,8 @@ class CostModelSum {  // a weighted sum of costs by their names
   void count();
   void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
   void add_up(CostDataSum& data, bool terminal) const;
-  std::shared_ptr<StateMultibody> state_;
+  void add_up_by_hand(CostDataSum& data, bool terminal) const;
+  std::shared_ptr<StateAbstract> state_;
   CostModelContainer costs_;
   std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
   std::set<std::string> active_set_, inactive_set_;

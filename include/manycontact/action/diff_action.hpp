@@ -12,6 +12,7 @@ class DifferentialActionModelAbstract;
 
 /// Sizes in terms of the model; dense matrices that are switched off have none. `_sparse` are the twins.
 struct DifferentialActionDataAbstract : CostDerivatives {
+  DifferentialActionDataAbstract() = default;  // room for nothing
   explicit DifferentialActionDataAbstract(const DifferentialActionModelAbstract* model);
   virtual ~DifferentialActionDataAbstract() = default;
 

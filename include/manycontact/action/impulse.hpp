@@ -8,11 +8,28 @@ namespace manycontact {
 
 /// Jc, f (the impulse on A, N s or N m s), df_dx; a0 = 0, and da0_dx is d(J w)/dq with w = v+ + e v held constant.
 using ImpulseDataAbstract = ContactDataAbstract;
-using ImpulseDataMultiple = ContactDataMultiple;
+
+/// By hand: those of ContactDataMultiple, and more.
+struct ImpulseDataMultiple : ContactDataMultiple {
+  std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
+  Eigen::MatrixXd dv0_dq;     // nc_total x nv: by calcDiff
+  Eigen::VectorXd vnext;      // nv: by updateVelocity
+  Eigen::MatrixXd dvnext_dx;  // nv x ndx: by updateVelocityDiff
+};
 
 class ImpulseModelAbstract {  // what an impact stops
  public:
   virtual ~ImpulseModelAbstract() = default;
+
+  /// By hand, at the motion of `data->pinocchio` (x is not read): Jc; then dv0_dq.
+  void calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
+  void calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
+  /// By hand: f = impulse (nc) and fext; df_dx (nc x ndx).
+  void updateForce(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::VectorXd& impulse) const;
+  void updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::MatrixXd& df_dx) const;
+  void setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const;
+  void setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const;
+  std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
   std::size_t get_nc() const { return contact_->get_nc(); }
@@ -62,6 +79,7 @@ struct ImpulseItem {  // an impulse by its name, and whether it is active
 class ImpulseModelMultiple {
  public:
   using ImpulseModelContainer = std::map<std::string, std::shared_ptr<ImpulseItem>>;
+  using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);
 
@@ -70,6 +88,16 @@ class ImpulseModelMultiple {
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
   bool getImpulseStatus(const std::string& name) const;
+
+  /// By hand, of the active impulses: as ImpulseModelAbstract's, and stacked.
+  void calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
+  void calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
+  /// impulse: nc; df_dx: nc x ndx. Inactive ones get zero.
+  void updateForce(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& impulse) const;
+  void updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& df_dx) const;
+  void updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& vnext) const;
+  void updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& dvnext_dx) const;
+  std::shared_ptr<ImpulseDataMultiple> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return contacts_->get_state(); }
   const ImpulseModelContainer& get_impulses() const { return impulses_; }

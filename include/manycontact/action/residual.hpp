@@ -1,6 +1,7 @@
 #pragma once
-// r(x, u), the base of all residuals. Interface of Crocoddyl's ResidualModelAbstract, except that Jacobians are kept as
-// blocks of the rows and columns they touch.
+// r(x, u), the base of all residuals. Interface of Crocoddyl's ResidualModelAbstract, except that action models keep
+// Jacobians as blocks of the rows and columns they touch. Whole matrices Rx, Ru are there too where a residual is
+// evaluated by hand (collector.hpp), and of a user's own that is written for Crocoddyl.
 
 #include "manycontact/action/collector.hpp"
 
@@ -25,9 +26,11 @@ struct ResidualDataAbstract {  // r and its Jacobians as blocks
   DataCollector* shared;
   Eigen::VectorXd r;                  // nr: by calc
   std::vector<ResidualBlock> blocks;  // by calcDiff; laid out by lay_out
-  /// The whole matrices, nr x ndx and nr x nu: for looking at, made anew at each call.
-  Eigen::MatrixXd Rx() const;
-  Eigen::MatrixXd Ru() const;
+  /// The whole matrices, nr x ndx and nr x nu, by calcDiff. Without a size in the data of an action model.
+  Eigen::MatrixXd Rx, Ru;
+  /// The same from the blocks: for looking at, made anew at each call.
+  Eigen::MatrixXd whole_Rx() const;
+  Eigen::MatrixXd whole_Ru() const;
 
  private:
   std::size_t ndx_, nu_;
@@ -42,7 +45,12 @@ struct Dependence {
 
 class ResidualModelAbstract {  // r(x, u)
  public:
-  ResidualModelAbstract(std::shared_ptr<StateMultibody> state, std::size_t nr, std::size_t nu, Dependence on);
+  ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
+  /// Crocoddyl's, for a residual of one's own whose calcDiff writes data->Rx and data->Ru. nu: default nv.
+  ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, bool q_dependent = true,
+                        bool v_dependent = true, bool u_dependent = true);
+  ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
+                        bool v_dependent = true, bool u_dependent = true);
   virtual ~ResidualModelAbstract() = default;
 
   /// data->r.
@@ -51,9 +59,9 @@ class ResidualModelAbstract {  // r(x, u)
   /// Of a terminal node. By default r(x) where r depends on x alone, else zero: there are no accelerations, forces or
   /// controls there.
   virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
-  /// Rx and Ru of data->blocks, after calc.
+  /// Rx and Ru of data->blocks, by differentiate, and where data have them the whole matrices; after calc.
   virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
+                        const ConstVectorRef& u);
   virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
@@ -62,8 +70,11 @@ class ResidualModelAbstract {  // r(x, u)
   virtual void lay_out(ResidualDataAbstract& data) const;
   /// False when the data must be laid out again: they are of another frame, say.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
+  /// Fills the blocks of the data with the whole matrices, where calcDiff wrote those alone: of Crocoddyl's
+  /// constructor.
+  void take_whole(ResidualDataAbstract& data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   std::size_t get_nr() const { return nr_; }
   std::size_t get_nu() const { return nu_; }
   bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }
@@ -73,10 +84,19 @@ class ResidualModelAbstract {  // r(x, u)
   virtual void print(std::ostream& os) const;
 
  protected:
-  std::shared_ptr<StateMultibody> state_;
+  /// Rx and Ru of data->blocks. Throws std::logic_error unless a residual has it, or a calcDiff of its own.
+  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                             const ConstVectorRef& u);
+  /// Of a terminal node.
+  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  std::shared_ptr<StateAbstract> state_;
   std::size_t nr_, nu_;
   Dependence on_;
   Eigen::VectorXd unone_;  // nu zeros
+
+ private:
+  friend struct ResidualDataAbstract;
+  bool whole_ = false;  // by Crocoddyl's constructor
 };
 std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);
 

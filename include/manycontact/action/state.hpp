@@ -54,6 +54,9 @@ class StateAbstract {  // a manifold: differences and sums
   bool has_limits_ = false;
 };
 
+/// Whether parts made for one of the states serve with the other: they are the same, or of the same Multibody.
+bool same_space(const StateAbstract& a, const StateAbstract& b);
+
 class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
  public:
   /// The bounds are the URDF's joint and velocity limits, infinite where it gives none.

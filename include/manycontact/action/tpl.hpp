@@ -7,12 +7,15 @@
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
 #include "manycontact/action/num_diff.hpp"
+#include "manycontact/action/num_diff_parts.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/action/squashing.hpp"
+#include "manycontact/action/thrusters.hpp"
 
 namespace manycontact {
 // clang-format off
@@ -114,6 +117,31 @@ template <std::same_as<double> Scalar> using ResidualModelStateTpl = ResidualMod
 template <std::same_as<double> Scalar> using ResidualModelControlTpl = ResidualModelControl;
 template <std::same_as<double> Scalar> using ResidualModelJointEffortTpl = ResidualModelJointEffort;
 template <std::same_as<double> Scalar> using ResidualModelJointAccelerationTpl = ResidualModelJointAcceleration;
+
+
+template <std::same_as<double> Scalar> using ConstraintDataResidualTpl = ConstraintDataResidual;
+template <std::same_as<double> Scalar> using SquashingDataAbstractTpl = SquashingDataAbstract;
+template <std::same_as<double> Scalar> using SquashingModelAbstractTpl = SquashingModelAbstract;
+template <std::same_as<double> Scalar> using SquashingModelSmoothSatTpl = SquashingModelSmoothSat;
+template <std::same_as<double> Scalar> using ActuationSquashingModelTpl = ActuationSquashingModel;
+template <std::same_as<double> Scalar> using ActuationSquashingDataTpl = ActuationSquashingData;
+template <std::same_as<double> Scalar> using ThrusterTpl = Thruster;
+template <std::same_as<double> Scalar> using ActuationModelFloatingBaseThrustersTpl = ActuationModelFloatingBaseThrusters;
+template <std::same_as<double> Scalar> using StateNumDiffTpl = StateNumDiff;
+template <std::same_as<double> Scalar> using ActivationModelNumDiffTpl = ActivationModelNumDiff;
+template <std::same_as<double> Scalar> using ActivationDataNumDiffTpl = ActivationDataNumDiff;
+template <std::same_as<double> Scalar> using ActuationModelNumDiffTpl = ActuationModelNumDiff;
+template <std::same_as<double> Scalar> using ActuationDataNumDiffTpl = ActuationDataNumDiff;
+template <std::same_as<double> Scalar> using ResidualModelNumDiffTpl = ResidualModelNumDiff;
+template <std::same_as<double> Scalar> using ResidualDataNumDiffTpl = ResidualDataNumDiff;
+template <std::same_as<double> Scalar> using CostModelNumDiffTpl = CostModelNumDiff;
+template <std::same_as<double> Scalar> using ConstraintModelNumDiffTpl = ConstraintModelNumDiff;
+template <std::same_as<double> Scalar> using ContactModelNumDiffTpl = ContactModelNumDiff;
+template <std::same_as<double> Scalar> using ConstraintDataAbstractTpl = ConstraintDataAbstract;
+template <std::same_as<double> Scalar> using DataCollectorMultibodyTpl = DataCollectorMultibody;
+template <std::same_as<double> Scalar> using DataCollectorActMultibodyTpl = DataCollectorActMultibody;
+template <std::same_as<double> Scalar> using DataCollectorMultibodyInContactTpl = DataCollectorMultibodyInContact;
+template <std::same_as<double> Scalar> using DataCollectorActMultibodyInContactTpl = DataCollectorActMultibodyInContact;
 
 // clang-format on
 }  // namespace manycontact

@@ -114,4 +114,33 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
   RKType rktype_;
 };
 
+/// A numerical twin: dw_du by central differences. For controls of one's own, and for tests.
+class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract {
+ public:
+  explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
+  void calc(const Data& data, double t, const ConstVectorRef& u) const override;
+  void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
+  Data createData() override;
+  void params(const Data& data, double t, const ConstVectorRef& w) const override;
+  void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
+                     VectorRef u_ub) const override;
+  void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                          AssignmentOp op = setto) const override;
+  void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
+                                   AssignmentOp op = setto) const override;
+  const std::shared_ptr<ControlParametrizationModelAbstract>& get_model() const { return model_; }
+  /// The step, relative to max(1, |u_i|).
+  double get_disturbance() const { return step_; }
+  void set_disturbance(double disturbance);
+
+ private:
+  std::shared_ptr<ControlParametrizationModelAbstract> model_;
+  double step_;
+};
+
+struct ControlParametrizationDataNumDiff : ControlParametrizationDataAbstract {
+  explicit ControlParametrizationDataNumDiff(const ControlParametrizationModelNumDiff* model);
+  std::shared_ptr<ControlParametrizationDataAbstract> data_0;
+};
+
 }  // namespace manycontact

@@ -34,6 +34,8 @@ template <std::same_as<double> Scalar> using ControlParametrizationModelPolyZero
 template <std::same_as<double> Scalar> using DifferentialActionDataFreeFwdDynamicsTpl = DifferentialActionDataFreeFwdDynamics;
 template <std::same_as<double> Scalar> using DifferentialActionModelFreeFwdDynamicsTpl = DifferentialActionModelFreeFwdDynamics;
 template <std::same_as<double> Scalar> using DifferentialActionModelLQRTpl = DifferentialActionModelLQR;
+template <std::same_as<double> Scalar> using ControlParametrizationModelNumDiffTpl = ControlParametrizationModelNumDiff;
+template <std::same_as<double> Scalar> using ControlParametrizationDataNumDiffTpl = ControlParametrizationDataNumDiff;
 template <std::same_as<double> Scalar> using IntegratedActionDataEulerTpl = IntegratedActionDataEuler;
 template <std::same_as<double> Scalar> using IntegratedActionDataRKTpl = IntegratedActionDataRK;
 template <std::same_as<double> Scalar> using IntegratedActionModelAbstractTpl = IntegratedActionModelAbstract;

@@ -43,7 +43,7 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
       armature_(multibody_->get_model()->armature),
       enable_force_(enable_force) {
   const auto check_part = [this](const auto& part, const char* what) {
-    require(part.get_state() == state_, kDifferentialActionModelContactFwdDynamics,
+    require(same_space(*part.get_state(), *state_), kDifferentialActionModelContactFwdDynamics,
             std::string(what) + " of another state, this one's is expected");
     require(part.get_nu() == nu_, kDifferentialActionModelContactFwdDynamics,
             std::string(what) + " of nu = " + std::to_string(part.get_nu()) + ", the actuation's " +

@@ -163,6 +163,9 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m) {
     data.index = c;
     data.active = item->active;
     data.frame = item->contact->get_id();
+    data.contact = &contact;
+    data.f.type = contact.type;
+    data.f.axis = contact.axis;
     data.v_columns.clear();
     const auto add = [&](int r) {
       for (int i = 0; i < m.scene.robots[r].model->nv; ++i) data.v_columns.push_back(m.scene.robots[r].idx_v + i);

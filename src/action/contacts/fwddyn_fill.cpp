@@ -2,31 +2,41 @@
 
 #include <algorithm>
 
+#include "contact_columns.hpp"
 #include "fwddyn_steps.hpp"
 
 namespace manycontact::internal {
 
 namespace {
 
-// use(column in the contact's v_columns, column k of its support, coordinate within its robot, of A or of B') for each
-// column of a contact's support.
-template <class Use>
-void each_column(const Scene& scene, const Contact& contact, const ContactSupport& support, Use&& use) {
+// Of data whose columns are A's robot's, then those of B'.
+EndColumns columns_of(const Scene& scene, const Contact& contact) {
   const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
-  const int second = two ? scene.robots[contact.A.robot].model->nv : 0;
-  int k = 0;
-  for (int i : support.a) use(i, k++);
-  for (int i : support.b) use(second + i, k++);
+  return {0, two ? scene.robots[contact.A.robot].model->nv : 0};
 }
 
 }  // namespace
+
+void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
+                           const ContactDerivatives& d, Eigen::MatrixXd& out) {
+  const Eigen::Index n = out.cols() / 2;
+  out.setZero();
+  each_column(first, support, [&](int to, int k) {
+    out.col(to).noalias() = rows.W * d.dx_dq.col(k);
+    out.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
+  });
+  for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
+    const Vec6<double> dx = turned<double>(d.turn.col(i), d.x);
+    out.col(first.a + d.chain_a[static_cast<std::size_t>(i)]).noalias() += rows.W * dx;
+  }
+}
 
 void fill_contacts(DataCollector& m) {
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
     const ContactData<double>& rows = contact_of(m.solution, data->index);
-    each_column(m.scene, contact, support_of(m.solution, data->index),
+    each_column(columns_of(m.scene, contact), support_of(m.solution, data->index),
                 [&](int to, int k) { data->Jc.col(to) = rows.J.col(k); });
     data->a0 = rows.a0;
     data->f = m.solution.f.segment(m.solution.f_offset[data->index], contact.rows());
@@ -39,16 +49,7 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
     const Contact& contact = m.scene.contacts[data->index];
     const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
     const ContactDerivatives& d = contact_derivatives_of(m.solution, data->index);
-    const Eigen::Index n = data->Jc.cols();
-    data->da0_dx.setZero();
-    each_column(m.scene, contact, support_of(m.solution, data->index), [&](int to, int k) {
-      data->da0_dx.col(to).noalias() = rows.W * d.dx_dq.col(k);
-      data->da0_dx.col(n + to).noalias() = rows.W * d.dx_dv.col(k);
-    });
-    for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
-      const Vec6<double> dx = turned<double>(d.turn.col(i), d.x);
-      data->da0_dx.col(d.chain_a[i]).noalias() += rows.W * dx;
-    }
+    set_drift_derivatives(columns_of(m.scene, contact), support_of(m.solution, data->index), rows, d, data->da0_dx);
     if (!forces) continue;
     const int i = island_with_robot(m.solution, robot_of(contact));
     const Island& island = island_of(m.solution, i);

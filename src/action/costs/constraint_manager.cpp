@@ -8,12 +8,12 @@ constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
 }  // namespace
 
-ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state, std::size_t nu)
+ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : state_(std::move(state)), nu_(nu) {
   require(state_ != nullptr, kConstraintModelManager, "a state is expected, not a null pointer");
 }
 
-ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateMultibody> state)
+ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state)
     : ConstraintModelManager(state, state ? state->get_nv() : 0) {}
 
 void ConstraintModelManager::addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
@@ -134,6 +134,7 @@ void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal)
   out.Hu_blocks.finish(static_cast<int>(nh), static_cast<int>(nu));
   data.terminal = terminal;
   data.status = status_;
+  data.shareMemory(&out);
 }
 
 std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCollector* shared,
@@ -149,6 +150,27 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
   lay_out(*data, false);
   return data;
 }
+
+std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCollector* shared) {
+  auto own = std::make_unique<DifferentialActionDataAbstract>();
+  own->storage = MatrixStorage::kDense;
+  auto data = createData(shared, own.get());
+  data->own = std::move(own);
+  return data;
+}
+
+namespace {
+
+// By hand, what was computed goes to an action's data that are shared.
+template <class From, class To>
+void hand_on(const From& from, To& to) {
+  if (from.data() == to.data()) return;
+  require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
+          "the shared data have room for other constraints, `resize` is expected before");
+  to = from;
+}
+
+}  // namespace
 
 void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x,
                                      bool terminal) const {
@@ -174,6 +196,9 @@ void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool term
     for (int i : c.get_inequalities()) out.g[g++] = residual->r[i];
     for (int i : c.get_equalities()) out.h[h++] = residual->r[i] - c.get_lb()[i];
   });
+  if (!data.own) return;
+  hand_on(out.g, data.g);
+  hand_on(out.h, data.h);
 }
 
 namespace {
@@ -205,6 +230,11 @@ void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool t
   for (const auto& [name, parts] : data.h_parts)
     stack_parts(*data.constraints.at(name), parts, terminal, dense, sparse, out.Hx, out.Hu, out.Hx_blocks,
                 out.Hu_blocks);
+  if (!data.own) return;
+  hand_on(out.Gx, data.Gx);
+  hand_on(out.Gu, data.Gu);
+  hand_on(out.Hx, data.Hx);
+  hand_on(out.Hu, data.Hu);
 }
 
 void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
@@ -231,6 +261,7 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
   check_size("ConstraintModelManager::calcDiff", "u", u.size(), nu_);
   for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calcDiff(residual, x, u);
+    item.constraint->get_residual()->take_whole(*residual);
   });
   stack_jacobians(*data, false);
 }
@@ -239,6 +270,7 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, true);
   for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calcDiff(residual, x);
+    item.constraint->get_residual()->take_whole(*residual);
   });
   stack_jacobians(*data, true);
 }

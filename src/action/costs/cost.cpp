@@ -8,28 +8,43 @@ CostDataResidual::CostDataResidual(CostModelResidual* model, DataCollector* shar
     : of_residual(model->get_residual()),
       of_activation(model->get_activation()),
       activation(model->get_activation()->createData()),
-      residual(model->get_residual()->createData(shared)) {}
+      residual(model->get_residual()->createData(shared)) {
+  if (!shared || !shared->whole) return;
+  const auto ndx = static_cast<Eigen::Index>(model->get_state()->get_ndx());
+  const auto nu = static_cast<Eigen::Index>(model->get_nu());
+  Lx.setZero(ndx);
+  Lu.setZero(nu);
+  Lxx.setZero(ndx, ndx);
+  Lxu.setZero(ndx, nu);
+  Luu.setZero(nu, nu);
+}
 
-Eigen::VectorXd CostDataResidual::Lx() const { return residual->Rx().transpose() * activation->Ar; }
-Eigen::VectorXd CostDataResidual::Lu() const { return residual->Ru().transpose() * activation->Ar; }
-Eigen::MatrixXd CostDataResidual::Lxx() const { return residual->Rx().transpose() * activation->Arr * residual->Rx(); }
-Eigen::MatrixXd CostDataResidual::Lxu() const { return residual->Rx().transpose() * activation->Arr * residual->Ru(); }
-Eigen::MatrixXd CostDataResidual::Luu() const { return residual->Ru().transpose() * activation->Arr * residual->Ru(); }
+CostDerivatives CostDataResidual::whole_derivatives() const {
+  const Eigen::MatrixXd Rx = residual->whole_Rx(), Ru = residual->whole_Ru();
+  const auto& Arr = activation->Arr;
+  CostDerivatives out;
+  out.Lx = Rx.transpose() * activation->Ar;
+  out.Lu = Ru.transpose() * activation->Ar;
+  out.Lxx = Rx.transpose() * Arr * Rx;
+  out.Lxu = Rx.transpose() * Arr * Ru;
+  out.Luu = Ru.transpose() * Arr * Ru;
+  return out;
+}
 
-CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
+CostModelResidual::CostModelResidual(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ActivationModelAbstract> activation,
                                      std::shared_ptr<ResidualModelAbstract> residual)
     : state_(std::move(state)), activation_(std::move(activation)), residual_(std::move(residual)) {
   require(state_ && activation_ && residual_, "CostModelResidual",
           "a null pointer was given, a state, an activation and a residual are expected");
-  require(residual_->get_state() == state_, "CostModelResidual",
+  require(same_space(*residual_->get_state(), *state_), "CostModelResidual",
           "the residual belongs to another state, this one's is expected");
   require(activation_->get_nr() == residual_->get_nr(), "CostModelResidual",
           "the activation has nr = " + std::to_string(activation_->get_nr()) + ", the residual's " +
               std::to_string(residual_->get_nr()) + " is expected");
 }
 
-CostModelResidual::CostModelResidual(std::shared_ptr<StateMultibody> state,
+CostModelResidual::CostModelResidual(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ResidualModelAbstract> residual)
     : CostModelResidual(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
 
@@ -58,13 +73,26 @@ void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, 
                                  const ConstVectorRef& u) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
-  activation_->calcDiff(data->activation, data->residual->r);
+  finish_derivatives(*data, false);
 }
 
 void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
-  activation_->calcDiff(data->activation, data->residual->r);
+  finish_derivatives(*data, true);
+}
+
+void CostModelResidual::finish_derivatives(CostDataResidual& data, bool terminal) const {
+  residual_->take_whole(*data.residual);
+  activation_->calcDiff(data.activation, data.residual->r);
+  if (data.Lx.size() == 0) return;
+  CostDerivatives d = data.whole_derivatives();
+  data.Lx.swap(d.Lx);
+  data.Lxx.swap(d.Lxx);
+  if (terminal) return;
+  data.Lu.swap(d.Lu);
+  data.Lxu.swap(d.Lxu);
+  data.Luu.swap(d.Luu);
 }
 
 std::shared_ptr<CostDataResidual> CostModelResidual::createData(DataCollector* shared) {

@@ -8,11 +8,11 @@ constexpr const char* kCostModelSum = "CostModelSum";
 bool is_active(const CostItem& item) { return item.active; }
 }  // namespace
 
-CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
+CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
   require(state_ != nullptr, kCostModelSum, "a state is expected, not a null pointer");
 }
 
-CostModelSum::CostModelSum(std::shared_ptr<StateMultibody> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
+CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
 
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
@@ -91,7 +91,27 @@ void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const Cons
   add_up(*data, true);
 }
 
+// From the costs' own derivatives, which data by hand have.
+void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
+  data.Lx.setZero();
+  data.Lxx.setZero();
+  if (!terminal) {
+    data.Lu.setZero();
+    data.Lxu.setZero();
+    data.Luu.setZero();
+  }
+  internal::for_each_part(costs_, data.costs, is_active, [&](const CostItem& item, const auto& d) {
+    data.Lx += item.weight * d->Lx;
+    data.Lxx += item.weight * d->Lxx;
+    if (terminal) return;
+    data.Lu += item.weight * d->Lu;
+    data.Lxu += item.weight * d->Lxu;
+    data.Luu += item.weight * d->Luu;
+  });
+}
+
 void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
+  if (data.shared && data.shared->whole) return add_up_by_hand(data, terminal);
   CostDerivatives& out = *data.derivatives;
   out.Lx.setZero();
   out.Lxx.setZero();
@@ -118,6 +138,7 @@ std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, Cos
   else
     data->own.resize(state_->get_ndx(), nu_, MatrixStorage::kBoth);
   lay_out(*data);
+  data->shareMemory(data->derivatives);
   return data;
 }
 

@@ -12,7 +12,11 @@ ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector
 }
 
 ResidualDataAbstract::ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* s)
-    : shared(s), r(Eigen::VectorXd::Zero(model->get_nr())), ndx_(model->get_state()->get_ndx()), nu_(model->get_nu()) {}
+    : shared(s), r(Eigen::VectorXd::Zero(model->get_nr())), ndx_(model->get_state()->get_ndx()), nu_(model->get_nu()) {
+  if (!model->whole_ && !(shared && shared->whole)) return;
+  Rx.setZero(r.size(), static_cast<Eigen::Index>(ndx_));
+  Ru.setZero(r.size(), static_cast<Eigen::Index>(nu_));
+}
 
 namespace {
 
@@ -33,18 +37,28 @@ std::vector<int> all(std::size_t n) {
 
 }  // namespace
 
-Eigen::MatrixXd ResidualDataAbstract::Rx() const {
+Eigen::MatrixXd ResidualDataAbstract::whole_Rx() const {
   return whole(blocks, r.size(), ndx_, &ResidualBlock::xcols, &ResidualBlock::Rx);
 }
-Eigen::MatrixXd ResidualDataAbstract::Ru() const {
+Eigen::MatrixXd ResidualDataAbstract::whole_Ru() const {
   return whole(blocks, r.size(), nu_, &ResidualBlock::ucols, &ResidualBlock::Ru);
 }
 
-ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateMultibody> state, std::size_t nr, std::size_t nu,
+ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              Dependence on)
     : state_(std::move(state)), nr_(nr), nu_(nu), on_(on), unone_(Eigen::VectorXd::Zero(nu)) {
   require(state_ != nullptr, "ResidualModel", "a state is expected, not a null pointer");
 }
+
+ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
+                                             bool q_dependent, bool v_dependent, bool u_dependent)
+    : ResidualModelAbstract(std::move(state), nr, nu, Dependence{q_dependent, v_dependent, u_dependent}) {
+  whole_ = true;
+}
+
+ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent,
+                                             bool v_dependent, bool u_dependent)
+    : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
 
 void ResidualModelAbstract::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
   if (get_u_dependent())
@@ -53,9 +67,38 @@ void ResidualModelAbstract::calc(const std::shared_ptr<ResidualDataAbstract>& da
     calc(data, x, unone_);
 }
 
+void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                                     const ConstVectorRef& u) {
+  differentiate(data, x, u);
+  if (data->Rx.size() == 0 && data->Ru.size() == 0) return;
+  data->Rx = data->whole_Rx();
+  data->Ru = data->whole_Ru();
+}
+
 void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
-  if (!get_u_dependent()) return calcDiff(data, x, unone_);
+  if (whole_) {
+    if (!get_u_dependent()) return calcDiff(data, x, unone_);
+    data->Rx.setZero();
+    return;
+  }
+  differentiate(data, x);
+  if (data->Rx.size() > 0) data->Rx = data->whole_Rx();
+}
+
+void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
+                                          const ConstVectorRef&) {
+  throw std::logic_error("ResidualModelAbstract::calcDiff: the residual has no derivatives, a calcDiff is expected");
+}
+
+void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  if (!get_u_dependent()) return differentiate(data, x, unone_);
   for (ResidualBlock& block : data->blocks) block.Rx.setZero();
+}
+
+void ResidualModelAbstract::take_whole(ResidualDataAbstract& data) const {
+  if (!whole_) return;
+  data.blocks[0].Rx = data.Rx;
+  if (data.blocks[0].Ru.cols() == data.Ru.cols()) data.blocks[0].Ru = data.Ru;
 }
 
 std::shared_ptr<ResidualDataAbstract> ResidualModelAbstract::createData(DataCollector* shared) {

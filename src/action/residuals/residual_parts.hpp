@@ -5,9 +5,15 @@
 
 namespace manycontact::internal {
 
-inline const StateMultibody& given(const std::shared_ptr<StateMultibody>& state) {
+template <class State>
+const State& given(const std::shared_ptr<State>& state) {
   require(state != nullptr, "ResidualModel", "a state is expected, not a null pointer");
   return *state;
+}
+
+/// The state of a residual whose constructor takes a StateMultibody.
+inline const StateMultibody& multibody(const std::shared_ptr<StateAbstract>& state) {
+  return static_cast<const StateMultibody&>(*state);
 }
 
 inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultibody& state, FrameIndex id) {

@@ -34,7 +34,7 @@ Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { r
 CentroidalResidual::CentroidalResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nr,
                                        std::size_t nu, Dependence on, int robot)
     : ResidualModelAbstract(std::move(state), nr, nu, on), robot_(robot), mass_(0) {
-  const Scene& scene = state_->get_model()->scene();
+  const Scene& scene = internal::multibody(state_).get_model()->scene();
   require(robot >= -1 && robot < scene.nrobots(), name,
           "robot " + std::to_string(robot) + " does not exist, -1 (all) to " + std::to_string(scene.nrobots() - 1) +
               " expected");
@@ -55,7 +55,7 @@ std::shared_ptr<ResidualDataAbstract> CentroidalResidual::createData(DataCollect
 }
 
 void CentroidalResidual::lay_out(ResidualDataAbstract& data) const {
-  const std::vector<Robot>& robots = state_->get_model()->scene().robots;
+  const std::vector<Robot>& robots = internal::multibody(state_).get_model()->scene().robots;
   const int first = robots[first_].idx_v, n = robots[last_ - 1].idx_v + robots[last_ - 1].model->nv - first;
   std::vector<int> columns = internal::range(first, n);
   if (get_v_dependent())
@@ -76,8 +76,8 @@ void ResidualModelCoMPosition::calc(const std::shared_ptr<ResidualDataAbstract>&
   data->r = center_of_mass(*data->shared, first_, last_, mass_) - cref_;
 }
 
-void ResidualModelCoMPosition::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                        const ConstVectorRef&) {
+void ResidualModelCoMPosition::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                             const ConstVectorRef&) {
   const DataCollector& shared = *data->shared;
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {
@@ -125,8 +125,8 @@ void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbs
 }
 
 // dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
-void ResidualModelCentroidalMomentum::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                               const ConstVectorRef&) {
+void ResidualModelCentroidalMomentum::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                    const ConstVectorRef&, const ConstVectorRef&) {
   CentroidalData& d = centroidal_data(data);
   const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
   RowMajorMatrix& Rx = d.blocks[0].Rx;

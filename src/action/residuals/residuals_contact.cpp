@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "../contacts/contact_columns.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "residual_parts.hpp"
@@ -27,27 +28,6 @@ struct ContactResidualData : ResidualDataAbstract {
 
 ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {
   return static_cast<ContactResidualData&>(*data);
-}
-
-template <class Wrenches>
-void unit_wrenches(const Contact& contact, Wrenches& P) {
-  P.setZero(6, contact.rows());
-  switch (contact.type) {
-    case ContactType::k1D:
-      P.template topRows<3>() = contact.axis;
-      break;
-    case ContactType::k2D:
-      P(0, 0) = P(2, 1) = 1;
-      break;
-    case ContactType::k5D:
-      P.template topLeftCorner<3, 3>().setIdentity();
-      P.template bottomRightCorner<3, 2>() = across(contact.axis).transpose();
-      break;
-    case ContactType::k3D:
-    case ContactType::k6D:
-      P.setIdentity();
-      break;
-  }
 }
 
 // A's axes in the world, or those of B'.
@@ -116,7 +96,7 @@ ContactResidual::ContactResidual(const char* name, std::shared_ptr<StateMultibod
 }
 
 void ContactResidual::set_id(FrameIndex id) {
-  internal::body_frame(name_, *state_, id);
+  internal::body_frame(name_, internal::multibody(state_), id);
   id_ = id;
 }
 
@@ -137,10 +117,11 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
   d.id = id_;
   d.name = contact_;
   d.contact = &d.shared->contact_on(d.id, name_, contact_);
-  const Contact& contact = d.shared->scene.contacts[d.contact->index];
+  const Contact& contact = *d.contact->contact;
   const std::string why = misfit(contact.type);
-  require(why.empty(), name_, "the contact on " + state_->get_model()->frames[d.id].name + " is " + why);
-  unit_wrenches(contact, d.P);
+  require(why.empty(), name_,
+          "the contact on " + internal::multibody(state_).get_model()->frames[d.id].name + " is " + why);
+  internal::unit_wrenches(contact.type, contact.axis, d.P);
   d.B.setZero(nr_, contact.rows());
   d.b.setZero(nr_);
   d.blocks.clear();
@@ -168,8 +149,8 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
     d.r.setZero();
     return;
   }
-  const Contact& contact = d.shared->scene.contacts[d.contact->index];
-  unit_wrenches(contact, d.P);  // an axis may have changed
+  const Contact& contact = *d.contact->contact;
+  internal::unit_wrenches(contact.type, contact.axis, d.P);  // an axis may have changed
   if (axes_ != ConeAxes::kContact) {
     find_axes(contact, axes_, d);
     const Mat3<double> turn = d.oRX.transpose() * d.oRF;
@@ -181,15 +162,15 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
   d.r -= d.b;
 }
 
-void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                               const ConstVectorRef&) {
+void ContactResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                    const ConstVectorRef&) {
   ContactResidualData& d = contact_data(data);
   if (d.blocks.empty()) return;
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
   // With w = oRF P_F f in the world, r = A oRX^T w turns by A oRX^T (th_F - th_X) x w.
-  const Contact& contact = d.shared->scene.contacts[d.contact->index];
+  const Contact& contact = *d.contact->contact;
   const Vec6<double> in_cone = d.P * d.contact->f;
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();
   d.turned.resize(6, 3);
@@ -204,7 +185,7 @@ void ContactResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data
 }
 
 void ContactResidual::print(std::ostream& os) const {
-  os << name_ << " {frame=" << state_->get_model()->frames[id_].name << "}";
+  os << name_ << " {frame=" << internal::multibody(state_).get_model()->frames[id_].name << "}";
 }
 
 ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,

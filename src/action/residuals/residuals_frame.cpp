@@ -42,7 +42,7 @@ FrameResidual::FrameResidual(const char* name, std::shared_ptr<StateMultibody> s
 }
 
 void FrameResidual::set_id(FrameIndex id) {
-  internal::body_frame(name_, *state_, id);
+  internal::body_frame(name_, internal::multibody(state_), id);
   id_ = id;
 }
 
@@ -54,7 +54,7 @@ std::shared_ptr<ResidualDataAbstract> FrameResidual::createData(DataCollector* s
 
 void FrameResidual::lay_out(ResidualDataAbstract& data) const {
   auto& d = static_cast<FrameResidualData&>(data);
-  d.frame = &internal::body_frame(name_, *state_, id_);
+  d.frame = &internal::body_frame(name_, internal::multibody(state_), id_);
   d.chain = dof_chain(d.model(), d.frame->joint);
   d.blocks.clear();
   if (d.chain.empty()) return;
@@ -69,11 +69,11 @@ void FrameResidual::lay_out(ResidualDataAbstract& data) const {
 bool FrameResidual::fits(const ResidualDataAbstract& data) const {
   const auto* d = dynamic_cast<const FrameResidualData*>(&data);
   require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
-  return d->frame == &state_->get_model()->frames[id_];
+  return d->frame == &internal::multibody(state_).get_model()->frames[id_];
 }
 
 void FrameResidual::print(std::ostream& os) const {
-  os << name_ << " {frame=" << state_->get_model()->frames[id_].name << "}";
+  os << name_ << " {frame=" << internal::multibody(state_).get_model()->frames[id_].name << "}";
 }
 
 ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
@@ -89,8 +89,8 @@ void ResidualModelFramePlacement::calc(const std::shared_ptr<ResidualDataAbstrac
   data->r = log6<double>(pref_.inverse() * frame_data(data).oMf());
 }
 
-void ResidualModelFramePlacement::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                           const ConstVectorRef&) {
+void ResidualModelFramePlacement::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                const ConstVectorRef&, const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Mat6<double> J = Jlog6<double>(d.r);
@@ -112,8 +112,8 @@ void ResidualModelFrameTranslation::calc(const std::shared_ptr<ResidualDataAbstr
   data->r = frame_data(data).oMf().p - xref_;
 }
 
-void ResidualModelFrameTranslation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                             const ConstVectorRef&) {
+void ResidualModelFrameTranslation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                  const ConstVectorRef&, const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Eigen::Vector3d p = d.in_tree().p;
@@ -134,8 +134,8 @@ void ResidualModelFrameRotation::calc(const std::shared_ptr<ResidualDataAbstract
   data->r = log3<double>(Rref_.transpose() * frame_data(data).oMf().R);
 }
 
-void ResidualModelFrameRotation::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+void ResidualModelFrameRotation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                               const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   Vec6<double> xi = Vec6<double>::Zero();
@@ -164,8 +164,8 @@ void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract
 
 // In the tree frame, with S = S_i, v the body's velocity and v_p that of the parent of i's joint:
 //   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
-void ResidualModelFrameVelocity::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+void ResidualModelFrameVelocity::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                               const ConstVectorRef&) {
   FrameResidualData& d = frame_data(data);
   if (d.blocks.empty()) return;
   const Kinematics<double>& kin = d.kin();

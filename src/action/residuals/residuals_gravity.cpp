@@ -115,8 +115,8 @@ void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
   d.r = -d.statics.tau;
 }
 
-void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                               const ConstVectorRef&) {
+void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                    const ConstVectorRef&) {
   GravityData& d = gravity_data(data);
   set_static_part(d, contacts_);
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {
@@ -127,7 +127,7 @@ void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data
   }
 }
 
-void GravityResidual::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
+void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
   set_static_part(gravity_data(data), false);
 }
 

@@ -51,8 +51,8 @@ void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& 
 }
 
 // d(J_com w)/dq_i with w held constant, times the mass: the linear part of S x* h + Yc (v_p x S), with v, h those of w.
-void ResidualModelImpulseCoM::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                       const ConstVectorRef&) {
+void ResidualModelImpulseCoM::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                                            const ConstVectorRef&) {
   ImpulseCoMData& d = impulse_com_data(data);
   const DataCollector& shared = *d.shared;
   const Eigen::Index nv = shared.scene.nv;

@@ -6,19 +6,19 @@
 
 namespace manycontact {
 
-ResidualModelState::ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref,
+ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref,
                                        std::size_t nu)
     : ResidualModelAbstract(state, internal::given(state).get_ndx(), nu, {.q = true, .v = true}) {
   set_reference(xref);
 }
 
-ResidualModelState::ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref)
+ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref)
     : ResidualModelState(state, xref, internal::given(state).get_nv()) {}
 
-ResidualModelState::ResidualModelState(std::shared_ptr<StateMultibody> state, std::size_t nu)
+ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelState(state, internal::given(state).zero(), nu) {}
 
-ResidualModelState::ResidualModelState(std::shared_ptr<StateMultibody> state)
+ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state)
     : ResidualModelState(state, internal::given(state).get_nv()) {}
 
 void ResidualModelState::set_reference(const Eigen::VectorXd& reference) {
@@ -33,9 +33,11 @@ void ResidualModelState::calc(const std::shared_ptr<ResidualDataAbstract>& data,
 
 // A block for the q of each joint, then one for each coordinate of its v.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
+  const auto* multibody = dynamic_cast<const StateMultibody*>(state_.get());
+  if (!multibody) return ResidualModelAbstract::lay_out(data);
   const int nv = static_cast<int>(state_->get_nv());
   data.blocks.clear();
-  for (const Robot& robot : state_->get_model()->scene().robots)
+  for (const Robot& robot : multibody->get_model()->scene().robots)
     for (const Joint& joint : robot.model->joints) {
       const int first = robot.idx_v + joint.idx_v;
       const std::vector<int> dofs = internal::range(first, joint.nv());
@@ -47,10 +49,15 @@ void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
     }
 }
 
-void ResidualModelState::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                  const ConstVectorRef&) {
+void ResidualModelState::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                                       const ConstVectorRef&) {
   auto block = data->blocks.begin();
-  for (const Robot& robot : state_->get_model()->scene().robots)
+  const auto* multibody = dynamic_cast<const StateMultibody*>(state_.get());
+  if (!multibody) {
+    block->Rx = state_->Jdiff_Js(xref_, x, second)[0];
+    return;
+  }
+  for (const Robot& robot : multibody->get_model()->scene().robots)
     for (const Joint& joint : robot.model->joints) {
       if (joint.nv() > 1) {
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> J(joint.nv(), joint.nv());
@@ -63,13 +70,13 @@ void ResidualModelState::calcDiff(const std::shared_ptr<ResidualDataAbstract>& d
 
 void ResidualModelState::print(std::ostream& os) const { os << "ResidualModelState"; }
 
-ResidualModelControl::ResidualModelControl(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& uref)
+ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref)
     : ResidualModelAbstract(std::move(state), uref.size(), uref.size(), {.u = true}), uref_(uref) {}
 
-ResidualModelControl::ResidualModelControl(std::shared_ptr<StateMultibody> state, std::size_t nu)
+ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelControl(std::move(state), Eigen::VectorXd(Eigen::VectorXd::Zero(nu))) {}
 
-ResidualModelControl::ResidualModelControl(std::shared_ptr<StateMultibody> state)
+ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state)
     : ResidualModelControl(state, internal::given(state).get_nv()) {}
 
 void ResidualModelControl::set_reference(const Eigen::VectorXd& reference) {
@@ -84,12 +91,12 @@ void ResidualModelControl::calc(const std::shared_ptr<ResidualDataAbstract>& dat
 
 void ResidualModelControl::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
-void ResidualModelControl::calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                    const ConstVectorRef&) {}
+void ResidualModelControl::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
+                                         const ConstVectorRef&) {}
 
 void ResidualModelControl::print(std::ostream& os) const { os << "ResidualModelControl"; }
 
-ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateMultibody> state,
+ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract> state,
                                                    std::shared_ptr<ActuationModelAbstract> actuation,
                                                    const Eigen::VectorXd& uref, std::size_t nu, bool)
     : ResidualModelAbstract(std::move(state), nu, nu, {.u = true}) {
@@ -99,17 +106,17 @@ ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateMultibod
   set_reference(uref);
 }
 
-ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateMultibody> state,
+ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract> state,
                                                    std::shared_ptr<ActuationModelAbstract> actuation,
                                                    const Eigen::VectorXd& uref)
     : ResidualModelJointEffort(std::move(state), actuation, uref, actuation ? actuation->get_nu() : 0) {}
 
-ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateMultibody> state,
+ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract> state,
                                                    std::shared_ptr<ActuationModelAbstract> actuation, std::size_t nu)
     : ResidualModelJointEffort(std::move(state), std::move(actuation), Eigen::VectorXd(Eigen::VectorXd::Zero(nu)), nu) {
 }
 
-ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateMultibody> state,
+ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract> state,
                                                    std::shared_ptr<ActuationModelAbstract> actuation)
     : ResidualModelJointEffort(std::move(state), actuation, actuation ? actuation->get_nu() : 0) {}
 
@@ -125,26 +132,26 @@ void ResidualModelJointEffort::calc(const std::shared_ptr<ResidualDataAbstract>&
 
 void ResidualModelJointEffort::lay_out(ResidualDataAbstract& data) const { internal::lay_out_controls(nu_, data); }
 
-void ResidualModelJointEffort::calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                        const ConstVectorRef&) {}
+void ResidualModelJointEffort::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
+                                             const ConstVectorRef&) {}
 
 void ResidualModelJointEffort::print(std::ostream& os) const { os << "ResidualModelJointEffort"; }
 
-ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state,
+ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state,
                                                                const Eigen::VectorXd& aref, std::size_t nu)
     : ResidualModelAbstract(state, internal::given(state).get_nv(), nu, {.acceleration = true}) {
   set_reference(aref);
 }
 
-ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state,
+ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state,
                                                                const Eigen::VectorXd& aref)
     : ResidualModelJointAcceleration(state, aref, internal::given(state).get_nv()) {}
 
-ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, std::size_t nu)
+ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelJointAcceleration(state, Eigen::VectorXd(Eigen::VectorXd::Zero(internal::given(state).get_nv())),
                                      nu) {}
 
-ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state)
+ResidualModelJointAcceleration::ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state)
     : ResidualModelJointAcceleration(state, internal::given(state).get_nv()) {}
 
 void ResidualModelJointAcceleration::set_reference(const Eigen::VectorXd& reference) {
@@ -162,8 +169,8 @@ void ResidualModelJointAcceleration::lay_out(ResidualDataAbstract& data) const {
   for (const IslandColumns& island : data.shared->islands) data.blocks.emplace_back(island.v, island.x, island.u);
 }
 
-void ResidualModelJointAcceleration::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                              const ConstVectorRef&) {
+void ResidualModelJointAcceleration::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
+                                                   const ConstVectorRef&, const ConstVectorRef&) {
   for (std::size_t i = 0; i < data->blocks.size(); ++i) {
     ResidualBlock& block = data->blocks[i];
     const PanelView panel = data->shared->panel(i);

@@ -62,7 +62,7 @@ Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
       constraints_(std::move(constraints)),
       actuation_(std::make_shared<internal::ImpactActuation>(multibody_)) {
   const auto check_part = [this](const auto& part, const char* what, std::size_t nu) {
-    require(part.get_state() == state_, kActionModelImpulseFwdDynamics,
+    require(same_space(*part.get_state(), *state_), kActionModelImpulseFwdDynamics,
             std::string(what) + " of another state, this one's is expected");
     require(nu == 0, kActionModelImpulseFwdDynamics,
             std::string(what) + " of nu = " + std::to_string(nu) + ", 0 is expected");

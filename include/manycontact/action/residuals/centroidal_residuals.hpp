@@ -33,9 +33,9 @@ class ResidualModelCoMPosition : public CentroidalResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
   const Eigen::Vector3d& get_reference() const { return cref_; }
@@ -56,9 +56,9 @@ class ResidualModelCentroidalMomentum : public CentroidalResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
   const Vec6<double>& get_reference() const { return href_; }

@@ -22,9 +22,9 @@ class ContactResidual : public ResidualModelAbstract {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
   FrameIndex get_id() const { return id_; }

@@ -33,9 +33,9 @@ class ResidualModelFramePlacement : public FrameResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
 
   const SE3<double>& get_reference() const { return pref_; }
   void set_reference(const SE3<double>& reference) { pref_ = reference; }
@@ -54,9 +54,9 @@ class ResidualModelFrameTranslation : public FrameResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
 
   const Eigen::Vector3d& get_reference() const { return xref_; }
   void set_reference(const Eigen::Vector3d& reference) { xref_ = reference; }
@@ -75,9 +75,9 @@ class ResidualModelFrameRotation : public FrameResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
 
   const Eigen::Matrix3d& get_reference() const { return Rref_; }
   void set_reference(const Eigen::Matrix3d& reference) { Rref_ = reference; }
@@ -97,9 +97,9 @@ class ResidualModelFrameVelocity : public FrameResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
 
   const Vec6<double>& get_reference() const { return vref_; }
   void set_reference(const Vec6<double>& reference) { vref_ = reference; }

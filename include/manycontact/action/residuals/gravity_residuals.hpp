@@ -15,9 +15,9 @@ class GravityResidual : public ResidualModelAbstract {
             const ConstVectorRef& u) override;
   /// Terminal: tau_s(q) - g(q).
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
  protected:

@@ -14,9 +14,9 @@ class ResidualModelImpulseCoM : public CentroidalResidual {
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   /// Throws std::invalid_argument but for the data of an impulse.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void print(std::ostream& os) const override;

@@ -9,18 +9,18 @@ namespace manycontact {
 /// x (-) xref (2 nv).
 class ResidualModelState : public ResidualModelAbstract {
  public:
-  ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref, std::size_t nu);
-  ResidualModelState(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& xref);
+  ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref, std::size_t nu);
+  ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref);
   /// xref = state->zero().
-  ResidualModelState(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ResidualModelState(std::shared_ptr<StateMultibody> state);
+  ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit ResidualModelState(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
@@ -34,17 +34,17 @@ class ResidualModelState : public ResidualModelAbstract {
 /// u - uref (nu).
 class ResidualModelControl : public ResidualModelAbstract {
  public:
-  ResidualModelControl(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& uref);
+  ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
   /// uref = 0.
-  ResidualModelControl(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ResidualModelControl(std::shared_ptr<StateMultibody> state);
+  ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit ResidualModelControl(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
@@ -59,21 +59,21 @@ class ResidualModelControl : public ResidualModelAbstract {
 class ResidualModelJointEffort : public ResidualModelAbstract {
  public:
   /// nu must be the actuation's. fwddyn is there for Crocoddyl's signature and changes nothing.
-  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+  ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref, std::size_t nu, bool fwddyn = false);
-  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+  ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref);
   /// uref = 0.
-  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation,
+  ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            std::size_t nu);
-  ResidualModelJointEffort(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> actuation);
+  ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
@@ -87,18 +87,18 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
 /// a - aref (nv).
 class ResidualModelJointAcceleration : public ResidualModelAbstract {
  public:
-  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& aref, std::size_t nu);
-  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, const Eigen::VectorXd& aref);
+  ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref, std::size_t nu);
+  ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref);
   /// aref = 0.
-  ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ResidualModelJointAcceleration(std::shared_ptr<StateMultibody> state);
+  ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
   using ResidualModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calcDiff;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override;
+  using ResidualModelAbstract::differentiate;
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 

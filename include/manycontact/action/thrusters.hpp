@@ -1,0 +1,59 @@
+#pragma once
+// A floating base driven by thrusters, as a multicopter: u = [thrusts; torques of the actuated joints]. Names and
+// interface of Crocoddyl's ActuationModelFloatingBaseThrusters.
+
+#include "manycontact/action/actuation.hpp"
+
+namespace manycontact {
+
+enum ThrusterType { CW = 0, CCW };  // how the propeller turns: CW gives a torque along its thrust, CCW one against it
+
+/// A propeller on the base.
+struct Thruster {
+  Thruster(const SE3<double>& at, double torque, ThrusterType turning = CW, double min = 0,
+           double max = std::numeric_limits<double>::infinity())
+      : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
+  explicit Thruster(double torque, ThrusterType turning = CW, double min = 0,
+                    double max = std::numeric_limits<double>::infinity())
+      : Thruster(SE3<double>{}, torque, turning, min, max) {}
+
+  SE3<double> pose;  // in the base's frame; it pushes along its z
+  double ctorque;    // torque about that axis per thrust [m]
+  ThrusterType type;
+  double min_thrust, max_thrust;  // N: bounds for u, which an action model does not take over
+};
+std::ostream& operator<<(std::ostream& os, const Thruster& thruster);
+
+/// tau of a floating base with thrusters, W u.
+class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
+ public:
+  /// Throws std::invalid_argument unless the state is of one robot with a floating base.
+  ActuationModelFloatingBaseThrusters(std::shared_ptr<StateMultibody> state, const std::vector<Thruster>& thrusters);
+  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override;
+  using ActuationModelAbstract::calc;
+  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  using ActuationModelAbstract::calcDiff;
+  /// The u of least norm that comes nearest to tau.
+  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& tau) override;
+  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                       const ConstVectorRef& u) override;
+  std::shared_ptr<ActuationDataAbstract> createData() override;
+  void print(std::ostream& os) const override;
+
+  const std::vector<Thruster>& get_thrusters() const { return thrusters_; }
+  std::size_t get_nthrusters() const { return thrusters_.size(); }
+  /// As many as before; data follow at their next calc, calcDiff, commands or torqueTransform.
+  void set_thrusters(const std::vector<Thruster>& thrusters);
+  const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u
+  const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudo-inverse
+
+ private:
+  void update(ActuationDataAbstract& data) const;
+  std::vector<Thruster> thrusters_;
+  Eigen::MatrixXd W_, Mtau_, S_;
+};
+
+}  // namespace manycontact

@@ -1,0 +1,393 @@
+// Contacts and impulses evaluated by hand, as Crocoddyl's are: at a motion that is given.
+
+#include <numeric>
+
+#include "../named.hpp"
+#include "contact_columns.hpp"
+#include "manycontact/action/collector.hpp"
+#include "manycontact/action/impulse.hpp"
+#include "manycontact/algorithm/frames.hpp"
+
+namespace manycontact {
+
+namespace {
+
+MultibodyData& motion_of(const char* where, const ContactDataAbstract& data) {
+  require(data.pinocchio != nullptr, where,
+          "the data are an action model's, which evaluates them; data of createData(MultibodyData*) are expected");
+  return *data.pinocchio;
+}
+
+const Kinematics<double>* of_B(const Contact& contact, const std::vector<Kinematics<double>>& motion) {
+  return contact.B.robot >= 0 ? &motion[static_cast<std::size_t>(contact.B.robot)] : nullptr;
+}
+
+internal::EndColumns columns_of(const Scene& scene, const Contact& contact) {
+  return {scene.robots[contact.A.robot].idx_v, contact.B.robot >= 0 ? scene.robots[contact.B.robot].idx_v : 0};
+}
+
+struct Rows {  // of a contact at a motion
+  Rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion)
+      : support(contact_support(scene, contact)), at(contact, support) {
+    contact_rows<double>(scene, contact, support, motion[static_cast<std::size_t>(contact.A.robot)],
+                         of_B(contact, motion), at);
+  }
+  ContactSupport support;
+  ContactData<double> at;
+};
+
+// d(rows' motion)/d[q | v] at a motion with its terms.
+void differentiate_rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion,
+                        const std::vector<RneaDerivatives>& terms, Eigen::MatrixXd& out) {
+  const Rows rows(scene, contact, motion);
+  ContactDerivatives d(scene, contact, rows.support);
+  const auto a = static_cast<std::size_t>(contact.A.robot);
+  contact_derivatives<double>(contact, rows.support, motion[a], of_B(contact, motion), terms[a],
+                              contact.B.robot >= 0 ? &terms[static_cast<std::size_t>(contact.B.robot)] : nullptr,
+                              Eigen::VectorXd::Zero(contact.rows()), rows.at, d);
+  internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
+}
+
+// Of one contact: room, and views on it.
+void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDataAbstract& data) {
+  const Eigen::Index nc = contact.rows(), n = static_cast<Eigen::Index>(nv);
+  data.own_contact = contact;
+  data.contact = &data.own_contact;
+  data.Jc.setZero(nc, n);
+  data.a0.setZero(nc);
+  data.da0_dx.setZero(nc, 2 * n);
+  data.dv0_dq.setZero(nc, n);
+  data.f.setZero(nc);
+  data.f.type = contact.type;
+  data.f.axis = contact.axis;
+  data.v_columns.resize(nv);
+  std::iota(data.v_columns.begin(), data.v_columns.end(), 0);
+  data.own_x_columns.resize(2 * nv);
+  std::iota(data.own_x_columns.begin(), data.own_x_columns.end(), 0);
+  data.own_u_columns.resize(nu);
+  std::iota(data.own_u_columns.begin(), data.own_u_columns.end(), 0);
+  data.f_x_columns = &data.own_x_columns;
+  data.f_u_columns = &data.own_u_columns;
+  data.own_df_dx.setZero(nc, 2 * n);
+  data.own_df_du.setZero(nc, static_cast<Eigen::Index>(nu));
+  const auto view = [](const RowMajorMatrix& own, PanelView& out) {
+    new (&out) PanelView(own.data(), own.rows(), own.cols(), Eigen::OuterStride<>(own.cols()));
+  };
+  view(data.own_df_dx, data.df_dx);
+  view(data.own_df_du, data.df_du);
+}
+
+std::shared_ptr<ContactDataAbstract> create(const ContactModelAbstract& model, std::size_t nu, MultibodyData* motion) {
+  require(motion != nullptr, "createData", "the motion is a null pointer, a MultibodyData is expected");
+  auto data = std::make_shared<ContactDataAbstract>();
+  make_room(model.get_contact(), model.get_state()->get_nv(), nu, *data);
+  data->pinocchio = motion;
+  data->frame = model.get_id();
+  return data;
+}
+
+void copy_matrix(const char* where, const Eigen::MatrixXd& from, RowMajorMatrix& to) {
+  check_size(where, "a derivative's rows", from.rows(), static_cast<std::size_t>(to.rows()));
+  check_size(where, "a derivative's columns", from.cols(), static_cast<std::size_t>(to.cols()));
+  to = from;
+}
+
+// rows first, first + 1, ... of the stack, for each active part; force, df: of its rows.
+template <class Parts, class Data, class Use>
+void each_active(const char* where, const Parts& parts, Data& data, Use&& use) {
+  require(parts.size() == data.size(), where,
+          "parts were added or removed since the data were created, new data are expected");
+  Eigen::Index row = 0;
+  internal::for_each_part(
+      parts, data, [](const auto& item) { return item.active; },
+      [&](const auto& item, const auto& d) {
+        use(item, d, row);
+        row += d->Jc.rows();
+      });
+}
+
+template <class Parts, class Data>
+void set_zero_of_inactive(const Parts& parts, Data& data) {
+  internal::for_each_part(
+      parts, data, [](const auto& item) { return !item.active; },
+      [](const auto&, const auto& d) {
+        d->f.setZero();
+        d->fext.setZero();
+        d->own_df_dx.setZero();
+        d->own_df_du.setZero();
+      });
+}
+
+void sum_forces(ContactDataMultiple& data) {
+  for (SpatialForce& f : data.fext) f.setZero();
+  for (const auto& [name, contact] : data.contacts) {
+    const Attachment& A = contact->contact->A;
+    if (A.joint < 0) continue;
+    std::size_t first = 0;
+    for (int r = 0; r < A.robot; ++r) first += contact->pinocchio->motion[static_cast<std::size_t>(r)].oMi.size();
+    data.fext[first + static_cast<std::size_t>(A.joint)] += contact->fext;
+  }
+}
+
+template <class Data>
+void make_room_for_all(std::size_t nc, std::size_t nv, const MultibodyData& motion, Data& data) {
+  const auto rows = static_cast<Eigen::Index>(nc), n = static_cast<Eigen::Index>(nv);
+  data.Jc.setZero(rows, n);
+  data.a0.setZero(rows);
+  data.da0_dx.setZero(rows, 2 * n);
+  data.dv.setZero(n);
+  data.ddv_dx.setZero(n, 2 * n);
+  std::size_t joints = 0;
+  for (const Kinematics<double>& kin : motion.motion) joints += kin.oMi.size();
+  data.fext.resize(joints);
+}
+
+}  // namespace
+
+Vec6<double> ContactForce::toVector() const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;
+  internal::unit_wrenches(type, axis, P);
+  return P * *this;
+}
+
+// ---- one contact
+
+std::shared_ptr<ContactDataAbstract> ContactModelAbstract::createData(MultibodyData* data) const {
+  return create(*this, nu_, data);
+}
+
+void ContactModelAbstract::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
+  const MultibodyData& m = motion_of("ContactModel::calc", check_data("ContactModel::calc", data));
+  data->own_contact = contact_;
+  const Rows rows(m.scene, contact_, m.motion);
+  data->Jc.setZero();
+  internal::each_column(columns_of(m.scene, contact_), rows.support,
+                        [&](int to, int k) { data->Jc.col(to) += rows.at.J.col(k); });
+  data->a0 = rows.at.a0;
+}
+
+void ContactModelAbstract::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
+  const MultibodyData& m = motion_of("ContactModel::calcDiff", check_data("ContactModel::calcDiff", data));
+  differentiate_rows(m.scene, contact_, m.motion, m.terms, data->da0_dx);
+}
+
+void ContactModelAbstract::updateForce(const std::shared_ptr<ContactDataAbstract>& data,
+                                       const Eigen::VectorXd& force) const {
+  const MultibodyData& m = motion_of("ContactModel::updateForce", check_data("ContactModel::updateForce", data));
+  check_size("ContactModel::updateForce", "force", force.size(), get_nc());
+  data->own_contact = contact_;
+  data->f = force;
+  data->f.axis = contact_.axis;
+  Vec6<double> on_A = data->f.toVector();  // in A's axes
+  if (rows_turn(contact_)) {
+    const auto r = static_cast<std::size_t>(contact_.A.robot);
+    const Mat3<double> R =
+        frame_placement<double>(m.motion[r], m.scene.robots[r].base, contact_.A.joint, contact_.A.placement).R;
+    on_A << R.transpose() * on_A.head<3>(), R.transpose() * on_A.tail<3>();
+  }
+  data->fext = contact_.A.placement.act_force(on_A);
+}
+
+void ContactModelAbstract::updateForceDiff(const std::shared_ptr<ContactDataAbstract>& data,
+                                           const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const {
+  constexpr const char* kWhere = "ContactModel::updateForceDiff";
+  (void)motion_of(kWhere, check_data(kWhere, data));
+  copy_matrix(kWhere, df_dx, data->own_df_dx);
+  copy_matrix(kWhere, df_du, data->own_df_du);
+}
+
+void ContactModelAbstract::setZeroForce(const std::shared_ptr<ContactDataAbstract>& data) const {
+  check_data("ContactModel::setZeroForce", data).f.setZero();
+  data->fext.setZero();
+}
+
+void ContactModelAbstract::setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const {
+  check_data("ContactModel::setZeroForceDiff", data).own_df_dx.setZero();
+  data->own_df_du.setZero();
+}
+
+// ---- their stack
+
+std::shared_ptr<ContactDataMultiple> ContactModelMultiple::createData(MultibodyData* motion) const {
+  auto data = std::make_shared<ContactDataMultiple>();
+  for (const auto& [name, item] : contacts_) data->contacts[name] = item->contact->createData(motion);
+  make_room_for_all(nc_total_, state_->get_nv(), *motion, *data);
+  return data;
+}
+
+void ContactModelMultiple::calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
+  each_active("ContactModelMultiple::calc", contacts_, check_data("ContactModelMultiple::calc", data).contacts,
+              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
+                item.contact->calc(d, x);
+                data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
+                data->a0.segment(row, d->Jc.rows()) = d->a0;
+              });
+}
+
+void ContactModelMultiple::calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
+  each_active("ContactModelMultiple::calcDiff", contacts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
+              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
+                item.contact->calcDiff(d, x);
+                data->da0_dx.middleRows(row, d->Jc.rows()) = d->da0_dx;
+              });
+}
+
+void ContactModelMultiple::updateForce(const std::shared_ptr<ContactDataMultiple>& data,
+                                       const Eigen::VectorXd& force) const {
+  constexpr const char* kWhere = "ContactModelMultiple::updateForce";
+  check_size(kWhere, "force", force.size(), nc_);
+  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
+                item.contact->updateForce(d, force.segment(row, d->Jc.rows()));
+              });
+  set_zero_of_inactive(contacts_, data->contacts);
+  sum_forces(*data);
+}
+
+void ContactModelMultiple::updateForceDiff(const std::shared_ptr<ContactDataMultiple>& data,
+                                           const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const {
+  constexpr const char* kWhere = "ContactModelMultiple::updateForceDiff";
+  check_size(kWhere, "df_dx's rows", df_dx.rows(), nc_);
+  check_size(kWhere, "df_du's rows", df_du.rows(), nc_);
+  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
+                const Eigen::Index nc = d->Jc.rows();
+                item.contact->updateForceDiff(d, df_dx.middleRows(row, nc), df_du.middleRows(row, nc));
+              });
+  set_zero_of_inactive(contacts_, data->contacts);
+}
+
+void ContactModelMultiple::updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data,
+                                              const Eigen::VectorXd& dv) const {
+  check_size("ContactModelMultiple::updateAcceleration", "dv", dv.size(), state_->get_nv());
+  check_data("ContactModelMultiple::updateAcceleration", data).dv = dv;
+}
+
+void ContactModelMultiple::updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data,
+                                                  const Eigen::MatrixXd& ddv_dx) const {
+  constexpr const char* kWhere = "ContactModelMultiple::updateAccelerationDiff";
+  check_size(kWhere, "ddv_dx's rows", ddv_dx.rows(), state_->get_nv());
+  check_size(kWhere, "ddv_dx's columns", ddv_dx.cols(), state_->get_ndx());
+  check_data(kWhere, data).ddv_dx = ddv_dx;
+}
+
+// ---- impulses
+
+std::shared_ptr<ImpulseDataAbstract> ImpulseModelAbstract::createData(MultibodyData* data) const {
+  return create(*contact_, 0, data);
+}
+
+void ImpulseModelAbstract::calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef&) const {
+  const MultibodyData& m = motion_of("ImpulseModel::calc", check_data("ImpulseModel::calc", data));
+  const Contact& contact = contact_->get_contact();
+  data->own_contact = contact;
+  const Rows rows(m.scene, contact, m.motion);
+  data->Jc.setZero();
+  internal::each_column(columns_of(m.scene, contact), rows.support,
+                        [&](int to, int k) { data->Jc.col(to) += rows.at.J.col(k); });
+}
+
+// d(J v)/dq is how the rows of a contact change with q at rest, accelerated by v.
+void ImpulseModelAbstract::calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef&) const {
+  const MultibodyData& m = motion_of("ImpulseModel::calcDiff", check_data("ImpulseModel::calcDiff", data));
+  std::vector<Kinematics<double>> motion = m.motion;
+  std::vector<RneaDerivatives> terms = m.terms;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.scene.nv);
+  for (std::size_t r = 0; r < motion.size(); ++r) {
+    const Robot& robot = m.scene.robots[r];
+    const std::span<const Inertia<double>> Yc = composite_inertias(m.solution, static_cast<int>(r));
+    forward_accelerations<double>(*robot.model, rest.segment(robot.idx_v, robot.model->nv), m.v.data() + robot.idx_v,
+                                  Vec3<double>::Zero(), motion[r]);
+    rnea_derivatives<double>(*robot.model, motion[r], {Yc.begin(), Yc.end()}, {}, terms[r]);
+  }
+  Scene scene = m.scene;
+  scene.gravity.setZero();
+  Eigen::MatrixXd by_x(data->dv0_dq.rows(), 2 * data->dv0_dq.cols());
+  differentiate_rows(scene, contact_->get_contact(), motion, terms, by_x);
+  data->dv0_dq = by_x.leftCols(data->dv0_dq.cols());
+}
+
+void ImpulseModelAbstract::updateForce(const std::shared_ptr<ImpulseDataAbstract>& data,
+                                       const Eigen::VectorXd& impulse) const {
+  contact_->updateForce(data, impulse);
+}
+
+void ImpulseModelAbstract::updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data,
+                                           const Eigen::MatrixXd& df_dx) const {
+  contact_->updateForceDiff(data, df_dx, Eigen::MatrixXd(data->own_df_du));
+}
+
+void ImpulseModelAbstract::setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const {
+  contact_->setZeroForce(data);
+}
+
+void ImpulseModelAbstract::setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const {
+  contact_->setZeroForceDiff(data);
+}
+
+std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyData* motion) const {
+  auto data = std::make_shared<ImpulseDataMultiple>();
+  for (const auto& [name, item] : impulses_) data->contacts[name] = item->impulse->createData(motion);
+  const std::size_t nv = get_state()->get_nv();
+  make_room_for_all(get_nc_total(), nv, *motion, *data);
+  const auto n = static_cast<Eigen::Index>(nv);
+  data->dv0_dq.setZero(static_cast<Eigen::Index>(get_nc_total()), n);
+  data->vnext.setZero(n);
+  data->dvnext_dx.setZero(n, 2 * n);
+  return data;
+}
+
+void ImpulseModelMultiple::calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
+  each_active("ImpulseModelMultiple::calc", impulses_, check_data("ImpulseModelMultiple::calc", data).contacts,
+              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
+                item.impulse->calc(d, x);
+                data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
+              });
+}
+
+void ImpulseModelMultiple::calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
+  each_active("ImpulseModelMultiple::calcDiff", impulses_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
+              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
+                item.impulse->calcDiff(d, x);
+                data->dv0_dq.middleRows(row, d->Jc.rows()) = d->dv0_dq;
+              });
+}
+
+void ImpulseModelMultiple::updateForce(const std::shared_ptr<ImpulseDataMultiple>& data,
+                                       const Eigen::VectorXd& impulse) const {
+  constexpr const char* kWhere = "ImpulseModelMultiple::updateForce";
+  check_size(kWhere, "impulse", impulse.size(), get_nc());
+  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
+                item.impulse->updateForce(d, impulse.segment(row, d->Jc.rows()));
+              });
+  set_zero_of_inactive(impulses_, data->contacts);
+  sum_forces(*data);
+}
+
+void ImpulseModelMultiple::updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data,
+                                           const Eigen::MatrixXd& df_dx) const {
+  constexpr const char* kWhere = "ImpulseModelMultiple::updateForceDiff";
+  check_size(kWhere, "df_dx's rows", df_dx.rows(), get_nc());
+  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
+                item.impulse->updateForceDiff(d, df_dx.middleRows(row, d->Jc.rows()));
+              });
+  set_zero_of_inactive(impulses_, data->contacts);
+}
+
+void ImpulseModelMultiple::updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data,
+                                          const Eigen::VectorXd& vnext) const {
+  check_size("ImpulseModelMultiple::updateVelocity", "vnext", vnext.size(), get_state()->get_nv());
+  check_data("ImpulseModelMultiple::updateVelocity", data).vnext = vnext;
+}
+
+void ImpulseModelMultiple::updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data,
+                                              const Eigen::MatrixXd& dvnext_dx) const {
+  constexpr const char* kWhere = "ImpulseModelMultiple::updateVelocityDiff";
+  check_size(kWhere, "dvnext_dx's rows", dvnext_dx.rows(), get_state()->get_nv());
+  check_size(kWhere, "dvnext_dx's columns", dvnext_dx.cols(), get_state()->get_ndx());
+  check_data(kWhere, data).dvnext_dx = dvnext_dx;
+}
+
+}  // namespace manycontact

@@ -1,0 +1,48 @@
+#pragma once
+// Between a contact's rows and the matrices of its data.
+
+#include "manycontact/action/contact.hpp"
+#include "manycontact/contact/derivatives.hpp"
+
+namespace manycontact::internal {
+
+/// Columns of a matrix that A's robot's first velocity coordinate has, and that of B'.
+struct EndColumns {
+  int a = 0, b = 0;
+};
+
+/// use(column in the matrix, column k of the support) for each column of a contact's support.
+template <class Use>
+void each_column(const EndColumns& first, const ContactSupport& support, Use&& use) {
+  int k = 0;
+  for (const int i : support.a) use(first.a + i, k++);
+  for (const int i : support.b) use(first.b + i, k++);
+}
+
+/// da0_dx [by q | by v], each of out.cols() / 2 columns, from the rows and their derivatives at one motion.
+void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
+                           const ContactDerivatives& d, Eigen::MatrixXd& out);
+
+/// Columns: unit wrenches of a contact's rows, in its reference frame.
+template <class Wrenches>
+void unit_wrenches(ContactType type, const Vec3<double>& axis, Wrenches& P) {
+  P.setZero(6, contact_rows(type));
+  switch (type) {
+    case ContactType::k1D:
+      P.template topRows<3>() = axis;
+      break;
+    case ContactType::k2D:
+      P(0, 0) = P(2, 1) = 1;
+      break;
+    case ContactType::k5D:
+      P.template topLeftCorner<3, 3>().setIdentity();
+      P.template bottomRightCorner<3, 2>() = across(axis).transpose();
+      break;
+    case ContactType::k3D:
+    case ContactType::k6D:
+      P.setIdentity();
+      break;
+  }
+}
+
+}  // namespace manycontact::internal

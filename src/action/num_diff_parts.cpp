@@ -1,0 +1,407 @@
+#include "manycontact/action/num_diff_parts.hpp"
+
+#include <Eigen/QR>
+
+namespace manycontact {
+
+namespace {
+
+// column(i, (f(+) - f(-)) / 2h) for each of n directions; f(step of direction i), column(i, f(+), f(-), 2h).
+template <class F, class Column>
+void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
+    d[i] = h;
+    const auto plus = f(d);
+    const auto minus = f(-d);
+    column(i, plus, minus, 2 * h);
+  }
+}
+
+// The Jacobian of a function of n numbers.
+template <class F>
+Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
+  Eigen::MatrixXd J(rows, n);
+  each_direction(n, h, f, [&](Eigen::Index i, const Eigen::VectorXd& plus, const Eigen::VectorXd& minus, double width) {
+    J.col(i) = (plus - minus) / width;
+  });
+  return J;
+}
+
+// The same by u, whose steps are relative.
+template <class F>
+Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
+  const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);
+  return jacobian(rows, u.size(), h, [&](const Eigen::VectorXd& d) { return f(u + scale.cwiseProduct(d)); }) *
+         scale.cwiseInverse().asDiagonal();
+}
+
+Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
+
+template <class Part>
+const Part& modelled(const char* who, const std::shared_ptr<Part>& part) {
+  return *internal::given(who, part);
+}
+
+}  // namespace
+
+void internal::Step::set_disturbance(double disturbance) {
+  require(disturbance > 0 && std::isfinite(disturbance), "set_disturbance",
+          std::to_string(disturbance) + " was given, a positive number is expected");
+  step_ = disturbance;
+}
+
+// ---- state
+
+StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
+    : StateAbstract(modelled("StateNumDiff", state).get_nx(), state->get_ndx()), state_model_(std::move(state)) {
+  nq_ = state_model_->get_nq();
+  nv_ = state_model_->get_nv();
+  set_lb(state_model_->get_lb());
+  set_ub(state_model_->get_ub());
+}
+
+void StateNumDiff::diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const {
+  state_model_->diff(x0, x1, dxout);
+}
+
+void StateNumDiff::integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const {
+  state_model_->integrate(x, dx, xout);
+}
+
+void StateNumDiff::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
+                         Jcomponent which) const {
+  const StateAbstract& s = *state_model_;
+  const Eigen::Index n = size(ndx_);
+  if (which != second)
+    Jfirst = jacobian(n, n, step_, [&](const Eigen::VectorXd& d) { return s.diff_dx(s.integrate_x(x0, d), x1); });
+  if (which != first)
+    Jsecond = jacobian(n, n, step_, [&](const Eigen::VectorXd& d) { return s.diff_dx(x0, s.integrate_x(x1, d)); });
+}
+
+void StateNumDiff::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
+                              Jcomponent which, AssignmentOp op) const {
+  const StateAbstract& s = *state_model_;
+  const Eigen::Index n = size(ndx_);
+  const Eigen::VectorXd to = s.integrate_x(x, dx);
+  const auto put = [op](const Eigen::MatrixXd& J, MatrixRef out) {
+    if (op == setto)
+      out = J;
+    else
+      out += op == addto ? J : Eigen::MatrixXd(-J);
+  };
+  if (which != second)
+    put(jacobian(n, n, step_,
+                 [&](const Eigen::VectorXd& d) { return s.diff_dx(to, s.integrate_x(s.integrate_x(x, d), dx)); }),
+        Jfirst);
+  if (which != first)
+    put(jacobian(n, n, step_, [&](const Eigen::VectorXd& d) { return s.diff_dx(to, s.integrate_x(x, dx + d)); }),
+        Jsecond);
+}
+
+void StateNumDiff::JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
+                                       Jcomponent which) const {
+  require(which != both, "StateNumDiff::JintegrateTransport", "first or second is expected");
+  Jin = (Jintegrate_Js(x, dx, which)[0] * Jin).eval();
+}
+
+// ---- activation
+
+ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model)
+    : ActivationDataAbstract(model->get_nr()), data_0(model->get_model()->createData()) {
+  Arr_.setZero(Ar.size(), Ar.size());
+}
+
+ActivationModelNumDiff::ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
+    : ActivationModelAbstract(modelled("ActivationModelNumDiff", model).get_nr()), model_(std::move(model)) {}
+
+std::shared_ptr<ActivationDataAbstract> ActivationModelNumDiff::createData() {
+  return std::make_shared<ActivationDataNumDiff>(this);
+}
+
+void ActivationModelNumDiff::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+  auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calc", data);
+  model_->calc(d.data_0, r);
+  d.a_value = d.data_0->a_value;
+}
+
+void ActivationModelNumDiff::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+  auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calcDiff", data);
+  const auto value = [&](const Eigen::VectorXd& at) {
+    model_->calc(d.data_0, at);
+    return Eigen::VectorXd::Constant(1, d.data_0->a_value).eval();
+  };
+  d.Ar = jacobian(1, r.size(), step_, [&](const Eigen::VectorXd& dr) { return value(r + dr); }).transpose();
+  const auto gradient = [&](const Eigen::VectorXd& at) {
+    model_->calc(d.data_0, at);
+    model_->calcDiff(d.data_0, at);
+    return d.data_0->Ar;
+  };
+  d.Arr_ = jacobian(r.size(), r.size(), step_, [&](const Eigen::VectorXd& dr) { return gradient(r + dr); });
+  d.Arr.diagonal() = d.Arr_.diagonal();
+  calc(data, r);
+}
+
+// ---- actuation
+
+ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
+    : ActuationDataAbstract(model), data_0(model->get_model()->createData()) {
+  tau_set = data_0->tau_set;
+}
+
+ActuationModelNumDiff::ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
+    : ActuationModelAbstract(modelled("ActuationModelNumDiff", model).get_state(), model->get_nu()),
+      model_(std::move(model)) {}
+
+std::shared_ptr<ActuationDataAbstract> ActuationModelNumDiff::createData() {
+  return std::make_shared<ActuationDataNumDiff>(this);
+}
+
+void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                 const ConstVectorRef& u) {
+  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
+  model_->calc(d.data_0, x, u);
+  d.tau = d.data_0->tau;
+}
+
+void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
+  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
+  model_->calc(d.data_0, x);
+  d.tau = d.data_0->tau;
+}
+
+void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                     const ConstVectorRef& u) {
+  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
+  check("ActuationModelNumDiff::calcDiff", x, u);
+  const auto tau = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
+    model_->calc(d.data_0, at_x, at_u);
+    return d.data_0->tau;
+  };
+  const Eigen::Index nv = size(state_->get_nv()), ndx = size(state_->get_ndx());
+  d.dtau_dx = jacobian(nv, ndx, step_, [&](const Eigen::VectorXd& dx) { return tau(state_->integrate_x(x, dx), u); });
+  d.dtau_du = jacobian_by_u(nv, u, step_, [&](const Eigen::VectorXd& at_u) { return tau(x, at_u); });
+  calc(data, x, u);
+}
+
+void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
+  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
+  d.dtau_dx = jacobian(size(state_->get_nv()), size(state_->get_ndx()), step_, [&](const Eigen::VectorXd& dx) {
+    model_->calc(d.data_0, state_->integrate_x(x, dx));
+    return d.data_0->tau;
+  });
+  calc(data, x);
+}
+
+void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                     const ConstVectorRef& tau) {
+  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
+  model_->commands(d.data_0, x, tau);
+  d.u = d.data_0->u;
+}
+
+void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
+                                            const ConstVectorRef& x, const ConstVectorRef& u) {
+  calcDiff(data, x, u);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
+  inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
+  inverse.compute(Eigen::MatrixXd(data->dtau_du));
+  data->Mtau = inverse.pseudoInverse();
+}
+
+// ---- residual
+
+ResidualDataNumDiff::ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared)
+    : ResidualDataAbstract(model, shared), data_0(model->get_model()->createData(shared)) {}
+
+ResidualModelNumDiff::ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
+    : ResidualModelAbstract(modelled("ResidualModelNumDiff", model).get_state(), model->get_nr(), model->get_nu(),
+                            model->get_q_dependent(), model->get_v_dependent(), model->get_u_dependent()),
+      model_(model) {}
+
+std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
+  auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
+  lay_out(*data);
+  return data;
+}
+
+void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                                const ConstVectorRef& u) {
+  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
+  model_->calc(d.data_0, x, u);
+  d.r = d.data_0->r;
+}
+
+void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
+  model_->calc(d.data_0, x);
+  d.r = d.data_0->r;
+}
+
+void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                                    const ConstVectorRef& u) {
+  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
+  const auto r = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
+    reevaluate(at_x, at_u);
+    model_->calc(d.data_0, at_x, at_u);
+    return d.data_0->r;
+  };
+  d.Rx = jacobian(size(nr_), size(state_->get_ndx()), step_,
+                  [&](const Eigen::VectorXd& dx) { return r(state_->integrate_x(x, dx), u); });
+  d.Ru = jacobian_by_u(size(nr_), u, step_, [&](const Eigen::VectorXd& at_u) { return r(x, at_u); });
+  d.r = r(x, u);
+}
+
+void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
+  const auto r = [&](const Eigen::VectorXd& at_x) {
+    reevaluate(at_x, unone_);
+    model_->calc(d.data_0, at_x);
+    return d.data_0->r;
+  };
+  d.Rx = jacobian(size(nr_), size(state_->get_ndx()), step_,
+                  [&](const Eigen::VectorXd& dx) { return r(state_->integrate_x(x, dx)); });
+  d.r = r(x);
+}
+
+// ---- cost
+
+CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model)
+    : model_(internal::given("CostModelNumDiff", model)) {}
+
+std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
+  require(shared && shared->whole, "CostModelNumDiff::createData", "a collector by hand is expected");
+  return model_->createData(shared);
+}
+
+void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
+                            const ConstVectorRef& u) {
+  model_->calc(data, x, u);
+}
+
+void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+  model_->calc(data, x);
+}
+
+// [cost; r] by x and u, then the cost's derivatives with the activation's at the point.
+template <class Calc>
+void CostModelNumDiff::differentiate(CostDataAbstract& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                                     bool terminal, Calc&& calc) {
+  const StateAbstract& state = *get_state();
+  const Eigen::Index nr = d.residual->r.size();
+  const auto values = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
+    reevaluate(at_x, at_u);
+    calc(at_x, at_u);
+    Eigen::VectorXd out(1 + nr);
+    out << d.cost, d.residual->r;
+    return out;
+  };
+  const Eigen::MatrixXd by_x = jacobian(1 + nr, size(state.get_ndx()), step_,
+                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
+  Eigen::MatrixXd by_u;
+  if (!terminal) by_u = jacobian_by_u(1 + nr, u, step_, [&](const Eigen::VectorXd& at_u) { return values(x, at_u); });
+  (void)values(x, u);
+  model_->get_activation()->calcDiff(d.activation, d.residual->r);
+  const auto& Arr = d.activation->Arr;
+  d.Lx = by_x.row(0);
+  d.residual->Rx = by_x.bottomRows(nr);
+  d.Lxx = d.residual->Rx.transpose() * Arr * d.residual->Rx;
+  if (terminal) return;
+  d.Lu = by_u.row(0);
+  d.residual->Ru = by_u.bottomRows(nr);
+  d.Lxu = d.residual->Rx.transpose() * Arr * d.residual->Ru;
+  d.Luu = d.residual->Ru.transpose() * Arr * d.residual->Ru;
+}
+
+void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
+                                const ConstVectorRef& u) {
+  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, u, false,
+                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
+}
+
+void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
+                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+}
+
+// ---- constraint
+
+ConstraintModelNumDiff::ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
+    : model_(internal::given("ConstraintModelNumDiff", model)) {}
+
+std::shared_ptr<ConstraintDataAbstract> ConstraintModelNumDiff::createData(DataCollector* shared) {
+  return model_->createData(shared);
+}
+
+void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
+                                  const ConstVectorRef& u) {
+  model_->calc(data, x, u);
+}
+
+void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
+  model_->calc(data, x);
+}
+
+template <class Calc>
+void ConstraintModelNumDiff::differentiate(ConstraintDataAbstract& d, const Eigen::VectorXd& x,
+                                           const Eigen::VectorXd& u, bool terminal, Calc&& calc) {
+  const StateAbstract& state = *get_state();
+  const Eigen::Index ng = d.g.size(), nh = d.h.size();
+  const auto values = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
+    reevaluate(at_x, at_u);
+    calc(at_x, at_u);
+    Eigen::VectorXd out(ng + nh);
+    out << d.g, d.h;
+    return out;
+  };
+  const Eigen::MatrixXd by_x = jacobian(ng + nh, size(state.get_ndx()), step_,
+                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
+  d.Gx = by_x.topRows(ng);
+  d.Hx = by_x.bottomRows(nh);
+  if (!terminal) {
+    const Eigen::MatrixXd by_u =
+        jacobian_by_u(ng + nh, u, step_, [&](const Eigen::VectorXd& at_u) { return values(x, at_u); });
+    d.Gu = by_u.topRows(ng);
+    d.Hu = by_u.bottomRows(nh);
+  }
+  (void)values(x, u);
+}
+
+void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
+                                      const ConstVectorRef& u) {
+  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, u, false,
+                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
+}
+
+void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
+  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
+                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+}
+
+// ---- contact
+
+ContactModelNumDiff::ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
+    : model_(internal::given("ContactModelNumDiff", model)) {}
+
+std::shared_ptr<ContactDataAbstract> ContactModelNumDiff::createData(MultibodyData* data) {
+  return model_->createData(data);
+}
+
+void ContactModelNumDiff::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
+  model_->calc(data, x);
+}
+
+void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
+  const StateMultibody& state = *model_->get_state();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(size(model_->get_nu()));
+  const auto a0 = [&](const Eigen::VectorXd& at) {
+    reevaluate(at, none);
+    model_->calc(data, at);
+    return data->a0;
+  };
+  data->da0_dx = jacobian(size(model_->get_nc()), size(state.get_ndx()), step_,
+                          [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
+  (void)a0(x);
+}
+
+}  // namespace manycontact
