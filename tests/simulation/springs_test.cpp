@@ -151,6 +151,23 @@ TEST(StiffSprings, AreTakenAtTheEndOfTheStep) {
     }
 }
 
+// A damper alone, 250 times what an explicit step bears: v+ = v / (1 + h c / m).
+TEST(StiffSprings, DampersInJointsToo) {
+  const double m = 2, c = 1e5, h = 0.01;
+  RandomScene s = oscillator();
+  s.scene.springs.clear();
+  Model model = *s.scene.robots[0].model;
+  model.damping = VectorXd::Constant(1, c);
+  model.friction = VectorXd::Zero(1);
+  s.scene.robots[0].model = std::make_shared<const Model>(model);
+  s.v[0] = 3;
+  SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, h);
+  for (int k = 1; k < 4; ++k) {
+    ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+    EXPECT_NEAR(sim.v[0], 3 / std::pow(1 + h * c / m, k), 1e-12);
+  }
+}
+
 // The equations of the step with the springs' forces at its end, springs' directions by differences of their lengths:
 // several springs on the same bodies, soft ones beside stiff ones, contacts that hold.
 TEST(StiffSprings, SolveTheEquationsOfTheStep) {
