@@ -4,6 +4,7 @@
 //
 // Three things are as there, and not as in namespace manycontact: throw_pretty and its exception; stacks that warn on
 // std::cerr and go on where a part is added twice, or one is removed or switched that is not there; pseudoInverse.
+// Getters of action models give back the stacks as those of namespace manycontact, which throw: hold them by auto.
 // src/doc/coming_from.md says what else differs.
 
 #include <Eigen/QR>

@@ -70,7 +70,7 @@ void add_contact_models(py::module_& m) {
 
   py::class_<ContactDataAbstract, std::shared_ptr<ContactDataAbstract>>(m, "ContactDataAbstract", "Copies.")
       .def_property_readonly(
-          "f", [](const ContactDataAbstract& d) { return d.f; },
+          "f", [](const ContactDataAbstract& d) { return Eigen::VectorXd(d.f); },
           "Force on A, in the contact's reference frame (nc) [N, N m].")
       .def_property_readonly(
           "Jc", [](const ContactDataAbstract& d) { return d.Jc; }, "(nc, v_columns)")

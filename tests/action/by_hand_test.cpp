@@ -332,6 +332,36 @@ TEST(OwnResidual, WritesWholeMatricesAndCountsInAnAction) {
   EXPECT_FALSE(own->get_v_dependent());
 }
 
+// One that writes blocks: |v|^2, in terminal nodes too.
+struct OfBlocks : ResidualModelAbstract {
+  explicit OfBlocks(std::shared_ptr<StateAbstract> state, std::size_t nu)
+      : ResidualModelAbstract(std::move(state), 1, nu, Dependence{.v = true}) {}
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef&) override {
+    data->r[0] = x.tail(static_cast<Eigen::Index>(state_->get_nv())).squaredNorm();
+  }
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef&) override {
+    const auto nv = static_cast<Eigen::Index>(state_->get_nv());
+    data->blocks[0].Rx.rightCols(nv) = 2 * x.tail(nv).transpose();
+  }
+};
+
+TEST(OwnResidual, OfBlocksCountsInTerminalNodes) {
+  Walker w;
+  w.add_cost("own", std::make_shared<OfBlocks>(w.state, w.nu));
+  const auto model = w.model();
+  const auto data = model->createData();
+  model->calc(data, w.x);
+  model->calcDiff(data, w.x);
+  DifferentialActionModelNumDiff twin(model);
+  const auto expected = twin.createData();
+  twin.calc(expected, w.x);
+  twin.calcDiff(expected, w.x);
+  EXPECT_LT(twin_difference(data->Lx, expected->Lx), kByHand);
+  EXPECT_GT(size_of(data->Lx), 0.1);
+}
+
 TEST(OwnResidual, WithoutDerivativesSaysSo) {
   struct None : ResidualModelAbstract {
     explicit None(std::shared_ptr<StateAbstract> state) : ResidualModelAbstract(std::move(state), 1) {}

@@ -75,7 +75,7 @@ struct Program {
     }
   }
   // Costs of the node, as a user gets at them.
-  static const std::shared_ptr<crocoddyl::CostModelSum>& costs(
+  static const std::shared_ptr<manycontact::CostModelSum>& costs(
       const std::shared_ptr<crocoddyl::ActionModelAbstract>& node) {
     const auto euler = std::static_pointer_cast<crocoddyl::IntegratedActionModelEuler>(node);
     return std::static_pointer_cast<crocoddyl::DifferentialActionModelFreeFwdDynamics>(euler->get_differential())

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <iomanip>
 #include <random>
+#include <sstream>
 
 #include "manycontact/task/optimize.hpp"
 #include "spatial/compare.hpp"
@@ -13,6 +15,12 @@
 
 namespace manycontact::test {
 namespace {
+
+std::string text(double number) {
+  std::ostringstream out;
+  out << std::setprecision(17) << number;
+  return out.str();
+}
 
 struct RandomJoined {
   std::string what;
@@ -29,10 +37,8 @@ RandomJoined draw(int seed) {
   const std::string frame = type == "5d" ? "local" : pick({"local", "world", "local_world_aligned"});
   const std::string damping = seed % 3 == 0 ? "1e-3" : "0";
   const double scale = std::pow(10.0, std::uniform_int_distribution<int>(-6, 6)(rng));
-  const auto weight = [&](double most) {
-    return " weight='" + std::to_string(uniform(rng, 0.1, 1) * most * scale) + "'";
-  };
-  const auto angle = [&](double about) { return "' q='" + std::to_string(about + uniform(rng, -0.1, 0.1)) + "'/>"; };
+  const auto weight = [&](double most) { return " weight='" + text(uniform(rng, 0.1, 1) * most * scale) + "'"; };
+  const auto angle = [&](double about) { return "' q='" + text(about + uniform(rng, -0.1, 0.1)) + "'/>"; };
   std::string scene = "<scene name='line' damping='" + damping +
                       "'><robot name='q' urdf='" MANYCONTACT_SOURCE_DIR
                       "/models/quadruped.urdf' base='floating' xyz='0 0 0.3824' copies='" +
@@ -44,11 +50,11 @@ RandomJoined draw(int seed) {
     scene += std::string("<contact name='") + leg + "' type='3d' frame='q/" + leg + "_foot' gains='0 20'/>";
   scene += "<contact name='hold' type='" + type + "' frame='q/LF_foot' to='q+1/trunk' gains='40 15' reference_frame='" +
            frame + "'/></scene>";
-  const std::string costs =
-      "<cost name='state' type='state' robot='q'" + weight(1) + " weights='" + repeated("0.1", 6) +
-      repeated("0.5", 12) + repeated("0.2", 18) + "'/><cost name='control' type='control'" + weight(1e-3) +
-      "/><cost name='com' type='com' robot='q'" + weight(10) + " reference='" +
-      std::to_string(uniform(rng, -0.03, 0.03)) + " " + std::to_string(uniform(rng, -0.03, 0.03)) + " 0.36'/>";
+  const std::string costs = "<cost name='state' type='state' robot='q'" + weight(1) + " weights='" +
+                            repeated("0.1", 6) + repeated("0.5", 12) + repeated("0.2", 18) +
+                            "'/><cost name='control' type='control'" + weight(1e-3) +
+                            "/><cost name='com' type='com' robot='q'" + weight(10) + " reference='" +
+                            text(uniform(rng, -0.03, 0.03)) + " " + text(uniform(rng, -0.03, 0.03)) + " 0.36'/>";
   RandomJoined out;
   out.what = type + ", " + frame + ", damping " + damping + ", weights " + std::to_string(std::log10(scale));
   out.task =

@@ -76,8 +76,8 @@ void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>
 }
 
 void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+  if (!get_u_dependent()) return calcDiff(data, x, unone_);
   if (whole_) {
-    if (!get_u_dependent()) return calcDiff(data, x, unone_);
     data->Rx.setZero();
     return;
   }
