@@ -69,6 +69,24 @@ TEST_F(ByHand, ResidualsAreAsTheirTwins) {
   EXPECT_GT(count, 30);
 }
 
+TEST_F(ByHand, WhatNeedsMoreThanIsGivenIsRefused) {
+  DataCollectorActMultibodyInContact shared(&motion, torques, contacts);
+  DataCollector nothing, motion_only(&motion);
+  int refused = 0;
+  for (const auto& [name, residual] : all_residuals(w.state, w.actuation, *w.contacts, 5)) {
+    if (stands_alone(*residual)) continue;
+    EXPECT_THROW((void)residual->createData(&shared), std::invalid_argument) << name;
+    ++refused;
+  }
+  EXPECT_EQ(refused, 3);
+  ResidualModelFrameTranslation place(w.state, w.left, Eigen::Vector3d(0, 0, 0), w.nu);
+  EXPECT_THROW((void)place.createData(&nothing), std::invalid_argument);
+  EXPECT_THROW((void)ResidualModelCoMPosition(w.state, Eigen::Vector3d(0, 0, 0)).createData(&nothing),
+               std::invalid_argument);
+  EXPECT_THROW((void)ResidualModelControlGrav(w.state, w.nu).createData(&motion_only), std::invalid_argument);
+  EXPECT_NO_THROW((void)place.createData(&motion_only));
+}
+
 TEST_F(ByHand, CostsAndTheirSumAreAsTheirTwins) {
   DataCollectorActMultibodyInContact shared(&motion, torques, contacts);
   w.add_costs();

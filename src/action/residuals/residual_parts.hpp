@@ -24,6 +24,18 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
   return frames[id];
 }
 
+/// Throws std::invalid_argument where there are no robots to look at.
+inline void expect_motion(const char* who, const DataCollector* shared) {
+  require(shared && shared->scene.nrobots() > 0, who,
+          "the collector has no motion, one of a MultibodyData or of an action model is expected");
+}
+
+/// Throws std::invalid_argument by hand, where the dynamics are not solved.
+inline void expect_dynamics(const char* who, const DataCollector* shared) {
+  expect_motion(who, shared);
+  require(!shared->whole, who, "it needs the solved dynamics, and so an action model's data");
+}
+
 /// first, first + 1, ... (n numbers).
 inline std::vector<int> range(int first, int n) {
   std::vector<int> numbers(n);

@@ -46,6 +46,7 @@ CentroidalResidual::CentroidalResidual(const char* name, std::shared_ptr<StateMu
 }
 
 std::shared_ptr<ResidualDataAbstract> CentroidalResidual::createData(DataCollector* shared) {
+  internal::expect_motion("CentroidalResidual", shared);
   auto data = std::make_shared<CentroidalData>(this, shared);
   for (const Robot& robot : shared->scene.robots)
     data->h.emplace_back(robot.model->njoints(), Vec6<double>(Vec6<double>::Zero()));

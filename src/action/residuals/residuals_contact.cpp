@@ -107,6 +107,7 @@ void ContactResidual::set_axes(ConeAxes axes) {
 }
 
 std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector* shared) {
+  internal::expect_motion(name_, shared);
   auto data = std::make_shared<ContactResidualData>(this, shared);
   lay_out(*data);
   return data;

@@ -47,6 +47,7 @@ void FrameResidual::set_id(FrameIndex id) {
 }
 
 std::shared_ptr<ResidualDataAbstract> FrameResidual::createData(DataCollector* shared) {
+  internal::expect_motion(name_, shared);
   auto data = std::make_shared<FrameResidualData>(this, shared);
   lay_out(*data);
   return data;

@@ -75,6 +75,11 @@ GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibod
 }
 
 std::shared_ptr<ResidualDataAbstract> GravityResidual::createData(DataCollector* shared) {
+  if (contacts_)
+    internal::expect_dynamics(name_, shared);
+  else
+    internal::expect_motion(name_, shared);
+  require(shared->actuation != nullptr, name_, "the collector has no actuation's data, one with them is expected");
   auto data = std::make_shared<GravityData>(this, shared);
   lay_out(*data);
   return data;

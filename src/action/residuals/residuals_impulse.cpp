@@ -24,7 +24,7 @@ ResidualModelImpulseCoM::ResidualModelImpulseCoM(std::shared_ptr<StateMultibody>
     : CentroidalResidual("ResidualModelImpulseCoM", std::move(state), 3, 0, {.q = true, .v = true}, -1) {}
 
 std::shared_ptr<ResidualDataAbstract> ResidualModelImpulseCoM::createData(DataCollector* shared) {
-  require(shared->impact != nullptr, "ResidualModelImpulseCoM",
+  require(shared && shared->impact != nullptr, "ResidualModelImpulseCoM",
           "the action model is no impulse, an ActionModelImpulseFwdDynamics is expected");
   auto data = std::make_shared<ImpulseCoMData>(this, shared);
   for (const Robot& robot : shared->scene.robots)

@@ -165,6 +165,7 @@ void ResidualModelJointAcceleration::calc(const std::shared_ptr<ResidualDataAbst
 }
 
 void ResidualModelJointAcceleration::lay_out(ResidualDataAbstract& data) const {
+  internal::expect_dynamics("ResidualModelJointAcceleration", data.shared);
   data.blocks.clear();
   for (const IslandColumns& island : data.shared->islands) data.blocks.emplace_back(island.v, island.x, island.u);
 }
