@@ -10,7 +10,7 @@ std::vector<std::string> Rounding::names() const {
 }
 
 Rounding find_rounding(const IslandReport& report) {
-  if (report.status == Status::kFailed || report.reason == Reason::kUncertain) return {};
+  if (report.status == Status::kFailed) return {};
   return {report.error_acceleration > 1, report.error_forces > 1};
 }
 

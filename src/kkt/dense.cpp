@@ -24,11 +24,6 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
-template <class S>
-void keep_least(DenseKkt<S>& kkt, const S& pivot, const S& terms) {
-  if (!(pivot >= kkt.least_pivot * terms)) kkt.least_pivot = pivot / terms;
-}
-
 // Which rows of J count.
 template <class S>
 void decide_rank(DenseKkt<S>& kkt) {
@@ -42,7 +37,6 @@ void decide_rank(DenseKkt<S>& kkt) {
   const int most = static_cast<int>(std::min(scaled.rows(), scaled.cols()));
   using std::abs;
   while (kkt.rank < most && abs(kkt.choice.matrixQR()(kkt.rank, kkt.rank)) > S(tolerance::kRank)) ++kkt.rank;
-  if (kkt.rank > 0) keep_least(kkt, abs(kkt.choice.matrixQR()(kkt.rank - 1, kkt.rank - 1)), S(1));
 }
 
 template <class S>
@@ -74,7 +68,7 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
 // A = N^T M N, of which a pivot may be no more than rounding of the terms |N|^T |M| |N|, however large these are beside
 // A; or no more than what rounding of N's columns, which are of unit length, makes of M.
 template <class S>
-bool sound_inertia(DenseKkt<S>& kkt, const MatX<S>& A) {
+bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
   const Eigen::LLT<MatX<S>>& llt = kkt.reduced;
   if (llt.info() != Eigen::Success) return false;
@@ -83,7 +77,6 @@ bool sound_inertia(DenseKkt<S>& kkt, const MatX<S>& A) {
   const VecX<S> sums = size_M.rowwise().sum();
   for (int k = 0; k < A.rows(); ++k) {
     const S l = llt.matrixLLT()(k, k);
-    keep_least(kkt, S(l * l), terms(k, k));
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sums.sum())))
       return false;
   }
@@ -97,12 +90,10 @@ bool sound_inertia(DenseKkt<S>& kkt, const MatX<S>& A) {
 }
 
 template <class S>
-bool sound_damped(DenseKkt<S>& kkt) {
-  using std::abs;
+bool sound_damped(const DenseKkt<S>& kkt) {
   const MatX<S>& LU = kkt.lu.matrixLU();
   for (int k = 0; k < LU.rows(); ++k) {
     const S terms = LU.row(k).head(k).cwiseAbs() * LU.col(k).head(k).cwiseAbs();
-    keep_least(kkt, S(abs(LU(k, k))), terms);
     if (is_noise<S>(LU(k, k), terms, tolerance::kDampingRounding)) return false;
   }
   return true;
@@ -152,7 +143,6 @@ template <class S>
 void factor(DenseKkt<S>& kkt) {
   const int nv = kkt.nv(), nc = kkt.nc();
   kkt.rank = 0;
-  kkt.least_pivot = S(1);
   kkt.holds = kkt.regular = false;
   if (!kkt.M.allFinite() || !kkt.J.allFinite()) return;
   if (nc > 0) {

@@ -26,8 +26,6 @@ std::string to_string(Reason reason) {
       return "the inertia is singular where no contact holds";
     case Reason::kSpringWithoutDirection:
       return "the ends of a spring coincide, so that its force has no direction";
-    case Reason::kUncertain:
-      return "what rounding alone does to the answer may be as large as the answer";
   }
   return "?";
 }

@@ -10,7 +10,7 @@ namespace {
 
 // All that patterns, and the branches of the algorithms, depend on.
 std::vector<double> key_of(const Model& model) {
-  std::vector<double> key{double(model.floating_base), double(model.damping.size()), double(model.friction.size())};
+  std::vector<double> key{double(model.floating_base)};
   key.reserve(key.size() + 9 * model.joints.size());
   for (const Joint& joint : model.joints) {
     key.insert(key.end(), {double(joint.parent), double(joint.type), double(joint.actuated),

@@ -42,8 +42,7 @@ void add_enumerations(py::module_& m) {
                            {"BAD_DAMPING", Reason::kBadDamping},
                            {"BAD_QUATERNION", Reason::kBadQuaternion},
                            {"SINGULAR_INERTIA", Reason::kSingularInertia},
-                           {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection},
-                           {"UNCERTAIN", Reason::kUncertain}});
+                           {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection}});
 }
 
 void add_how_to_solve(py::module_& m) {

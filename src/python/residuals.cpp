@@ -99,7 +99,7 @@ void add_shared(py::module_& m) {
       .def_property_readonly("report", [](const Shared& s) { return s.get().solution.report; })
       .def(
           "contact_force",
-          [](const Shared& s, const std::string& name) {
+          [](const Shared& s, const std::string& name) -> Vector {
             const auto& contacts = s.get().contacts->contacts;
             const auto found = contacts.find(name);
             if (found == contacts.end()) throw py::value_error("there is no contact '" + name + "'");

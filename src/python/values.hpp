@@ -68,6 +68,8 @@ py::object pack(const T& x) {
     return copy(x);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return py::cast(std::const_pointer_cast<Model>(x));  // pickled once, however many share it
+  } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
+    return py::none();  // finalize finds it
   } else if constexpr (is_vector<T>) {
     py::list out;
     for (const auto& item : x) out.append(pack<typename T::value_type>(item));
@@ -101,6 +103,8 @@ void unpack(py::handle from, T& x) {
                                                                                 a.ndim() == 2 ? a.shape(1) : 1);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     x = from.cast<std::shared_ptr<Model>>();
+  } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
+    x = nullptr;
   } else if constexpr (is_vector<T>) {
     x.clear();
     for (const py::handle item : py::reinterpret_borrow<py::list>(from)) {
@@ -124,6 +128,7 @@ void unpack(py::handle from, T& x) {
     if (state.size() != n) throw py::value_error("pickle: written by another version of manycontact");
     [&]<std::size_t... I>(std::index_sequence<I...>) { (unpack(state[I], std::get<I>(to)), ...); }
     (std::make_index_sequence<n>());
+    if constexpr (std::is_same_v<T, Model>) finalize(x);
   } else {
     throw py::type_error("it has a member that cannot be pickled");
   }

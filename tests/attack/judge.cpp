@@ -160,7 +160,6 @@ void Trying::judge_values(const Answer& t) {
 
 void Trying::judge_status(const Answer& t) {
   const Status status = data.report.status;
-  if (status == Status::kRegularised && std::max(data.report.error_acceleration, data.report.error_forces) >= 1) return;
   const double size = t.moved + t.drift;
   // In between the two the definition's own rounding decides.
   // Where nothing acts, all of it is rounding of the reference's own.
@@ -315,11 +314,9 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
 bool Trying::values() {
   const Scene& scene = file.scene;
   const Report& r = solve(scene, file.q, file.v, file.u, data);
-  const bool uncertain = std::any_of(r.islands.begin(), r.islands.end(),
-                                     [](const IslandReport& i) { return i.reason == Reason::kUncertain; });
-  if (r.status == Status::kRegularised && !uncertain) return false;
+  if (r.status == Status::kRegularised) return false;
   const std::vector<int>& ranks = trial.truth.ranks();
-  if (r.status == Status::kFailed || uncertain) {
+  if (r.status == Status::kFailed) {
     const Answer& t = trial.truth.at(ranks.back());
     if (method != Method::kDenseSchur && t.regular && t.condition < 1e10)
       find(Fault::kNoAnswer, text("%s, condition %.1e, rank %d of %d", to_string(r.islands.front().reason).c_str(),

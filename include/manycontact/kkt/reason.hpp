@@ -16,7 +16,6 @@ enum class Reason {
   kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
   kSingularInertia,  // M is singular and the contacts do not hold what it lets go
   kSpringWithoutDirection,  // the ends of a spring coincide
-  kUncertain,               // regularised: what rounding alone does to the answer may be as large as the answer
 };
 std::string to_string(Reason reason);  // in words, for people
 

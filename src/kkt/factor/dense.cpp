@@ -83,8 +83,6 @@ class DenseFactor final : public Factor {
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * std::sqrt(kkt_.nc());
   }
 
-  double least_pivot() const override { return kkt_.least_pivot; }
-
   int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
 
  private:

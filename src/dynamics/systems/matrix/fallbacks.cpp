@@ -180,13 +180,9 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
     return true;
   }
   report.reason = last;
-  return last == Reason::kSmallPivot && method != Method::kDenseSchur &&
-         solve_undamped(scene, data, scratch, m, report);
-}
-
-bool solve_undamped(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
-                    IslandReport& report) {
-  if (scene.damping == 0 || attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
+  if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
+  // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
+  if (attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
   return true;

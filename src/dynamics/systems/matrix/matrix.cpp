@@ -63,31 +63,13 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Of the oracle's answer by a pivot that leaves few digits: whether any is known, by its bounds. The report says so
-// where not. Of a damped system the damping is below rounding then, and the answer is the one without.
-void judge_certainty(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, IslandReport& report) {
-  constexpr double kDoubtful = 1e-7;
-  if (m.factor != m.dense.get() || !(m.factor->least_pivot() < kDoubtful)) return;
-  IslandReport bounded = report;
-  (void)m.bound_errors(scene, data, bounded);
-  if (bounded.reason != Reason::kUncertain) return;
-  if (scene.damping > 0) {
-    if (internal::solve_undamped(scene, data, thread.scratch, m, report)) return take_answer(scene, data, m, report);
-    (void)solve_at_state(scene, data, thread, m, report);  // as before
-  }
-  report.status = bounded.status;
-  report.reason = bounded.reason;
-}
-
 }  // namespace
 
 bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
   const bool answered = solve_at_state(scene, data, thread, *this, report);
   was_dependent = answered && scene.damping == 0 && factor == safe.get() && deficient();
-  if (!answered) return false;
-  take_answer(scene, data, *this, report);
-  judge_certainty(scene, data, thread, *this, report);
-  return true;
+  if (answered) take_answer(scene, data, *this, report);
+  return answered;
 }
 
 bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {

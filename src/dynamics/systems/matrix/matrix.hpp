@@ -88,10 +88,6 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// A damping below the rounding of K: the answer without it, as a neighbouring problem's. False where that is not sound
-/// or there is no damping, and after a try that K and its factor are not those of the answer at hand.
-bool solve_undamped(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
-                    IslandReport& report);
 /// The factor that drops dependent rows, alone. False where it is not sound, or finds none.
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                              IslandReport& report);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "../../internal.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "robots.hpp"
@@ -60,10 +61,12 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   return plan;
 }
 
-// By what a plan depends on: the structure, the contacts' types and joints, the order of elimination, the rows dropped.
+// By what a plan depends on: the structure, whether joints have friction, the contacts' types and joints, the order of
+// elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
-  std::vector<int> key{static_cast<int>(order), static_cast<int>(block.contacts.size())};
+  const Model& model = *scene.robots[block.robot].model;
+  std::vector<int> key{static_cast<int>(order), has_friction(model), static_cast<int>(block.contacts.size())};
   for (int c : block.contacts) {
     const Contact& contact = scene.contacts[c];
     key.insert(key.end(), {static_cast<int>(contact.type), contact.A.joint, moves(contact.B) ? contact.B.joint : -1});
@@ -74,7 +77,7 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   }
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
   key.insert(key.end(), block.dropped.begin(), block.dropped.end());
-  BlockGroup& group = w.lanes.groups[{scene.robots[block.robot].model->structure.get(), std::move(key)}];
+  BlockGroup& group = w.lanes.groups[{model.structure.get(), std::move(key)}];
   if (!group.plan) group.plan = make_plan(block, order);
   return group;
 }

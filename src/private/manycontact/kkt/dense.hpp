@@ -30,7 +30,6 @@ struct DenseKkt {  // K and its rank-revealing factor
   int rank = 0;          // of J
   bool holds = false;    // N^T M N is positive definite, whatever delta: contacts hold what M lets go
   bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
-  S least_pivot = S(1);  // of all these, beside the terms it was computed from
   Eigen::ColPivHouseholderQR<MatX<S>> choice;       // of J^T, rows over their sizes: P, and how much was left of each
   Eigen::HouseholderQR<MatX<S>> of_Jt;              // J^T P = Q [C; 0]
   Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: rows of J as they stand in R C^T

@@ -60,9 +60,6 @@ class Factor {  // one island's factor, whatever the method
   /// What rounding makes of the projections, beside the largest entry of y: the forces of least norm are no better.
   virtual double projector_error() const { return 0; }
 
-  /// The smallest pivot that was kept, beside the terms it was computed from; 1 where the factor does not tell.
-  virtual double least_pivot() const { return 1; }
-
   /// Of the factor, diagonals included.
   virtual int nonzeros() const = 0;
   /// Where J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
