@@ -2,41 +2,33 @@
 
 #include <Eigen/QR>
 
+#include "assign.hpp"
+#include "differences.hpp"
+
 namespace manycontact {
+
+using internal::jacobian;
+using internal::jacobian_by_u;
 
 namespace {
 
-// column(i, (f(+) - f(-)) / 2h) for each of n directions; f(step of direction i), column(i, f(+), f(-), 2h).
-template <class F, class Column>
-void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
-  for (Eigen::Index i = 0; i < n; ++i) {
-    Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
-    d[i] = h;
-    const auto plus = f(d);
-    const auto minus = f(-d);
-    column(i, plus, minus, 2 * h);
-  }
-}
-
-// The Jacobian of a function of n numbers.
-template <class F>
-Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
-  Eigen::MatrixXd J(rows, n);
-  each_direction(n, h, f, [&](Eigen::Index i, const Eigen::VectorXd& plus, const Eigen::VectorXd& minus, double width) {
-    J.col(i) = (plus - minus) / width;
-  });
-  return J;
-}
-
-// The same by u, whose steps are relative.
-template <class F>
-Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
-  const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);
-  return jacobian(rows, u.size(), h, [&](const Eigen::VectorXd& d) { return f(u + scale.cwiseProduct(d)); }) *
-         scale.cwiseInverse().asDiagonal();
-}
-
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
+
+struct Differences {
+  Eigen::MatrixXd x, u;  // by these; a terminal node has none by u
+};
+
+// Of values(x, u), `rows` numbers; at last they are those of the point again.
+template <class Values>
+Differences differences(const StateAbstract& state, Eigen::Index rows, const Eigen::VectorXd& x,
+                        const Eigen::VectorXd& u, bool terminal, double h, Values&& values) {
+  Differences by;
+  by.x = jacobian(rows, size(state.get_ndx()), h,
+                  [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
+  if (!terminal) by.u = jacobian_by_u(rows, u, h, [&](const Eigen::VectorXd& at) { return values(x, at); });
+  (void)values(x, u);
+  return by;
+}
 
 template <class Part>
 const Part& modelled(const char* who, const std::shared_ptr<Part>& part) {
@@ -84,19 +76,12 @@ void StateNumDiff::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx,
   const StateAbstract& s = *state_model_;
   const Eigen::Index n = size(ndx_);
   const Eigen::VectorXd to = s.integrate_x(x, dx);
-  const auto put = [op](const Eigen::MatrixXd& J, MatrixRef out) {
-    if (op == setto)
-      out = J;
-    else
-      out += op == addto ? J : Eigen::MatrixXd(-J);
+  const auto by = [&](auto&& moved) {
+    return jacobian(n, n, step_, [&](const Eigen::VectorXd& d) { return s.diff_dx(to, moved(d)); });
   };
   if (which != second)
-    put(jacobian(n, n, step_,
-                 [&](const Eigen::VectorXd& d) { return s.diff_dx(to, s.integrate_x(s.integrate_x(x, d), dx)); }),
-        Jfirst);
-  if (which != first)
-    put(jacobian(n, n, step_, [&](const Eigen::VectorXd& d) { return s.diff_dx(to, s.integrate_x(x, dx + d)); }),
-        Jsecond);
+    internal::assign(Jfirst, by([&](const auto& d) { return s.integrate_x(s.integrate_x(x, d), dx); }), op);
+  if (which != first) internal::assign(Jsecond, by([&](const auto& d) { return s.integrate_x(x, dx + d); }), op);
 }
 
 void StateNumDiff::JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
@@ -200,8 +185,8 @@ void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract
   d.u = d.data_0->u;
 }
 
-void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
-                                            const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
+                                            const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
   inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
@@ -241,27 +226,24 @@ void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& dat
 void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                                     const ConstVectorRef& u) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  const auto r = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
+  const Differences by = differences(*state_, size(nr_), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
     reevaluate(at_x, at_u);
     model_->calc(d.data_0, at_x, at_u);
     return d.data_0->r;
-  };
-  d.Rx = jacobian(size(nr_), size(state_->get_ndx()), step_,
-                  [&](const Eigen::VectorXd& dx) { return r(state_->integrate_x(x, dx), u); });
-  d.Ru = jacobian_by_u(size(nr_), u, step_, [&](const Eigen::VectorXd& at_u) { return r(x, at_u); });
-  d.r = r(x, u);
+  });
+  d.Rx = by.x;
+  d.Ru = by.u;
+  d.r = d.data_0->r;
 }
 
 void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  const auto r = [&](const Eigen::VectorXd& at_x) {
-    reevaluate(at_x, unone_);
-    model_->calc(d.data_0, at_x);
-    return d.data_0->r;
-  };
-  d.Rx = jacobian(size(nr_), size(state_->get_ndx()), step_,
-                  [&](const Eigen::VectorXd& dx) { return r(state_->integrate_x(x, dx)); });
-  d.r = r(x);
+  d.Rx = differences(*state_, size(nr_), x, unone_, true, step_, [&](const auto& at_x, const auto& at_u) {
+           reevaluate(at_x, at_u);
+           model_->calc(d.data_0, at_x);
+           return d.data_0->r;
+         }).x;
+  d.r = d.data_0->r;
 }
 
 // ---- cost
@@ -287,28 +269,23 @@ void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const
 template <class Calc>
 void CostModelNumDiff::differentiate(CostDataAbstract& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
                                      bool terminal, Calc&& calc) {
-  const StateAbstract& state = *get_state();
   const Eigen::Index nr = d.residual->r.size();
-  const auto values = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
-    reevaluate(at_x, at_u);
-    calc(at_x, at_u);
-    Eigen::VectorXd out(1 + nr);
-    out << d.cost, d.residual->r;
-    return out;
-  };
-  const Eigen::MatrixXd by_x = jacobian(1 + nr, size(state.get_ndx()), step_,
-                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
-  Eigen::MatrixXd by_u;
-  if (!terminal) by_u = jacobian_by_u(1 + nr, u, step_, [&](const Eigen::VectorXd& at_u) { return values(x, at_u); });
-  (void)values(x, u);
+  const Differences by =
+      differences(*get_state(), 1 + nr, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
+        reevaluate(at_x, at_u);
+        calc(at_x, at_u);
+        Eigen::VectorXd out(1 + nr);
+        out << d.cost, d.residual->r;
+        return out;
+      });
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
   const auto& Arr = d.activation->Arr;
-  d.Lx = by_x.row(0);
-  d.residual->Rx = by_x.bottomRows(nr);
+  d.Lx = by.x.row(0);
+  d.residual->Rx = by.x.bottomRows(nr);
   d.Lxx = d.residual->Rx.transpose() * Arr * d.residual->Rx;
   if (terminal) return;
-  d.Lu = by_u.row(0);
-  d.residual->Ru = by_u.bottomRows(nr);
+  d.Lu = by.u.row(0);
+  d.residual->Ru = by.u.bottomRows(nr);
   d.Lxu = d.residual->Rx.transpose() * Arr * d.residual->Ru;
   d.Luu = d.residual->Ru.transpose() * Arr * d.residual->Ru;
 }
@@ -345,26 +322,20 @@ void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>&
 template <class Calc>
 void ConstraintModelNumDiff::differentiate(ConstraintDataAbstract& d, const Eigen::VectorXd& x,
                                            const Eigen::VectorXd& u, bool terminal, Calc&& calc) {
-  const StateAbstract& state = *get_state();
   const Eigen::Index ng = d.g.size(), nh = d.h.size();
-  const auto values = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
-    reevaluate(at_x, at_u);
-    calc(at_x, at_u);
-    Eigen::VectorXd out(ng + nh);
-    out << d.g, d.h;
-    return out;
-  };
-  const Eigen::MatrixXd by_x = jacobian(ng + nh, size(state.get_ndx()), step_,
-                                        [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
-  d.Gx = by_x.topRows(ng);
-  d.Hx = by_x.bottomRows(nh);
-  if (!terminal) {
-    const Eigen::MatrixXd by_u =
-        jacobian_by_u(ng + nh, u, step_, [&](const Eigen::VectorXd& at_u) { return values(x, at_u); });
-    d.Gu = by_u.topRows(ng);
-    d.Hu = by_u.bottomRows(nh);
-  }
-  (void)values(x, u);
+  const Differences by =
+      differences(*get_state(), ng + nh, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
+        reevaluate(at_x, at_u);
+        calc(at_x, at_u);
+        Eigen::VectorXd out(ng + nh);
+        out << d.g, d.h;
+        return out;
+      });
+  d.Gx = by.x.topRows(ng);
+  d.Hx = by.x.bottomRows(nh);
+  if (terminal) return;
+  d.Gu = by.u.topRows(ng);
+  d.Hu = by.u.bottomRows(nh);
 }
 
 void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
@@ -392,16 +363,13 @@ void ContactModelNumDiff::calc(const std::shared_ptr<ContactDataAbstract>& data,
 }
 
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
-  const StateMultibody& state = *model_->get_state();
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(size(model_->get_nu()));
-  const auto a0 = [&](const Eigen::VectorXd& at) {
-    reevaluate(at, none);
-    model_->calc(data, at);
+  const auto a0 = [&](const auto& at_x, const auto& at_u) {
+    reevaluate(at_x, at_u);
+    model_->calc(data, at_x);
     return data->a0;
   };
-  data->da0_dx = jacobian(size(model_->get_nc()), size(state.get_ndx()), step_,
-                          [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
-  (void)a0(x);
+  data->da0_dx = differences(*model_->get_state(), size(model_->get_nc()), x, none, true, step_, a0).x;
 }
 
 }  // namespace manycontact

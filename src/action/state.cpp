@@ -3,20 +3,12 @@
 #include <cmath>
 #include <random>
 
+#include "assign.hpp"
 #include "manycontact/algorithm/integrate.hpp"
 
 namespace manycontact {
 
 namespace {
-
-void assign(MatrixRef J, const MatrixRef& block, AssignmentOp op) {
-  if (op == setto)
-    J = block;
-  else if (op == addto)
-    J += block;
-  else
-    J -= block;
-}
 
 // use(joint, first coordinate in q, in v) for every joint of every robot.
 template <class Use>
@@ -125,7 +117,7 @@ void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& d
     each_joint(model_->scene(), [&](const Joint& joint, int, int iv) {
       const int n = joint.nv();
       joint_integrate_derivative(joint, dx.segment(iv, n), of_x, block.topLeftCorner(n, n));
-      assign(J.block(iv, iv, n, n), block.topLeftCorner(n, n), op);
+      internal::assign(J.block(iv, iv, n, n), block.topLeftCorner(n, n), op);
     });
   };
   if (which != second) fill(true, Jfirst);

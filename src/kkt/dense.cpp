@@ -54,7 +54,8 @@ void decompose_rows(DenseKkt<S>& kkt) {
     sorted.row(k) = C.col(order[k]).transpose();
     kkt.sorted.indices()[kkt.choice.colsPermutation().indices()[order[k]]] = k;
   }
-  if (kkt.of_Ct.cols() != kkt.rank) kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);  // as below
+  if (kkt.of_Ct.cols() != kkt.rank)  // made anew, as in factor
+    kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);
   kkt.of_Ct.compute(sorted);
 }
 
@@ -75,9 +76,10 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S> size_M = M.cwiseAbs(), size_N = N.cwiseAbs(), terms = size_N.transpose() * (size_M * size_N);
   const S of_N = S(tolerance::kRounding) * std::numeric_limits<S>::epsilon();
   const VecX<S> sums = size_M.rowwise().sum();
+  const S sum = sums.sum();
   for (int k = 0; k < A.rows(); ++k) {
     const S l = llt.matrixLLT()(k, k);
-    if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sums.sum())))
+    if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
   // Without pivoting, noise can pass on from a poor pivot to the next and grow: the condition shows it.

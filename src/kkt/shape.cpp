@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/model/interned.hpp"
 #include "manycontact/sparse/ordering.hpp"
 
 namespace manycontact {
@@ -151,53 +152,18 @@ void add_places(const Scene& scene, const Island& island, Key& key) {
 
 }  // namespace
 
-std::size_t ShapeCache::Hash::operator()(const Key& key) const {
-  std::uint64_t h = key.size();
-  for (std::uint64_t x : key) {  // a round of splitmix64 for each word
-    h += x + 0x9e3779b97f4a7c15;
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111eb;
-    h ^= h >> 31;
-  }
-  return h;
-}
-
-namespace {
-
-// The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
-// same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
-template <class Hash>
-class ShapesAtHand {
- public:
-  std::shared_ptr<IslandShape> find(const Key& key, const Scene& scene, const Island& island) {
-    const std::lock_guard lock(mutex_);
-    if (shapes_.size() >= sweep_at_) {
-      std::erase_if(shapes_, [](const auto& known) { return known.second.expired(); });
-      sweep_at_ = std::max(kFewest, 2 * shapes_.size());
-    }
-    std::weak_ptr<IslandShape>& known = shapes_[key];
-    std::shared_ptr<IslandShape> shape = known.lock();
-    if (!shape) known = shape = std::make_shared<IslandShape>(scene, island);
-    return shape;
-  }
-
- private:
-  static constexpr std::size_t kFewest = 64;
-  std::mutex mutex_;
-  std::unordered_map<Key, std::weak_ptr<IslandShape>, Hash> shapes_;
-  std::size_t sweep_at_ = kFewest;
-};
-
-}  // namespace
+std::size_t ShapeCache::Hash::operator()(const Key& key) const { return HashOfWords()(key); }
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
-  static ShapesAtHand<Hash> at_hand;
+  // The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
+  // same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
+  static Interned<IslandShape> at_hand;
   key_.clear();
   add_structure(scene, island, key_);
   add_places(scene, island, key_);
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
-  std::shared_ptr<IslandShape> fresh = at_hand.find(key_, scene, island);
+  std::shared_ptr<IslandShape> fresh = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
   if (is_deep(*fresh)) {
     const auto& deep = shapes_.try_emplace(key_, std::move(fresh)).first->second;
     return by_places_.try_emplace(key_, deep).first->second;

@@ -5,11 +5,10 @@
 
 namespace manycontact {
 
-struct ModelStructure {
-  std::vector<double> key;
-};
+/// Known by its address alone.
+struct ModelStructure {};
 
-/// The one of a model, whose other fields finalize has filled: the same for all that are alive and equal in it.
+/// The one of a model, whose other fields finalize has filled.
 std::shared_ptr<const ModelStructure> find_structure(const Model& model);
 
 }  // namespace manycontact

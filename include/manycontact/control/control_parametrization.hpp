@@ -8,7 +8,7 @@
 
 #include <array>
 
-#include "manycontact/action/state.hpp"
+#include "manycontact/action/num_diff_parts.hpp"
 
 namespace manycontact {
 
@@ -114,8 +114,9 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
   RKType rktype_;
 };
 
-/// A numerical twin: dw_du by central differences. For controls of one's own, and for tests.
-class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract {
+/// A numerical twin: dw_du by central differences, of steps relative to max(1, |u_i|). For controls of one's own, and
+/// for tests.
+class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract, public internal::Step {
  public:
   explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
@@ -129,13 +130,9 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
   void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                    AssignmentOp op = setto) const override;
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_model() const { return model_; }
-  /// The step, relative to max(1, |u_i|).
-  double get_disturbance() const { return step_; }
-  void set_disturbance(double disturbance);
 
  private:
   std::shared_ptr<ControlParametrizationModelAbstract> model_;
-  double step_;
 };
 
 struct ControlParametrizationDataNumDiff : ControlParametrizationDataAbstract {

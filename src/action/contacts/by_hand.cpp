@@ -36,6 +36,16 @@ struct Rows {  // of a contact at a motion
   ContactData<double> at;
 };
 
+// The rows at the motion, and J of them in the data.
+Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstract& data) {
+  data.own_contact = contact;
+  Rows rows(m.scene, contact, m.motion);
+  data.Jc.setZero();
+  internal::each_column(columns_of(m.scene, contact), rows.support,
+                        [&](int to, int k) { data.Jc.col(to) += rows.at.J.col(k); });
+  return rows;
+}
+
 // d(rows' motion)/d[q | v] at a motion with its terms.
 void differentiate_rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion,
                         const std::vector<RneaDerivatives>& terms, Eigen::MatrixXd& out) {
@@ -158,12 +168,7 @@ std::shared_ptr<ContactDataAbstract> ContactModelAbstract::createData(MultibodyD
 
 void ContactModelAbstract::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ContactModel::calc", check_data("ContactModel::calc", data));
-  data->own_contact = contact_;
-  const Rows rows(m.scene, contact_, m.motion);
-  data->Jc.setZero();
-  internal::each_column(columns_of(m.scene, contact_), rows.support,
-                        [&](int to, int k) { data->Jc.col(to) += rows.at.J.col(k); });
-  data->a0 = rows.at.a0;
+  data->a0 = take_rows(m, contact_, *data).at.a0;
 }
 
 void ContactModelAbstract::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
@@ -279,12 +284,7 @@ std::shared_ptr<ImpulseDataAbstract> ImpulseModelAbstract::createData(MultibodyD
 
 void ImpulseModelAbstract::calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calc", check_data("ImpulseModel::calc", data));
-  const Contact& contact = contact_->get_contact();
-  data->own_contact = contact;
-  const Rows rows(m.scene, contact, m.motion);
-  data->Jc.setZero();
-  internal::each_column(columns_of(m.scene, contact), rows.support,
-                        [&](int to, int k) { data->Jc.col(to) += rows.at.J.col(k); });
+  (void)take_rows(m, contact_->get_contact(), *data);
 }
 
 // d(J v)/dq is how the rows of a contact change with q at rest, accelerated by v.

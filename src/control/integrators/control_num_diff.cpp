@@ -1,5 +1,5 @@
-#include <cmath>
-
+#include "../../action/assign.hpp"
+#include "../../action/differences.hpp"
 #include "manycontact/control/control_parametrization.hpp"
 
 namespace manycontact {
@@ -15,13 +15,6 @@ ControlParametrizationDataNumDiff& own(const NumDiff::Data& data) {
   return internal::own_data<ControlParametrizationDataNumDiff>(kNumDiff, data);
 }
 
-void put(const Eigen::MatrixXd& value, MatrixRef out, AssignmentOp op) {
-  if (op == setto)
-    out = value;
-  else
-    out += op == addto ? value : Eigen::MatrixXd(-value);
-}
-
 }  // namespace
 
 ControlParametrizationDataNumDiff::ControlParametrizationDataNumDiff(const NumDiff* model)
@@ -29,14 +22,7 @@ ControlParametrizationDataNumDiff::ControlParametrizationDataNumDiff(const NumDi
 
 NumDiff::ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
     : ControlParametrizationModelAbstract(internal::given(kNumDiff, model)->get_nw(), model->get_nu()),
-      model_(std::move(model)),
-      step_(std::cbrt(std::numeric_limits<double>::epsilon())) {}
-
-void NumDiff::set_disturbance(double disturbance) {
-  require(disturbance > 0 && std::isfinite(disturbance), "ControlParametrizationModelNumDiff::set_disturbance",
-          std::to_string(disturbance) + " was given, a positive number is expected");
-  step_ = disturbance;
-}
+      model_(std::move(model)) {}
 
 NumDiff::Data NumDiff::createData() { return std::make_shared<ControlParametrizationDataNumDiff>(this); }
 
@@ -48,17 +34,10 @@ void NumDiff::calc(const Data& data, double t, const ConstVectorRef& u) const {
 
 void NumDiff::calcDiff(const Data& data, double t, const ConstVectorRef& u) const {
   auto& d = own(data);
-  Eigen::VectorXd at = u;
-  for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const double h = step_ * std::max(1.0, std::abs(u[i]));
-    at[i] = u[i] + h;
+  d.dw_du = internal::jacobian_by_u(static_cast<Eigen::Index>(nw_), u, step_, [&](const Eigen::VectorXd& at) {
     model_->calc(d.data_0, t, at);
-    d.dw_du.col(i) = d.data_0->w;
-    at[i] = u[i] - h;
-    model_->calc(d.data_0, t, at);
-    d.dw_du.col(i) = (d.dw_du.col(i) - d.data_0->w) / (2 * h);
-    at[i] = u[i];
-  }
+    return d.data_0->w;
+  });
   calc(data, t, u);
 }
 
@@ -74,12 +53,12 @@ void NumDiff::convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_
 }
 
 void NumDiff::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixRef out, AssignmentOp op) const {
-  put(A * own(data).dw_du, out, op);
+  internal::assign(out, A * own(data).dw_du, op);
 }
 
 void NumDiff::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A, MatrixRef out,
                                           AssignmentOp op) const {
-  put(own(data).dw_du.transpose() * A, out, op);
+  internal::assign(out, own(data).dw_du.transpose() * A, op);
 }
 
 }  // namespace manycontact

@@ -1,5 +1,7 @@
 #include "manycontact/control/control_parametrization.hpp"
 
+#include "../../action/assign.hpp"
+
 namespace manycontact {
 
 using Poly = ControlParametrizationModelPoly;
@@ -36,16 +38,6 @@ ControlParametrizationDataPoly& own(const char* where, const Poly::Data& data) {
   auto* d = dynamic_cast<ControlParametrizationDataPoly*>(&check_data(where, data));
   require(d != nullptr, where, "the data were created by another model, data of this one's createData() are expected");
   return *d;
-}
-
-template <class Out, class In>
-void assign(Out&& out, double c, const In& in, AssignmentOp op) {
-  if (op == setto)
-    out = c * in;
-  else if (op == addto)
-    out += c * in;
-  else
-    out -= c * in;
 }
 
 }  // namespace
@@ -95,7 +87,7 @@ void Poly::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixR
   check_size(kWhere, "a row of out", out.cols(), nu_);
   check_size(kWhere, "a column of out", out.rows(), A.rows());
   const ControlParametrizationDataPoly& d = own(kWhere, data);
-  for (std::size_t k = 0; k < terms_; ++k) assign(out.middleCols(k * nw_, nw_), d.c[k], A, op);
+  for (std::size_t k = 0; k < terms_; ++k) internal::assign(out.middleCols(k * nw_, nw_), d.c[k] * A, op);
 }
 
 void Poly::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A, MatrixRef out,
@@ -105,7 +97,7 @@ void Poly::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A
   check_size(kWhere, "a column of out", out.rows(), nu_);
   check_size(kWhere, "a row of out", out.cols(), A.cols());
   const ControlParametrizationDataPoly& d = own(kWhere, data);
-  for (std::size_t k = 0; k < terms_; ++k) assign(out.middleRows(k * nw_, nw_), d.c[k], A, op);
+  for (std::size_t k = 0; k < terms_; ++k) internal::assign(out.middleRows(k * nw_, nw_), d.c[k] * A, op);
 }
 
 ControlParametrizationModelPolyTwoRK::ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype)

@@ -190,9 +190,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
   constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
-  const auto [method, order] = m.owner.choice;
   if (m.factor == m.dense.get() || m.owner.island.size() > kLargest) return false;
-  const Attempt oracle{FactorKind::kDense, order, scene.damping};
+  const Attempt oracle{FactorKind::kDense, m.owner.choice.order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
   (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come
   return false;
