@@ -46,7 +46,7 @@ void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>&
 }
 
 template <class S>
-void unpack_inertia(const Model& model, const S* M, Eigen::Ref<MatX<S>> out) {
+void unpack_inertia(const Model& model, const S* M, MatRef<S> out) {
   out.setZero();
   for (int i = 0; i < model.nv; ++i) {
     const S* row = M + model.M_begin[i];
@@ -59,6 +59,6 @@ template void crba<InstantiatedScalar>(const Model&, const Kinematics<Instantiat
 template void crba<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
                                        std::vector<Inertia<InstantiatedScalar>>&, const int*, InstantiatedScalar*);
 template void unpack_inertia<InstantiatedScalar>(const Model&, const InstantiatedScalar*,
-                                                 Eigen::Ref<MatX<InstantiatedScalar>>);
+                                                 MatRef<InstantiatedScalar>);
 
 }  // namespace manycontact

@@ -60,7 +60,7 @@ Vec6<S> frame_classical_acceleration(const Kinematics<S>& kin, const SE3<double>
 
 template <class S>
 void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                    const SE3<double>& placement, FrameAxes axes, Eigen::Ref<Mat6X<S>> J) {
+                    const SE3<double>& placement, FrameAxes axes, Mat6XRef<S> J) {
   J.setZero();
   if (joint < 0) return;
   const SE3<S> M = view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes);
@@ -75,6 +75,6 @@ template Vec6<S> frame_acceleration<S>(const Kinematics<S>&, const SE3<double>&,
 template Vec6<S> frame_classical_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
                                                  FrameAxes);
 template void frame_jacobian<S>(const Model&, const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
-                                FrameAxes, Eigen::Ref<Mat6X<S>>);
+                                FrameAxes, Mat6XRef<S>);
 
 }  // namespace manycontact

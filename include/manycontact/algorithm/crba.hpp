@@ -18,6 +18,6 @@ void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>&
 
 /// The dense symmetric matrix of a packed one. out: nv x nv.
 template <class S>
-void unpack_inertia(const Model& model, const S* M, Eigen::Ref<MatX<S>> out);
+void unpack_inertia(const Model& model, const S* M, MatRef<S> out);
 
 }  // namespace manycontact

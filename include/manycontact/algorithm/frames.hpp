@@ -33,6 +33,6 @@ Vec6<S> frame_classical_acceleration(const Kinematics<S>& kin, const SE3<double>
 /// J (6 x nv) with frame_velocity = J v. Columns that do not move the frame are set to zero.
 template <class S>
 void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                    const SE3<double>& placement, FrameAxes axes, Eigen::Ref<Mat6X<S>> J);
+                    const SE3<double>& placement, FrameAxes axes, Mat6XRef<S> J);
 
 }  // namespace manycontact

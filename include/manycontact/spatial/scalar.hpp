@@ -40,8 +40,11 @@ template <class S> using Mat6 = Eigen::Matrix<S, 6, 6>;
 template <class S> using VecX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 template <class S> using MatX = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
-template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>>;
-template <class S> using VecRef = Eigen::Ref<VecX<S>>;
+// Eigen's default strides, spelled: clang and GCC mangle the default differently, and their objects would not link.
+template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>, 0, Eigen::InnerStride<1>>;
+template <class S> using VecRef = Eigen::Ref<VecX<S>, 0, Eigen::InnerStride<1>>;
+template <class S> using MatRef = Eigen::Ref<MatX<S>, 0, Eigen::OuterStride<>>;
+template <class S> using Mat6XRef = Eigen::Ref<Mat6X<S>, 0, Eigen::OuterStride<>>;
 // clang-format on
 
 /// Sine and cosine of an angle [rad].
