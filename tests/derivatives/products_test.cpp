@@ -174,8 +174,8 @@ class Misuse : public testing::Test {
     EXPECT_THROW(differentiate(scene, data), std::logic_error);
     EXPECT_THROW(call_jvp(0, 0, 0, 0, 0), std::logic_error);
     EXPECT_THROW(call_vjp(0, 0, 0, 0, 0), std::logic_error);
-    EXPECT_THROW(dense_derivatives(scene, data), std::logic_error);
-    EXPECT_THROW(sparse_derivatives(scene, data), std::logic_error);
+    EXPECT_THROW((void)dense_derivatives(scene, data), std::logic_error);
+    EXPECT_THROW((void)sparse_derivatives(scene, data), std::logic_error);
   }
 
   SceneFile file = load_scene(kModels + "arm_pushes_box.xml");
@@ -205,8 +205,8 @@ TEST_F(Misuse, BeforeASolve) {
 
 TEST_F(Misuse, MatricesBeforeDifferentiate) {
   solve_it();
-  EXPECT_THROW(dense_derivatives(scene, data), std::logic_error);
-  EXPECT_THROW(sparse_derivatives(scene, data), std::logic_error);
+  EXPECT_THROW((void)dense_derivatives(scene, data), std::logic_error);
+  EXPECT_THROW((void)sparse_derivatives(scene, data), std::logic_error);
   differentiate(scene, data);
   EXPECT_NO_THROW(dense_derivatives(scene, data));
   EXPECT_NO_THROW(sparse_derivatives(scene, data));
@@ -217,8 +217,8 @@ TEST_F(Misuse, MatricesAfterProductsOnly) {
   SceneData redundant(corners.scene);
   (void)solve(corners.scene, corners.q, corners.v, corners.u, redundant);
   times(corners.scene, redundant, VectorXd::Ones(2 * corners.scene.nv + corners.scene.nu));
-  EXPECT_THROW(dense_derivatives(corners.scene, redundant), std::logic_error);
-  EXPECT_THROW(sparse_derivatives(corners.scene, redundant), std::logic_error);
+  EXPECT_THROW((void)dense_derivatives(corners.scene, redundant), std::logic_error);
+  EXPECT_THROW((void)sparse_derivatives(corners.scene, redundant), std::logic_error);
 }
 
 TEST_F(Misuse, AfterContactsWereSwitched) {
