@@ -45,7 +45,7 @@ std::vector<Case> smaller_cases(const Case& c) {
   };
   for (std::size_t k = 0; k < c.holds.size(); ++k) {
     with([&](Case& s) { return s.holds.erase(s.holds.begin() + static_cast<std::ptrdiff_t>(k)), true; });
-    with([&](Case& s) { return put(s.holds[k].alpha, 0.0) | put(s.holds[k].beta, 0.0); });
+    with([&](Case& s) { return put(s.holds[k].alpha, 0.0) + put(s.holds[k].beta, 0.0) > 0; });
     with([&](Case& s) { return put(s.holds[k].offset, Numbers{}); });
     with([&](Case& s) { return put(s.holds[k].turned, std::array<double, 4>{0, 0, 0, 1}); });
     with([&](Case& s) { return put(s.holds[k].frame, std::string("local")); });
@@ -57,7 +57,7 @@ std::vector<Case> smaller_cases(const Case& c) {
     with([&](Case& s) { return drop_last_link(s, static_cast<int>(k)); });
     with([&](Case& s) { return put(s.trees[k].v, std::vector<double>(c.trees[k].v.size(), 0.0)); });
     with([&](Case& s) { return put(s.trees[k].u, std::vector<double>(c.trees[k].u.size(), 0.0)); });
-    with([&](Case& s) { return put(s.trees[k].rpy, Numbers{}) | put(s.trees[k].xyz, Numbers{}); });
+    with([&](Case& s) { return put(s.trees[k].rpy, Numbers{}) + put(s.trees[k].xyz, Numbers{}) > 0; });
     for (std::size_t i = 0; i < c.trees[k].links.size() && c.trees[k].urdf.empty(); ++i) {
       with([&](Case& s) { return put(s.trees[k].links[i].rpy, Numbers{}); });
       with([&](Case& s) { return put(s.trees[k].links[i].com_rpy, Numbers{}); });

@@ -197,7 +197,7 @@ TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
     const Eigen::MatrixXd product = dense_L.cwiseAbs() * pivots.asDiagonal() * dense_L.cwiseAbs().transpose();
 
     sparse::ldl_row_sums(K.pattern, K.x.data(), symbolic, L.data(), D.data(), of_factor.data(), of_A.data());
-    const auto sums = [n](const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), n); };
+    const auto sums = [](const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), n); };
     EXPECT_LE(difference_of(sums(of_A), A.cwiseAbs().rowwise().sum().eval()), n * kEps * sums(of_A).maxCoeff());
     EXPECT_LE(difference_of(sums(of_factor), product.rowwise().sum().eval()),
               3 * n * kEps * sums(of_factor).maxCoeff());

@@ -20,7 +20,7 @@ constexpr double kRegularised = 1e-12;
 constexpr double kCreeping = 0.99;  // of the squared violation, what kCreepingWindow iterations of a slow search leave
 constexpr std::size_t kCreepingWindow = 8;
 constexpr double kMuchNearer = 0.5;  // of the violation: worth going on from
-constexpr std::size_t kMost = 500;   // iterations
+constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kRestorations = 5;
 
 }  // namespace
@@ -138,12 +138,12 @@ StopReason AL::restore(std::size_t maxiter) {
   };
   const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
   const double cost_before = cost_, violation_before = violation_;
-  leastViolation(*solver, *alone, false, kMost);
+  leastViolation(*solver, *alone, false, kMostIterations);
   bool stationary = isStationary(*solver);
   if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
     const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
     const double merit = merit_;
-    leastViolation(*solver, *alone, true, kMost);
+    leastViolation(*solver, *alone, true, kMostIterations);
     stationary = isStationary(*solver);
     if (!(merit_ < merit * (1 - kWorthless))) {
       take_back(xs, us, true);
