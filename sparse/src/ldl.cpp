@@ -90,10 +90,24 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
   return s;
 }
 
+namespace {
+
+// LDL leaves a column's entries at its beginning; where supernodes are relaxed there are zeros between them.
+void spread_columns(const LdlSymbolic& s, const LdlWorkspace& w, double* Lx) {
+  for (int j = 0; j < s.n; ++j) {
+    int from = s.Lp[j] + w.Lnz[j], to = s.Lp[j + 1];
+    while (from < to--) Lx[to] = from > s.Lp[j] && w.Li[from - 1] == s.Li[to] ? Lx[--from] : 0;
+  }
+}
+
+}  // namespace
+
 int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWorkspace& w, double* Lx, double* D) {
   w.reserve(s);
-  return ldl_numeric(A.n, c(A.p), c(A.i), const_cast<double*>(Ax), c(s.Lp), c(s.parent), w.Lnz.data(), w.Li.data(), Lx,
-                     D, w.Y.data(), w.pattern.data(), w.flag.data(), nullptr, nullptr);
+  const int done = ldl_numeric(A.n, c(A.p), c(A.i), const_cast<double*>(Ax), c(s.Lp), c(s.parent), w.Lnz.data(),
+                               w.Li.data(), Lx, D, w.Y.data(), w.pattern.data(), w.flag.data(), nullptr, nullptr);
+  if (done == A.n) spread_columns(s, w, Lx);
+  return done;
 }
 
 void ldl_solve(const LdlSymbolic& s, const double* Lx, const double* D, double* x) {

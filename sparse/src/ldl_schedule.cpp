@@ -6,16 +6,11 @@ namespace manycontact::sparse {
 
 namespace {
 
-// Column k's pattern is k + 1 and that of column k + 1.
-bool nests(const LdlSymbolic& s, int k) {
-  return s.parent[k] == k + 1 && s.Lp[k + 1] - s.Lp[k] == s.Lp[k + 2] - s.Lp[k + 1] + 1;
-}
-
 // None has columns on both sides of `border`.
 void find_blocks(const LdlSymbolic& s, int border, std::vector<int>& block) {
   block.assign(1, 0);
   for (int k = 0; k < s.n; ++k)
-    if (k + 1 == s.n || k + 1 == border || k + 1 - block.back() == LdlSchedule::kWidest || !nests(s, k))
+    if (k + 1 == border || k + 1 - block.back() == LdlSchedule::kWidest || !s.nests(k))
       block.push_back(k + 1);
 }
 

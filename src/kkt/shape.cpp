@@ -6,6 +6,7 @@
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/model/interned.hpp"
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/relaxed_supernodes.hpp"
 
 namespace manycontact {
 
@@ -88,10 +89,11 @@ const BodySubtrees& IslandShape::body_subtrees() {
 const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
   const std::lock_guard lock(mutex_);
   auto& p = patterns_[static_cast<std::size_t>(order)];
-  if (!p)
-    p = std::make_shared<const KktPattern>(
-        analyze(scene_, island_, support(), natural_pattern(scene_, island_, support()), order, permutation(order)));
-  return p;
+  if (p) return p;
+  KktPattern fresh =
+      analyze(scene_, island_, support(), natural_pattern(scene_, island_, support()), order, permutation(order));
+  sparse::relax_supernodes(fresh.ldl);
+  return p = std::make_shared<const KktPattern>(std::move(fresh));
 }
 
 const std::shared_ptr<const SchurPattern>& IslandShape::schur() {

@@ -15,9 +15,13 @@ struct LdlSymbolic {
   std::vector<int> parent;      // elimination tree
   std::vector<int> Lp, Li;      // L without its unit diagonal, by columns, rows ascending
   std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...] ascending, values at Lx[Rk[...]]
-  double flops = 0;             // of the numeric phase: sum of squared column counts
+  double flops = 0;             // of the numeric phase: sum of squared column counts, without relaxed zeros
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
+  /// Column k's pattern is k + 1 and that of column k + 1.
+  bool nests(int k) const {
+    return k + 1 < n && parent[k] == k + 1 && Lp[k + 1] - Lp[k] == Lp[k + 2] - Lp[k + 1] + 1;
+  }
 };
 
 /// Scratch memory of factorization, for matrices up to the largest it was made for.

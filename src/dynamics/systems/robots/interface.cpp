@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "manycontact/sparse/ordering.hpp"
+#include "manycontact/sparse/relaxed_supernodes.hpp"
 
 namespace manycontact {
 
@@ -55,6 +56,7 @@ void analyze_interface(Interface& interface) {
   interface.place = sparse::inverse(interface.perm);
   interface.S = sparse::permute(pattern, interface.place);
   interface.symbolic = sparse::ldl_analyze(interface.S);
+  sparse::relax_supernodes(interface.symbolic);
   interface.schedule = sparse::compile_ldl(interface.S, interface.symbolic);
   const std::vector<int>& at = interface.place;
   each_entry([&](Interface::OfRobot& r, int i, int j) {

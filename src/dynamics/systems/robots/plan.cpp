@@ -8,6 +8,7 @@
 #include "../../internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/sparse/relaxed_supernodes.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "robots.hpp"
 
@@ -55,8 +56,10 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   if (plan->border == 0) return plan;
   std::vector<int> perm = block.inner->perm;
   for (int i = plan->island.size() - plan->border; i < plan->island.size(); ++i) perm.push_back(i);
-  plan->pattern = std::make_shared<const KktPattern>(analyze(
-      plan->scene, plan->island, support, natural_pattern(plan->scene, plan->island, support), order, std::move(perm)));
+  KktPattern bordered = analyze(plan->scene, plan->island, support, natural_pattern(plan->scene, plan->island, support),
+                                order, std::move(perm));
+  sparse::relax_supernodes(block.inner->ldl, bordered.ldl);
+  plan->pattern = std::make_shared<const KktPattern>(std::move(bordered));
   plan->bordered = sparse::compile_ldl(plan->pattern->K, plan->pattern->ldl, plan->rows());
   return plan;
 }

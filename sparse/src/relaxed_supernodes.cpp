@@ -1,0 +1,85 @@
+#include "manycontact/sparse/relaxed_supernodes.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace manycontact::sparse {
+
+namespace {
+
+// Of a block's entries of L, those that are zero by structure: a share of at most 1 / kZeros. Short columns are left:
+// their cost is not in multiply-adds.
+constexpr int kZeros = 12, kShort = 16;
+
+int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
+
+// The columns that take the pattern of the next one: from the root of the elimination tree, while the block that
+// begins with it stays full enough.
+std::vector<char> nearly_nested(const LdlSymbolic& L) {
+  std::vector<char> nested(L.n, 0);
+  long rows = 0, zeros = 0, entries = 0;  // of column k + 1, relaxed, and of its block
+  for (int k = L.n - 1; k >= 0; --k) {
+    const long own = count(L, k), more = rows + 1 - own;
+    nested[k] =
+        L.parent[k] == k + 1 && (more == 0 || (own >= kShort && kZeros * (zeros + more) <= entries + own + more));
+    rows = nested[k] ? rows + 1 : own;
+    zeros = nested[k] ? zeros + more : 0;
+    entries = nested[k] ? entries + rows : own;
+  }
+  return nested;
+}
+
+// Those of which `leading` has more rows than L: there it was relaxed.
+std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) {
+  std::vector<char> nested(L.n, 0);
+  for (int k = 0; k < leading.n; ++k) {
+    const auto begin = L.Li.begin() + L.Lp[k], end = L.Li.begin() + L.Lp[k + 1];
+    nested[k] = std::lower_bound(begin, end, leading.n) - begin < count(leading, k);
+  }
+  return nested;
+}
+
+// Row k's columns and where their entries are, from the columns' rows.
+void find_rows(LdlSymbolic& L) {
+  L.Rp.assign(L.n + 1, 0);
+  for (int row : L.Li) ++L.Rp[row + 1];
+  std::partial_sum(L.Rp.begin(), L.Rp.end(), L.Rp.begin());
+  L.Rj.resize(L.Li.size());
+  L.Rk.resize(L.Li.size());
+  std::vector<int> next(L.Rp.begin(), L.Rp.end() - 1);
+  for (int j = 0; j < L.n; ++j)
+    for (int p = L.Lp[j]; p < L.Lp[j + 1]; ++p) {
+      const int at = next[L.Li[p]]++;
+      L.Rj[at] = j;
+      L.Rk[at] = p;
+    }
+}
+
+// Column k takes the pattern of column k + 1, its parent, which holds its own. What it takes goes no further: the
+// parent has it.
+void nest(const std::vector<char>& nested, LdlSymbolic& L) {
+  std::vector<int> size(L.n), Lp(L.n + 1, 0);
+  for (int k = L.n - 1; k >= 0; --k) size[k] = nested[k] ? size[k + 1] + 1 : count(L, k);
+  std::partial_sum(size.begin(), size.end(), Lp.begin() + 1);
+  if (Lp.back() == L.nonzeros()) return;
+  std::vector<int> Li(Lp.back());
+  for (int k = L.n - 1; k >= 0; --k) {
+    if (nested[k]) {
+      Li[Lp[k]] = k + 1;
+      std::copy_n(Li.begin() + Lp[k + 1], size[k + 1], Li.begin() + Lp[k] + 1);
+    } else {
+      std::copy_n(L.Li.begin() + L.Lp[k], size[k], Li.begin() + Lp[k]);
+    }
+  }
+  L.Lp = std::move(Lp);
+  L.Li = std::move(Li);
+  find_rows(L);
+}
+
+}  // namespace
+
+void relax_supernodes(LdlSymbolic& L) { nest(nearly_nested(L), L); }
+
+void relax_supernodes(const LdlSymbolic& leading, LdlSymbolic& L) { nest(nested_like(leading, L), L); }
+
+}  // namespace manycontact::sparse
