@@ -192,7 +192,9 @@ TEST_P(Patterns, CountsAreThoseOfThePattern) {
     for (Order order : kOrders) {
       const KktPattern& p = *n.shape.pattern(order);
       EXPECT_EQ(n.shape.permutation(order), p.perm);
-      EXPECT_EQ(n.shape.counts(order).nonzeros, p.ldl.nonzeros());
+      const double counted = n.shape.counts(order).nonzeros;
+      EXPECT_GE(p.ldl.nonzeros(), counted);  // relaxed supernodes, by a twelfth at most
+      EXPECT_LE(11 * p.ldl.nonzeros(), 12 * counted);
       EXPECT_EQ(n.shape.counts(order).flops, p.ldl.flops);
     }
 }

@@ -11,7 +11,8 @@
 namespace manycontact::test {
 namespace {
 
-const std::string kHumanoid = "<scene><include file='" + kTasks + "humanoid_scene.xml'/></scene>";
+const std::string kHumanoid =
+    "<scene><include file='" MANYCONTACT_SOURCE_DIR "/models/tasks/humanoid_scene.xml'/></scene>";
 
 TaskFile posed(const std::string& phases) {
   TaskFile task = task_of("t", kHumanoid, phases);

@@ -187,18 +187,24 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 }
 
 // Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (the same
-// equation). |dJ^T r| in elimination order.
+// equation). |dJ^T r| in elimination order; dJ is what the rows were computed with in their own columns, and what
+// orthogonal elimination leaves in all (Higham, theorem 20.3).
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   std::vector<double> w(m.owner.island.size(), 0.0);
+  double largest = 0, all_missed = 0;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];
     double missed = 0;
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
       missed += std::abs(m.v.null_component[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]]);
-    const double of_column = rounding(scene, m) * motion_scale(scene.contacts[c], work.contacts[c]) * missed;
-    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += of_column;
+    const double size = motion_scale(scene.contacts[c], work.contacts[c]);
+    largest = std::max(largest, size);
+    all_missed += missed;
+    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += rounding(scene, m) * size * missed;
   }
+  const double anywhere = std::numeric_limits<double>::epsilon() * largest * all_missed;
+  for (int column = 0; column < m.owner.island.nv; ++column) w[iperm[column]] += anywhere;
   return w;
 }
 

@@ -6,18 +6,19 @@
 
 namespace manycontact::internal {
 
-/// step(kernel, robots, their memory, memory of the thread) for each batch, one way and the next time back: the last
-/// ones are still in the cache then.
+/// step(kernel, robots, their memory, memory of the thread) for each batch, each thread's one way and the next time
+/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, Step&& step) {
   system.back = !system.back;
-  const std::size_t count = system.batches.size();
+  const std::size_t count = system.batches.size(), threads = w.threads.size();
   const auto item = [&](std::size_t k) -> const RobotsSystem::Batch& {
-    return system.batches[system.back ? count - 1 - k : k];
+    const std::size_t first = k % threads, last = first + (count - 1 - first) / threads * threads;
+    return system.batches[system.back ? last - (k - first) : k];
   };
   each_item(w, count, [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::Batch& batch = item(k);
-    const std::size_t next = k + w.threads.size();  // of the same thread
+    const std::size_t next = k + threads;  // of the same thread
     double* memory = system.memory.data();
     step(*batch.group->kernels[thread.number], std::span(system.members).subspan(batch.first, batch.count),
          lanes::RobotBlocks::Memory{memory + batch.at, memory + (next < count ? item(next) : batch).at}, thread);
