@@ -9,6 +9,7 @@
 #include "manycontact/task/parts.hpp"
 #include "manycontact/task/rows.hpp"
 #include "terms.hpp"
+#include "turned.hpp"
 
 namespace manycontact::task {
 
@@ -27,6 +28,29 @@ Vec6<double> turned(const Mat3<double>& R, const Vec6<double>& m) {
 
 Vec6<double> six(const Eigen::VectorXd& given) {
   return given.size() == 6 ? Vec6<double>(given) : Vec6<double>(Vec6<double>::Zero());
+}
+
+// Whether |r| alone counts, so that axes do not.
+bool is_isotropic(const TaskTerm& term) {
+  return term.activation == TaskActivation::kQuad && term.lower.size() == 0 && term.upper.size() == 0;
+}
+
+// A residual in the world's axes, turned by R with its copy, in the axes that it would have without: weights and bounds
+// are given along these.
+std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::shared_ptr<ResidualModelAbstract> model,
+                                                   const Mat3<double>& R) {
+  const Eigen::Index nr = static_cast<Eigen::Index>(model->get_nr());
+  if (nr < 3 || is_isotropic(term) || R == Mat3<double>::Identity()) return model;
+  Eigen::MatrixXd X = Eigen::MatrixXd::Identity(nr, nr);
+  for (Eigen::Index i = 0; i + 3 <= nr; i += 3) X.block<3, 3>(i, i) = R.transpose();
+  return std::make_shared<ResidualModelTurned>(std::move(model), X);
+}
+
+// The X of T^-1 on twists [linear; angular].
+Eigen::MatrixXd inverse_action(const SE3<double>& T) {
+  Eigen::MatrixXd X(6, 6);
+  for (int i = 0; i < 6; ++i) X.col(i) = T.act_inverse(Vec6<double>(Vec6<double>::Unit(i)));
+  return X;
 }
 
 // ---- of single coordinates: the scene's, or those of the robots
@@ -95,8 +119,13 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
 std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Parts& p, int robot) {
   const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term, robot);
   if (term.residual == TaskResidual::kCom)
-    return std::make_shared<ResidualModelCoMPosition>(p.state, T.R * Vec3<double>(term.reference) + T.p, p.nu(), robot);
-  return std::make_shared<ResidualModelCentroidalMomentum>(p.state, turned(T.R, six(term.reference)), p.nu(), robot);
+    return in_own_axes(
+        term,
+        std::make_shared<ResidualModelCoMPosition>(p.state, T.R * Vec3<double>(term.reference) + T.p, p.nu(), robot),
+        T.R);
+  return in_own_axes(
+      term, std::make_shared<ResidualModelCentroidalMomentum>(p.state, turned(T.R, six(term.reference)), p.nu(), robot),
+      T.R);
 }
 
 std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Parts& p, int robot) {
@@ -107,14 +136,20 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
     case TaskResidual::kFramePlacement:
       return std::make_shared<ResidualModelFramePlacement>(p.state, id, T * term.placement, p.nu());
     case TaskResidual::kFrameTranslation:
-      return std::make_shared<ResidualModelFrameTranslation>(p.state, id, T.R * term.placement.p + T.p, p.nu());
+      return in_own_axes(
+          term, std::make_shared<ResidualModelFrameTranslation>(p.state, id, T.R * term.placement.p + T.p, p.nu()),
+          T.R);
     case TaskResidual::kFrameRotation:
       return std::make_shared<ResidualModelFrameRotation>(p.state, id, T.R * term.placement.R, p.nu());
     default: {
       const Vec6<double> twist = six(term.reference);
-      return std::make_shared<ResidualModelFrameVelocity>(
-          p.state, id, term.reference_frame == ReferenceFrame::kLocal ? twist : turned(T.R, twist),
-          term.reference_frame, p.nu());
+      const auto of = [&](const Vec6<double>& reference) {
+        return std::make_shared<ResidualModelFrameVelocity>(p.state, id, reference, term.reference_frame, p.nu());
+      };
+      if (term.reference_frame == ReferenceFrame::kLocal) return of(twist);
+      if (term.reference_frame == ReferenceFrame::kLocalWorldAligned || T.p.isZero(0))
+        return in_own_axes(term, of(turned(T.R, twist)), T.R);
+      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // of the moved world origin
     }
   }
 }
@@ -157,7 +192,7 @@ Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, co
   return force;
 }
 
-// A copy's world axes are turned as the copy is: references and facets, not weights and bounds.
+// A copy's world axes are turned as the copy is: references and facets, weights and bounds.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[static_cast<std::size_t>(c)];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
@@ -181,8 +216,11 @@ Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
     if (contact.reference_frame != ReferenceFrame::kLocal) turn = move(p.task.scene, term, robot_of(contact)).R;
     model = std::make_shared<ResidualModelContactForce>(p.state, id, force_of(term.reference, contact, turn),
                                                         contact.rows(), p.nu());
+    model->set_contact(contact.name);
+    out.model = in_own_axes(term, model, turn);
+    return out;
   }
-  if (out.lower.size() > 0) model->set_axes(axes);
+  model->set_axes(axes);
   model->set_contact(contact.name);
   out.model = std::move(model);
   return out;
