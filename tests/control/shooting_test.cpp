@@ -1,6 +1,9 @@
 // ShootingProblem: sums, roll-outs, replaced nodes; LQR and unicycle against their numerical twins.
 
+#include <atomic>
+#include <chrono>
 #include <sstream>
+#include <thread>
 
 #include "control/nodes.hpp"
 
@@ -39,6 +42,46 @@ TEST(Shooting, CalcAddsUpTheNodes) {
   std::ostringstream text;
   text << problem;
   EXPECT_NE(text.str().find("T=3"), std::string::npos);
+}
+
+// A node that notes who evaluates it, and takes some time.
+class Noted : public ActionModelUnicycle {
+ public:
+  explicit Noted(double seconds) : seconds_(seconds) {}
+  void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    ActionModelUnicycle::calc(data, x, u);
+    if (std::this_thread::get_id() != caller_) ++by_others;
+    const auto begin = std::chrono::steady_clock::now();
+    while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < seconds_) {
+    }
+  }
+  using ActionModelUnicycle::calc;
+  std::atomic<int> by_others = 0;
+
+ private:
+  double seconds_;
+  std::thread::id caller_ = std::this_thread::get_id();
+};
+
+// A loop that was once held up by other programs is taken for a long one: not every call is by one thread.
+TEST(Shooting, ThreadsAreNotCalledForNextToNothing) {
+  constexpr std::size_t T = 300;
+  const Vectors xs(T + 1, Eigen::Vector3d(1, 0, 0)), us(T, Eigen::Vector2d(0.1, 0.1));
+  for (const double seconds : {0.0, 1e-5}) {
+    const auto node = std::make_shared<Noted>(seconds);
+    ShootingProblem problem(xs[0], std::vector<NodePtr>(T, node), node);
+    problem.set_nthreads(2);
+    const double cost = problem.calc(xs, us);
+    const bool has_threads = node->by_others > 0;
+    node->by_others = 0;
+    for (int k = 0; k < 20; ++k) EXPECT_EQ(problem.calc(xs, us), cost);
+    const int all = 20 * static_cast<int>(T);
+    if (seconds == 0) {
+      EXPECT_LT(node->by_others, all / 10);
+    } else if (has_threads) {
+      EXPECT_GT(node->by_others, all / 4);
+    }
+  }
 }
 
 TEST(Shooting, NodesAreReplaced) {

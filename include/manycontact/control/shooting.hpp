@@ -7,11 +7,21 @@
 // is the same for any number of threads.
 
 #include <iosfwd>
+#include <limits>
 #include <vector>
 
 #include "manycontact/control/action_model.hpp"
 
 namespace manycontact {
+
+namespace internal {
+
+/// The time that a loop over nodes took the last time, of all threads together.
+struct LoopTime {
+  double seconds = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace internal
 
 class ShootingProblem {  // x0, running nodes, a terminal one
  public:
@@ -75,7 +85,8 @@ class ShootingProblem {  // x0, running nodes, a terminal one
   /// With new data; there may be more or fewer than before.
   void set_runningModels(const Models& models);
   void set_terminalModel(std::shared_ptr<ActionModelAbstract> model);
-  /// At first, and for a number < 1, OpenMP's; 1 where the library was built without.
+  /// At first, and for a number < 1, OpenMP's; 1 where the library was built without. Where all nodes together take
+  /// less than some 50 us for each thread, one does them.
   void set_nthreads(int nthreads);
   /// Whether nodes were replaced since the last time it was asked.
   bool is_updated();
@@ -92,6 +103,7 @@ class ShootingProblem {  // x0, running nodes, a terminal one
   Datas running_datas_;
   std::size_t nx_, ndx_, nthreads_;
   bool is_updated_ = false;
+  internal::LoopTime calc_time_, calcDiff_time_;
 };
 std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);
 

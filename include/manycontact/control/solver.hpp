@@ -122,6 +122,9 @@ class SolverAbstract {  // what all solvers share
   std::size_t iter_ = 0;
   bool interrupted_ = false;
   StopReason reason_ = StopReason::kNone;
+
+ private:
+  internal::LoopTime gaps_time_;
 };
 
 class CallbackAbstract {  // called after each iteration

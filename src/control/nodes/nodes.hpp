@@ -1,27 +1,29 @@
 #pragma once
 // Loops over nodes, which do not depend on each other.
 
+#include <chrono>
 #include <exception>
 #include <mutex>
 
 #include "../../dynamics/parallel.hpp"
+#include "manycontact/control/shooting.hpp"
 
 namespace manycontact::internal {
 
-/// work(t) for t = 0 ... count - 1, over at most `threads` threads. An exception of the first node that throws is
-/// thrown again.
+/// work(t, thread) for t = 0 ... count - 1, over at most `threads` threads: thread 0 is the caller's. An exception of
+/// the first node that throws is thrown again.
 template <class Work>
-void each_node(std::size_t threads, std::size_t count, Work&& work) {
+void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {
-    for (std::size_t t = 0; t < count; ++t) work(t);
+    for (std::size_t t = 0; t < count; ++t) work(t, 0);
     return;
   }
   std::exception_ptr thrown;
   std::ptrdiff_t first = static_cast<std::ptrdiff_t>(count);
   std::mutex mutex;
-  auto guarded = [&](std::ptrdiff_t t, int) {
+  auto guarded = [&](std::ptrdiff_t t, int thread) {
     try {
-      work(static_cast<std::size_t>(t));
+      work(static_cast<std::size_t>(t), thread);
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (t < first) {
@@ -32,6 +34,29 @@ void each_node(std::size_t threads, std::size_t count, Work&& work) {
   };
   run_items(static_cast<int>(threads), static_cast<std::ptrdiff_t>(count), guarded);
   if (thrown) std::rethrow_exception(thrown);
+}
+
+/// The same by work(t).
+template <class Work>
+void each_node(std::size_t threads, std::size_t count, Work&& work) {
+  each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });
+}
+
+/// The same by one thread alone where the work of all nodes took so little the last time that others are not worth
+/// waiting for. What they compute does not depend on it.
+template <class Work>
+void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
+  constexpr double kWorthAThread = 5e-5;  // s of work for each thread: more than it takes to wake one
+  using Clock = std::chrono::steady_clock;
+  if (threads <= 1) return each_node(1, count, work);
+  const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;
+  Clock::time_point begin;  // of the caller's own share, so that waiting for others does not count
+  each_node_by_thread(used, count, [&](std::size_t t, int thread) {
+    if (t == 0) begin = Clock::now();
+    work(t);
+    if (thread == 0 && t + used >= count)
+      last.seconds = std::chrono::duration<double>(Clock::now() - begin).count() * static_cast<double>(used);
+  });
 }
 
 }  // namespace manycontact::internal

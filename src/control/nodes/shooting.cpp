@@ -96,13 +96,13 @@ void ShootingProblem::calcDiff_node(std::size_t t, const std::vector<Eigen::Vect
 
 double ShootingProblem::calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
   check_sizes("ShootingProblem::calc", xs.size(), get_T() + 1, us.size());
-  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) { calc_node(t, xs, us); });
+  internal::each_node(nthreads_, get_T() + 1, calc_time_, [&](std::size_t t) { calc_node(t, xs, us); });
   return total_cost();
 }
 
 double ShootingProblem::calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
   check_sizes("ShootingProblem::calcDiff", xs.size(), get_T() + 1, us.size());
-  internal::each_node(nthreads_, get_T() + 1, [&](std::size_t t) { calcDiff_node(t, xs, us); });
+  internal::each_node(nthreads_, get_T() + 1, calcDiff_time_, [&](std::size_t t) { calcDiff_node(t, xs, us); });
   return total_cost();
 }
 

@@ -69,7 +69,7 @@ double SolverAbstract::computeDynamicFeasibility() {
   const ShootingProblem::Models& models = problem_->get_runningModels();
   const ShootingProblem::Datas& datas = problem_->get_runningDatas();
   models[0]->get_state()->diff(xs_[0], problem_->get_x0(), fs_[0]);
-  internal::each_node(problem_->get_nthreads(), models.size(),
+  internal::each_node(problem_->get_nthreads(), models.size(), gaps_time_,
                       [&](std::size_t t) { models[t]->get_state()->diff(xs_[t + 1], datas[t]->xnext, fs_[t + 1]); });
   double feasibility = 0;
   for (const Eigen::VectorXd& f : fs_)
