@@ -4,6 +4,7 @@
 #include <random>
 
 #include "manycontact/action/contact_fwddyn.hpp"
+#include "manycontact/contact/reference.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -93,6 +94,31 @@ inline Problem make_problem(const SceneFile& file, Actuated how = Actuated::kFlo
 
 inline Problem make_problem(const RandomScene& s, Actuated how = Actuated::kFloatingBase) {
   return make_problem(s.scene, s.q, s.v, s.u, how);
+}
+
+/// A robot so deep that a scene's own solve takes sparse-bodies, held at two links; with another one beside it on odd
+/// seeds.
+inline RandomScene deep_scene(int seed, bool floating) {
+  std::mt19937 rng(static_cast<unsigned>(seed));
+  SceneOptions options;
+  options.nrobots = 1 + seed % 2;
+  options.models = {
+      {.njoints = 60, .floating_base = floating, .types = {JointType::kRevolute}, .branching = 0, .armature = 0.1},
+      {.njoints = 4, .floating_base = true, .armature = 0.1}};
+  options.ncontacts = 0;
+  RandomScene s = random_scene(rng, options);
+  s.v *= 0.1;
+  for (const auto& [type, joint] : {std::pair(ContactType::k3D, 30), std::pair(ContactType::k6D, 59)}) {
+    Contact c;
+    c.name = "at" + std::to_string(joint);
+    c.type = type;
+    c.reference_frame = type == ContactType::k3D ? ReferenceFrame::kWorld : ReferenceFrame::kLocal;
+    c.A = {0, joint, random_placement(rng, 0.2)};
+    c.alpha = 20, c.beta = 10;
+    resolve_reference(s.scene, s.q, true, true, c);
+    add_contact(s.scene, c);
+  }
+  return s;
 }
 
 using FwdDynData = DifferentialActionDataContactFwdDynamics;
