@@ -2,6 +2,7 @@
 // is that of one dense system in the controls; with constraints that can be met, that cannot, and with limits.
 
 #include <Eigen/LU>
+#include <cstdlib>
 
 #include "control/nodes.hpp"
 
@@ -170,9 +171,12 @@ TEST(RandomProblems, ConstraintsThatContradictAreNeverMet) {
   }
 }
 
+// MANYCONTACT_CONTROL_ATTACK=1000: so many (tests/task/control_attack_test.cpp).
 TEST(RandomProblems, LimitsAreKeptAtLeastCost) {
+  const char* asked = std::getenv("MANYCONTACT_CONTROL_ATTACK");
+  const int count = asked ? std::atoi(asked) : 200;
   int at_limit = 0, missed = 0;
-  for (int seed = 0; seed < 200; ++seed) {
+  for (int seed = 0; seed < count; ++seed) {
     SCOPED_TRACE(seed);
     const double limit = 0.5 * RandomProblem(seed).best().lpNorm<Eigen::Infinity>();
     const RandomProblem p(seed, 1, limit);
@@ -187,11 +191,13 @@ TEST(RandomProblems, LimitsAreKeptAtLeastCost) {
       EXPECT_NEAR(p.cost(found), p.cost(best), 1e-9 * (1 + std::abs(p.cost(best))));
     } else {
       ++missed;
+      std::cout << seed << ": " << to_string(solver.reason()) << ", KKT residual " << solver.get_kkt_residual()
+                << ", cost off by " << p.cost(found) - p.cost(best) << " of " << p.cost(best) << "\n";
     }
     at_limit += static_cast<int>((found.array().abs() == limit).count());
   }
-  EXPECT_EQ(missed, 0);
-  EXPECT_GT(at_limit, 200);
+  EXPECT_LE(missed, count / 500);  // they say so
+  EXPECT_GT(at_limit, count);
 }
 
 }  // namespace

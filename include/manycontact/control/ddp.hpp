@@ -128,7 +128,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void set_th_stepinc(double th_step);                 // in (0, 1]
   void set_th_grad(double th_grad);                    // >= 0
   /// > 0, infinite at first: where th_stop is met, a solve goes on until the KKT residual (kkt_residual.hpp) is not
-  /// above it, for at most maxiter steps more. (The stopping value is an energy, in the unit of the cost.)
+  /// above it, for at most maxiter steps more. (The stopping value is an energy, in the unit of the cost.) Where no
+  /// step gains anything, it alone says whether that is the optimum.
   void set_th_kkt(double th_kkt);
 
  protected:
@@ -150,6 +151,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
   StopReason descendWithinLimits(std::size_t maxiter);
+  StopReason judgeWithoutStep();
   /// Of every part, in parallel: work(direction).
   template <class Work>
   void each_direction(Work&& work);

@@ -183,9 +183,27 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       break;
     }
   }
-  if (reason_ == StopReason::kConverged && std::isfinite(th_kkt_)) reason_ = polish(maxiter);
-  if (reason_ == StopReason::kNoStep && keeps_limits() && is_feasible_) reason_ = descendWithinLimits(maxiter);
+  const bool polished = reason_ == StopReason::kConverged && std::isfinite(th_kkt_);
+  if (polished) reason_ = polish(maxiter);
+  // Polishing by the box rule may go round between limits for ever.
+  if (polished && keeps_limits() && reason_ == StopReason::kIterations) reason_ = StopReason::kNoStep;
+  if (reason_ == StopReason::kNoStep && is_feasible_) {
+    if (keeps_limits())
+      reason_ = descendWithinLimits(maxiter);
+    else if (std::isfinite(th_kkt_))
+      reason_ = judgeWithoutStep();
+  }
   return reason_ == StopReason::kConverged;
+}
+
+// What steps are to gain may drown in the cost's rounding before the stopping rule is met: the KKT residual does not.
+StopReason SolverDDP::judgeWithoutStep() {
+  problem_->calc(xs_, us_);  // the data are of the last try
+  calcDiff();
+  const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, false);
+  Eigen::VectorXd work;
+  kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, false, {}, work);
+  return kkt_ <= th_kkt_ * scale_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
 // Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
