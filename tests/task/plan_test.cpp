@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 
 #include "manycontact/task/simulate.hpp"
 #include "support/dense.hpp"
@@ -174,6 +175,23 @@ TEST(InfeasibleTasks, AreNotThoseWhoseGuessIsAMaximum) {
   const TaskSolution s = solved(task);
   EXPECT_EQ(s.reason.find("infeasible"), std::string::npos) << s.reason;
   EXPECT_TRUE(s.converged) << s.reason;
+}
+
+// The same by the tip's place: a step that Gauss-Newton takes from beside goes back, for it keeps the tip below the
+// hinge.
+TEST(InfeasibleTasks, AreNotThoseWhoseStepsGoBackToAMaximum) {
+  std::string urdf = pendulum("100");
+  urdf.insert(urdf.rfind("</robot>"),
+              "<link name='tip'/><joint name='f' type='fixed'><origin xyz='0 0 -1'/><parent link='bar'/><child "
+              "link='tip'/></joint>");
+  const TaskFile task = task_with(
+      {{"p.urdf", urdf}, {"scene.xml", "<scene><robot name='p' urdf='p.urdf'/></scene>"}},
+      "<task scene='scene.xml' step='0.02'><phase nodes='50'><cost name='u' type='control' weight='1e-3'/></phase>"
+      "<terminal><constraint name='up' type='frame_translation' frame='p/tip' xyz='0 0 1' lower='0 0 0' upper='0 0 "
+      "0'/></terminal></task>");
+  const TaskSolution s = solved(task);
+  EXPECT_TRUE(s.converged) << s.reason;
+  EXPECT_NEAR(std::abs(s.xs.back()[0]), std::numbers::pi, 1e-6);
 }
 
 // A bar of 1 m whose tip is to be 3 m from its hinge: straight at it is the least violation, and shown to be one.

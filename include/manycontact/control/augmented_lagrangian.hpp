@@ -19,10 +19,11 @@
 // Where the violation comes no closer although the constraints outweigh the cost, they may be impossible, or the
 // penalty too small yet, or the minimisation stuck. So the least violation is asked for, by a problem of its own
 // (restoration.cpp): the same nodes at the cost 1/2 sum |c - P(c)|^2. Where it finds a point that meets the
-// constraints, the method goes on from there. Where it ends at one at which a step of the linearised problem takes less
-// than a millionth of the squared violation off, and from beside it as well, the solve ends there as kInfeasible: that
-// is the least violation found. (Near that candidate; a nonconvex problem may have others.) Where it ends elsewhere
-// nothing is shown: kNoStep, at the nearest that was found.
+// constraints, the method goes on from there. Where it ends at a stationary point, steps from beside that come back to
+// it, and searches from some other motions find nothing less, the solve ends there as kInfeasible. (A nonconvex problem
+// may have a lesser one all the same.) Stationary: with r the violations and C their Jacobian, C^T r is a millionth of
+// |C| |r|, or a step of the linearised problem takes less than a millionth of |r|^2 off. Where it ends elsewhere nothing
+// is shown: kNoStep, at the nearest that was found.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.
@@ -123,9 +124,17 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   Copy augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
                      const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const;
-  std::shared_ptr<ShootingProblem> violationAlone(std::vector<Augmented>& augmented) const;
-  void leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most);
-  bool isStationary(SolverDDP& solver);
+  struct Restoration;
+  Restoration violationAlone(double met);
+  void evaluate(Restoration& own);
+  void leastViolation(Restoration& own);
+  void level(Restoration& own);
+  void take(Restoration& own);
+  enum class Beside { kFalls, kComesBack, kUnclear };
+  Beside lookBeside(Restoration& own, double by);
+  double jacobianSize(Restoration& own);
+  double violationSlope(Restoration& own);
+  bool isStationary(Restoration& own);
   StopReason restore(std::size_t maxiter);
   bool reportRestoration(const SolverAbstract& solver);
   Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;

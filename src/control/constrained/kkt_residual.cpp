@@ -167,6 +167,52 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
   return worst;
 }
 
+namespace {
+
+// l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1)
+double squared_gradient_of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
+  const std::size_t T = problem.get_T();
+  const bool coupled = CoupledDirection::applies_to(problem);
+  const Eigen::VectorXd none;
+  Eigen::VectorXd l = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.get_ndx())), gx = l, gu;
+  double sum = 0;
+  for (std::size_t t = T + 1; t-- > 0;) {
+    const ActionModelAbstract& model = *problem.model(t);
+    ActionDataAbstract& d = *problem.data(t);
+    gu.setZero(t < T ? us[t].size() : 0);
+    if (coupled) {
+      scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d), l, t == T, none, gx,
+                     gu);
+    } else if (t == T) {
+      gx = d.Lx;
+    } else {
+      d.pull_back(l, gx, gu);
+      gx += d.Lx;
+      gu += d.Lu;
+    }
+    for (Eigen::Index i = 0; t < T && i < gu.size(); ++i) {
+      const bool outwards = stands_at_limit(model, us[t], i, limits) &&
+                            (gu[i] > 0 ? us[t][i] <= model.get_u_lb()[i] : us[t][i] >= model.get_u_ub()[i]);
+      if (!outwards) sum += gu[i] * gu[i];
+    }
+    l = gx;
+  }
+  return sum;
+}
+
+}  // namespace
+
+double control_gradient_of_nodes(const ShootingProblem& problem, const Vectors& us, bool limits) {
+  if (!is_of_parts(problem)) return std::sqrt(squared_gradient_of_part(problem, us, limits));
+  double sum = 0;
+  for (const ShootingPart& part : separate(problem)) {
+    Vectors own(us.size());
+    for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own[t]);
+    sum += squared_gradient_of_part(*part.problem, own, limits);
+  }
+  return std::sqrt(sum);
+}
+
 }  // namespace internal
 
 double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,

@@ -14,6 +14,10 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<E
 std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,
                                                                 const std::vector<Eigen::VectorXd>& us, bool limits);
 
+/// The norm of the cost's gradient by the controls alone, the states following: by nodes that are differentiated at a
+/// motion. Without what would take controls that stand at a limit beyond it, where limits are used.
+double control_gradient_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us, bool limits);
+
 /// Whether control i of u stands at a limit that is used.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
 

@@ -1,9 +1,11 @@
 // The least violation of the constraints, costs left out: whether they can be met at all.
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
+#include "kkt_residual.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 
 namespace manycontact {
@@ -12,16 +14,34 @@ using AL = SolverAugmentedLagrangian;
 
 namespace {
 
-constexpr double kAbsurd = 1e9;      // times the cost at hand: no motion that a solve may go on from
+constexpr double kAbsurd = 3e8;      // times the cost at hand: no motion that a solve may go on from
 constexpr double kWorthless = 1e-6;  // of the squared violation, what a step may take off at a least one
+constexpr double kLevel = 1e-6;      // of |C| |r|, what |C^T r| is there
 constexpr double kCrawling = 1e-9;   // at which iterations end
 constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
+constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2};  // far from there
 constexpr double kRegularised = 1e-12;
 constexpr double kCreeping = 0.99;  // of the squared violation, what kCreepingWindow iterations of a slow search leave
+constexpr double kSettled = 1 - 1e-12;  // of one that looks for a level place
 constexpr std::size_t kCreepingWindow = 8;
+constexpr double kAsNear = 1.01;     // of the least violation
 constexpr double kMuchNearer = 0.5;  // of the violation: worth going on from
-constexpr std::size_t kMostIterations = 500;
+constexpr std::size_t kMost = 500;   // iterations
+constexpr std::size_t kMostLevelling = 50;
+constexpr int kLevellings = 50, kIdleLevellings = 12;
+constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;  // of |C|^2; times
+constexpr double kLongest = 10;                                  // times the largest control: a first step of it
+constexpr double kBack = 1e-3;  // of the squared violation, what a search from beside may leave more
 constexpr std::size_t kRestorations = 5;
+constexpr int kSaddles = 4;  // places that were stationary, and no least ones
+
+// Or 1.
+double largest_control(const std::vector<Eigen::VectorXd>& us) {
+  double out = 1;
+  for (const Eigen::VectorXd& u : us)
+    if (u.size() > 0) out = std::max(out, u.lpNorm<Eigen::Infinity>());
+  return out;
+}
 
 }  // namespace
 
@@ -31,16 +51,24 @@ class AL::Watch : public CallbackAbstract {
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
-    slow_ = solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
+    slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back()) last_.push_back(left);  // else regularised more, and tried again
-    const bool creeps = last_.size() > kCreepingWindow && left > kCreeping * last_[last_.size() - 1 - kCreepingWindow];
+    const double most = searches_ ? kCreeping : kSettled;
+    const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
+  }
+  /// Anew; a search ends where it creeps, else it is to come to rest.
+  void begin(bool searches) {
+    slow_ = 0;
+    last_.clear();
+    searches_ = searches;
   }
 
  private:
   SolverAugmentedLagrangian& outer_;
   double met_;
   int slow_ = 0;
+  bool searches_ = true;
   std::vector<double> last_;  // squared violations
 };
 
@@ -56,59 +84,184 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   return interrupted_;
 }
 
-// The problem's nodes at half their squared violation.
-std::shared_ptr<ShootingProblem> AL::violationAlone(std::vector<Augmented>& augmented) const {
+// The problem's nodes at half their squared violation, and the search for its least: the violation alone.
+struct AL::Restoration {
+  std::vector<Augmented> augmented;
+  std::shared_ptr<ShootingProblem> problem;
+  std::shared_ptr<SolverDDP> solver;
+  std::shared_ptr<Watch> watch;
+  bool rests = false;  // quasi-Newton steps came to rest at the candidate
+};
+
+// met: half the squared violation that is none.
+AL::Restoration AL::violationAlone(double met) {
+  Restoration out;
   ShootingProblem::Models models;
   ShootingProblem::Datas datas;
+  augments_all_ = true;
   for (std::size_t t = 0; t < nodes_.size(); ++t) {
     std::vector<int> rows(static_cast<std::size_t>(nodes_[t].rows));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
     const Copy copy =
-        augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows), augmented);
+        augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows), out.augmented);
     models.push_back(copy.model);
     datas.push_back(copy.data);
   }
-  for (const Augmented& own : augmented) {
+  augments_all_ = false;
+  for (const Augmented& own : out.augmented) {
     own.model->set_with_cost(false);
     own.model->set_penalty(1);
   }
   const Copy last{models.back(), datas.back()};
   models.pop_back();
   datas.pop_back();
-  auto out = std::make_shared<ShootingProblem>(problem_->get_x0(), models, last.model, datas, last.data);
-  out->set_nthreads(static_cast<int>(problem_->get_nthreads()));
+  out.problem = std::make_shared<ShootingProblem>(problem_->get_x0(), models, last.model, datas, last.data);
+  out.problem->set_nthreads(static_cast<int>(problem_->get_nthreads()));
+  out.solver = make_(out.problem);
+  out.solver->set_reg_min(kRegularised);
+  out.solver->set_th_grad(met);
+  out.solver->set_th_stop(1e-3 * met);
+  out.watch = std::make_shared<Watch>(*this, met);
+  out.solver->setCallbacks({out.watch});
   return out;
 }
 
-// From the candidate, or from beside it; what it ends at is the candidate.
-void AL::leastViolation(SolverDDP& solver, ShootingProblem& alone, bool beside, std::size_t most) {
-  if (beside) {
-    double largest = 1;
-    for (const Eigen::VectorXd& u : us_)
-      if (u.size() > 0) largest = std::max(largest, u.lpNorm<Eigen::Infinity>());
-    std::mt19937 random(1);
-    std::uniform_real_distribution<double> noise(-kBeside * largest, kBeside * largest);
-    for (Eigen::VectorXd& u : us_)
-      for (double& number : u) number += noise(random);
-    is_feasible_ = false;
+// From the candidate; what it ends at is the candidate. Next to a stretched arm Gauss-Newton's steps promise all of the
+// violation, and take off next to nothing: quasi-Newton steps, which see the curvature, come to rest.
+void AL::leastViolation(Restoration& own) {
+  own.rests = false;
+  own.watch->begin(true);
+  (void)own.solver->solve(xs_, us_, kMost, is_feasible_);
+  take(own);
+  if (interrupted_ || !is_feasible_ || violation_ <= th_constraint_ || isStationary(own)) return;
+  level(own);
+}
+
+// Quasi-Newton steps from a candidate without gaps, until they come to rest: from Gauss-Newton's Hessian, more and more
+// regularised where its steps are too long.
+void AL::level(Restoration& own) {
+  own.rests = false;
+  const double size = jacobianSize(own);
+  (void)own.problem->calcDiff(xs_, us_);
+  const double gradient = internal::control_gradient_of_nodes(*own.problem, us_, own.solver->keeps_limits());
+  double regularisation = std::max(kLeastLevelling * size * size, gradient / (kLongest * largest_control(us_)));
+  for (int round = 0, idle = 0; round < kLevellings && idle < kIdleLevellings; ++round) {
+    if (!(regularisation > 0)) regularisation = kRegularised;
+    own.watch->begin(false);
+    own.solver->setCandidate(xs_, us_, true);
+    own.solver->set_preg(regularisation);
+    const double before = merit_;
+    const StopReason reason = own.solver->descend(kMostLevelling);
+    take(own);
+    if (interrupted_ || violation_ <= th_constraint_) return;
+    if (reason == StopReason::kNoDirection || !std::isfinite(merit_)) return;
+    own.rests = violationSlope(own) <= kLevel;
+    if (own.rests || reason == StopReason::kIterations) return;
+    const bool falls = merit_ < kCreeping * before;
+    idle = falls ? 0 : idle + 1;
+    if (!falls) regularisation *= kMoreRegularised;
   }
-  (void)solver.solve(xs_, us_, most, is_feasible_);
-  for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = solver.get_xs()[t];
-  for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = solver.get_us()[t];
-  is_feasible_ = solver.get_is_feasible();
-  merit_ = alone.calc(xs_, us_);
+}
+
+// What the search has come to.
+void AL::take(Restoration& own) {
+  for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = own.solver->get_xs()[t];
+  for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = own.solver->get_us()[t];
+  is_feasible_ = own.solver->get_is_feasible();
+  evaluate(own);
+}
+
+// From another motion, of controls that differ by up to |by| of the largest one, from zero where it is negative. Where
+// that ends at less, it is the candidate; else the candidate stays. Very near it, by steps that only go down:
+// Gauss-Newton's would go back to a maximum or a saddle. That it is a least one is shown where these come back to it.
+AL::Beside AL::lookBeside(Restoration& own, double by) {
+  const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
+  const double merit = merit_;
+  const double largest = largest_control(us_);
+  std::mt19937 random(static_cast<unsigned>(100 * std::abs(by)));
+  std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
+  Eigen::VectorXd throughout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_nu_max()));
+  if (by != kBeside)  // what changes from node to node goes nowhere
+    for (double& number : throughout) number = noise(random);
+  for (std::size_t t = 0; t < us_.size(); ++t) {
+    if (by < 0) us_[t].setZero();
+    us_[t] += throughout.head(us_[t].size());
+    for (double& number : us_[t]) number += noise(random);
+    const ActionModelAbstract& model = *problem_->model(t);
+    if (own.solver->keeps_limits() && model.get_has_control_limits())
+      us_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+  }
+  own.problem->rollout(us_, xs_);
+  is_feasible_ = true;
+  if (by == kBeside)
+    level(own);
+  else
+    leastViolation(own);
+  if (merit_ < merit * (1 - kWorthless)) return Beside::kFalls;
+  const bool comes_back = merit_ < merit * (1 + kBack);
+  xs_ = xs;
+  us_ = us;
+  is_feasible_ = true;
+  evaluate(own);
+  return comes_back ? Beside::kComesBack : Beside::kUnclear;
+}
+
+// The candidate's violations alone, and the problem's own cost.
+void AL::evaluate(Restoration& own) {
+  merit_ = own.problem->calc(xs_, us_);
   collectParts();
   cost_ = problem_->total_cost();
   measureViolation();
 }
 
-// What a step of the linearised problem promises, of what is left: with r the violations, the share of r within the
-// range of their Jacobian C, |P_C r|^2 / |r|^2. It is zero where C^T r is.
-bool AL::isStationary(SolverDDP& solver) {
+// |C|: of the violated rows' Jacobian by the controls, which the states follow. By random combinations w of the rows,
+// for which |C^T w|^2 is on average a third of |C|^2, or more.
+double AL::jacobianSize(Restoration& own) {
+  constexpr int kDraws = 4;
+  constexpr double kNoPenalty = 1e-100;  // y+ = y
+  std::vector<Eigen::VectorXd> signs;    // of the violations
+  for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> share(0, 2);  // no other sign: an inequality has one side
+  double squares = 0;
+  for (int k = 0; k < kDraws; ++k) {
+    for (std::size_t i = 0; i < signs.size(); ++i) {
+      Eigen::VectorXd w = signs[i];
+      for (double& number : w) number *= share(random);
+      own.augmented[i].model->set_penalty(kNoPenalty);
+      own.augmented[i].model->set_multipliers(w);
+    }
+    (void)own.problem->calc(xs_, us_);
+    (void)own.problem->calcDiff(xs_, us_);
+    const double of_w = internal::control_gradient_of_nodes(*own.problem, us_, false);
+    squares += of_w * of_w / kDraws;
+  }
+  for (std::size_t i = 0; i < signs.size(); ++i) {
+    own.augmented[i].model->set_penalty(1);
+    own.augmented[i].model->set_multipliers(Eigen::VectorXd::Zero(signs[i].size()));
+  }
+  evaluate(own);
+  return std::sqrt(3 * squares);
+}
+
+// |C^T r| / (|C| |r|), r the violations.
+double AL::violationSlope(Restoration& own) {
+  evaluate(own);
+  (void)own.problem->calcDiff(xs_, us_);
+  const double of_r = internal::control_gradient_of_nodes(*own.problem, us_, own.solver->keeps_limits());
+  return of_r == 0 ? 0 : of_r / (jacobianSize(own) * std::sqrt(2 * merit_));
+}
+
+// With r the violations, where C^T r is next to nothing: beside |C| |r|, or by what a step of the linearised problem
+// promises to take off, the share of r within the range of C, |P_C r|^2 / |r|^2. (The one is small at a stretched arm
+// too, the other where C's directions differ much.)
+bool AL::isStationary(Restoration& own) {
+  SolverDDP& solver = *own.solver;
   solver.setCandidate(xs_, us_, is_feasible_);
   solver.set_preg(solver.get_reg_min());
   solver.computeDirection(true);
-  return is_feasible_ && solver.direction_is_sound() && solver.expectedReduction() <= kWorthless * merit_;
+  if (!is_feasible_ || !solver.direction_is_sound()) return false;
+  return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
 // kInfeasible where the least violation is not zero and shown to be one, by C^T r and from beside it as well; kNone
@@ -116,45 +269,43 @@ bool AL::isStationary(SolverDDP& solver) {
 // shown.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
-  augments_all_ = true;
-  std::vector<Augmented> augmented;
-  const std::shared_ptr<ShootingProblem> alone = violationAlone(augmented);
-  augments_all_ = false;
-  const std::shared_ptr<SolverDDP> solver = make_(alone);
   const double met = 0.5 * th_constraint_ * th_constraint_;
-  solver->set_reg_min(kRegularised);
-  solver->set_th_grad(met);
-  solver->set_th_stop(1e-3 * met);
-  solver->setCallbacks({std::make_shared<Watch>(*this, met)});
+  Restoration own = violationAlone(met);
   const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
                              bool feasible) {
     xs_ = xs;
     us_ = us;
     is_feasible_ = feasible;
-    merit_ = alone->calc(xs_, us_);
-    collectParts();
-    cost_ = problem_->total_cost();
-    measureViolation();
+    evaluate(own);
   };
   const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
   const double cost_before = cost_, violation_before = violation_;
-  leastViolation(*solver, *alone, false, kMostIterations);
-  bool stationary = isStationary(*solver);
-  if (stationary && violation_ > th_constraint_) {  // a maximum or a saddle is stationary too
-    const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
-    const double merit = merit_;
-    leastViolation(*solver, *alone, true, kMostIterations);
-    stationary = isStationary(*solver);
-    if (!(merit_ < merit * (1 - kWorthless))) {
-      take_back(xs, us, true);
-      stationary = true;
-    }
+  const bool feasible_before = is_feasible_;
+  const auto is_absurd = [&] { return !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_)); };
+  const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_; };
+  leastViolation(own);
+  if (is_absurd() && feasible_before && goes_on()) {  // by steps of moderate size, then
+    take_back(xs_before, us_before, true);
+    level(own);
+  }
+  bool stationary = isStationary(own);
+  for (int k = 0; stationary && goes_on(); ++k) {  // a maximum, a saddle, or a least one of several is stationary too
+    const Beside beside = lookBeside(own, kBeside);
+    bool falls = beside == Beside::kFalls;
+    for (const double by : kElsewhere) falls = falls || (goes_on() && lookBeside(own, by) == Beside::kFalls);
+    stationary = !falls && beside == Beside::kComesBack;
+    if (!falls || k == kSaddles) break;
+    leastViolation(own);
+    stationary = isStationary(own);
   }
   if (interrupted_) return StopReason::kInterrupted;
-  if (violation_ > th_constraint_ && stationary) return StopReason::kInfeasible;
+  if (violation_ > th_constraint_ && stationary) {  // where the candidate was as near, its motion is the better one
+    if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
+    return StopReason::kInfeasible;
+  }
   // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer although
   // nothing else was asked for: nothing is shown then.
-  const bool absurd = !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_));
+  const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
   if (absurd || !nearer) return StopReason::kNoStep;
