@@ -11,11 +11,10 @@
 namespace manycontact::test {
 namespace {
 
-const std::string kHumanoid =
-    "<scene><include file='" MANYCONTACT_SOURCE_DIR "/models/tasks/humanoid_scene.xml'/></scene>";
+std::string humanoid() { return "<scene><include file='" + kTasks + "humanoid_scene.xml'/></scene>"; }
 
 TaskFile posed(const std::string& phases) {
-  TaskFile task = task_of("t", kHumanoid, phases);
+  TaskFile task = task_of("t", humanoid(), phases);
   fit_state(task);
   return task;
 }
@@ -74,7 +73,7 @@ TEST(PoseReference, LeavesContactsThatWereOpen) {
 TEST(PoseReference, ThatIsNoneIsRefused) {
   const auto refused = [](const std::string& cost, const std::string& why) {
     try {
-      (void)task_of("t", kHumanoid, "<phase nodes='1' contacts='left'>" + cost + "</phase>");
+      (void)task_of("t", humanoid(), "<phase nodes='1' contacts='left'>" + cost + "</phase>");
       ADD_FAILURE() << why;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
@@ -85,7 +84,7 @@ TEST(PoseReference, ThatIsNoneIsRefused) {
   refused("<cost name='a' type='state'>" + pose + "</cost>", "does not ask for it");
   refused("<cost name='a' type='control' reference='pose'>" + pose + "</cost>", "does not ask for it");
   refused(state("<pose frame='humanoid/pelvsi' z='1'/>"), "pelvsi");
-  const TaskFile read = task_of("t", kHumanoid, "<phase nodes='1' contacts='left'>" + state(pose) + "</phase>");
+  const TaskFile read = task_of("t", humanoid(), "<phase nodes='1' contacts='left'>" + state(pose) + "</phase>");
   EXPECT_THROW((void)make_problem(read), std::logic_error);  // still to be found
 }
 

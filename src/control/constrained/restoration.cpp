@@ -26,7 +26,7 @@ constexpr double kSettled = 1 - 1e-12;  // of one that looks for a level place
 constexpr std::size_t kCreepingWindow = 8;
 constexpr double kAsNear = 1.01;     // of the least violation
 constexpr double kMuchNearer = 0.5;  // of the violation: worth going on from
-constexpr std::size_t kMost = 500;   // iterations
+constexpr std::size_t kMostIterations = 500;   // iterations
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;  // of |C|^2; times
@@ -131,7 +131,7 @@ AL::Restoration AL::violationAlone(double met) {
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
-  (void)own.solver->solve(xs_, us_, kMost, is_feasible_);
+  (void)own.solver->solve(xs_, us_, kMostIterations, is_feasible_);
   take(own);
   if (interrupted_ || !is_feasible_ || violation_ <= th_constraint_ || isStationary(own)) return;
   level(own);

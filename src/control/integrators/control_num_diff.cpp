@@ -9,10 +9,10 @@ using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 namespace {
 
-constexpr const char* kNumDiff = "ControlParametrizationModelNumDiff";
+constexpr const char* kControlNumDiff = "ControlParametrizationModelNumDiff";
 
 ControlParametrizationDataNumDiff& own(const NumDiff::Data& data) {
-  return internal::own_data<ControlParametrizationDataNumDiff>(kNumDiff, data);
+  return internal::own_data<ControlParametrizationDataNumDiff>(kControlNumDiff, data);
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ ControlParametrizationDataNumDiff::ControlParametrizationDataNumDiff(const NumDi
     : ControlParametrizationDataAbstract(model), data_0(model->get_model()->createData()) {}
 
 NumDiff::ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
-    : ControlParametrizationModelAbstract(internal::given(kNumDiff, model)->get_nw(), model->get_nu()),
+    : ControlParametrizationModelAbstract(internal::given(kControlNumDiff, model)->get_nw(), model->get_nu()),
       model_(std::move(model)) {}
 
 NumDiff::Data NumDiff::createData() { return std::make_shared<ControlParametrizationDataNumDiff>(this); }
