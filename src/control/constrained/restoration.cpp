@@ -193,12 +193,11 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   }
   own.problem->rollout(us_, xs_);
   is_feasible_ = true;
-  if (by == kBeside)
-    level(own);
-  else
-    leastViolation(own);
-  if (merit_ < merit * (1 - kWorthless)) return Beside::kFalls;
-  const bool comes_back = merit_ < merit * (1 + kBack);
+  const bool is_motion = std::isfinite(own.problem->calc(xs_, us_));
+  if (is_motion && by == kBeside) level(own);
+  if (is_motion && by != kBeside) leastViolation(own);
+  if (is_motion && merit_ < merit * (1 - kWorthless)) return Beside::kFalls;
+  const bool comes_back = is_motion && merit_ < merit * (1 + kBack);
   xs_ = xs;
   us_ = us;
   is_feasible_ = true;
