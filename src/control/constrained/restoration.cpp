@@ -14,19 +14,20 @@ using AL = SolverAugmentedLagrangian;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;      // times the cost at hand: no motion that a solve may go on from
-constexpr double kWorthless = 1e-6;  // of the squared violation, what a step may take off at a least one
-constexpr double kLevel = 1e-6;      // of |C| |r|, what |C^T r| is there
-constexpr double kCrawling = 1e-9;   // at which iterations end
-constexpr double kBeside = 1e-2;     // of the largest control, or of 1: where it is tried again
+constexpr double kAbsurd = 3e8;                   // times the cost at hand: no motion that a solve may go on from
+constexpr double kWorthless = 1e-6;               // of the squared violation, what a step may take off at a least one
+constexpr double kLevel = 1e-6;                   // of |C| |r|, what |C^T r| is there
+constexpr double kCrawling = 1e-9;                // at which iterations end
+constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};  // of the largest control, or of 1: where it is tried again, nearer
+                                                  // where a motion without feedback goes too far
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2};  // far from there
 constexpr double kRegularised = 1e-12;
 constexpr double kCreeping = 0.99;  // of the squared violation, what kCreepingWindow iterations of a slow search leave
 constexpr double kSettled = 1 - 1e-12;  // of one that looks for a level place
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;     // of the least violation
-constexpr double kMuchNearer = 0.5;  // of the violation: worth going on from
-constexpr std::size_t kMostIterations = 500;   // iterations
+constexpr double kAsNear = 1.01;              // of the least violation
+constexpr double kMuchNearer = 0.5;           // of the violation: worth going on from
+constexpr std::size_t kMostIterations = 500;  // iterations
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;  // of |C|^2; times
@@ -181,7 +182,8 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::mt19937 random(static_cast<unsigned>(100 * std::abs(by)));
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_nu_max()));
-  if (by != kBeside)  // what changes from node to node goes nowhere
+  const bool beside = std::abs(by) <= kBeside[0];
+  if (!beside)  // what changes from node to node goes nowhere
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();
@@ -194,8 +196,8 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   own.problem->rollout(us_, xs_);
   is_feasible_ = true;
   const bool is_motion = std::isfinite(own.problem->calc(xs_, us_));
-  if (is_motion && by == kBeside) level(own);
-  if (is_motion && by != kBeside) leastViolation(own);
+  if (is_motion && beside) level(own);
+  if (is_motion && !beside) leastViolation(own);
   if (is_motion && merit_ < merit * (1 - kWorthless)) return Beside::kFalls;
   const bool comes_back = is_motion && merit_ < merit * (1 + kBack);
   xs_ = xs;
@@ -289,7 +291,9 @@ StopReason AL::restore(std::size_t maxiter) {
   }
   bool stationary = isStationary(own);
   for (int k = 0; stationary && goes_on(); ++k) {  // a maximum, a saddle, or a least one of several is stationary too
-    const Beside beside = lookBeside(own, kBeside);
+    Beside beside = Beside::kUnclear;
+    for (const double by : kBeside)
+      if (beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
     bool falls = beside == Beside::kFalls;
     for (const double by : kElsewhere) falls = falls || (goes_on() && lookBeside(own, by) == Beside::kFalls);
     stationary = !falls && beside == Beside::kComesBack;
