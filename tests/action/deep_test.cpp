@@ -50,12 +50,9 @@ TEST_P(DeepRobot, HasTheDerivativesOfItsTwin) {
   for (const bool terminal : {false, true}) {
     SCOPED_TRACE(terminal ? "terminal" : "running");
     const auto data = model->createData(), numbers = twin.createData();
-    if (terminal) {
-      model->calc(data, p.x), model->calcDiff(data, p.x);
-      twin.calc(numbers, p.x), twin.calcDiff(numbers, p.x);
-    } else {
-      model->calc(data, p.x, p.u), model->calcDiff(data, p.x, p.u);
-      twin.calc(numbers, p.x, p.u), twin.calcDiff(numbers, p.x, p.u);
+    evaluate(*model, data, p, terminal);
+    evaluate(twin, numbers, p, terminal);
+    if (!terminal) {
       EXPECT_LT(twin_difference(data->Fx, numbers->Fx), kOfDifferences);
       EXPECT_LT(twin_difference(data->Fu, numbers->Fu), kOfDifferences);
       EXPECT_LT(twin_difference(data->Lu, numbers->Lu), kOfDifferences);

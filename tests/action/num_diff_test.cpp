@@ -75,12 +75,9 @@ TEST_P(NumDiff, ResidualsAndConstraints) {
   for (bool terminal : {false, true}) {
     SCOPED_TRACE(terminal ? "terminal" : "running");
     const auto data = model->createData(), numbers = twin.createData();
-    if (terminal) {
-      model->calc(data, p.x), model->calcDiff(data, p.x);
-      twin.calc(numbers, p.x), twin.calcDiff(numbers, p.x);
-    } else {
-      model->calc(data, p.x, p.u), model->calcDiff(data, p.x, p.u);
-      twin.calc(numbers, p.x, p.u), twin.calcDiff(numbers, p.x, p.u);
+    evaluate(*model, data, p, terminal);
+    evaluate(twin, numbers, p, terminal);
+    if (!terminal) {
       EXPECT_LT(error(data->Fx, numbers->Fx, size_of(data->xout)), kTwinTolerance);
       EXPECT_LT(error(data->Fu, numbers->Fu, size_of(data->xout)), kTwinTolerance);
     }
@@ -130,12 +127,9 @@ TEST_P(NumDiff, CostsWithEveryActivation) {
   const auto compare = [&](const std::string& name) {
     for (bool terminal : {false, true}) {
       SCOPED_TRACE(name + (terminal ? ", terminal" : ", running"));
-      if (terminal) {
-        model->calc(data, p.x), model->calcDiff(data, p.x);
-        twin.calc(numbers, p.x), twin.calcDiff(numbers, p.x);
-      } else {
-        model->calc(data, p.x, p.u), model->calcDiff(data, p.x, p.u);
-        twin.calc(numbers, p.x, p.u), twin.calcDiff(numbers, p.x, p.u);
+      evaluate(*model, data, p, terminal);
+      evaluate(twin, numbers, p, terminal);
+      if (!terminal) {
         EXPECT_LT(error(data->Lu, numbers->Lu, std::abs(data->cost)), kTwinTolerance);
       }
       EXPECT_EQ(data->cost, numbers->cost);

@@ -121,6 +121,15 @@ inline RandomScene deep_scene(int seed, bool floating) {
   return s;
 }
 
+/// calc and calcDiff at the problem's x and u, of a terminal node at x alone.
+inline void evaluate(DifferentialActionModelAbstract& model,
+                     const std::shared_ptr<DifferentialActionDataAbstract>& data, const Problem& p, bool terminal) {
+  if (terminal)
+    model.calc(data, p.x), model.calcDiff(data, p.x);
+  else
+    model.calc(data, p.x, p.u), model.calcDiff(data, p.x, p.u);
+}
+
 using FwdDynData = DifferentialActionDataContactFwdDynamics;
 inline FwdDynData& as_fwddyn(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
   return dynamic_cast<FwdDynData&>(*data);

@@ -17,6 +17,18 @@ namespace {
 
 using Eigen::VectorXd;
 
+// `count` robots of these models by turns, anywhere.
+RandomScene robots_in_motion(const std::vector<std::shared_ptr<const Model>>& models, int count, std::mt19937& rng) {
+  RandomScene s;
+  for (int r = 0; r < count; ++r)
+    add_robot(s.scene, "r" + std::to_string(r), models[r % models.size()], random_placement(rng, 3));
+  s.q.resize(s.scene.nq);
+  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
+  s.v = random_vector(s.scene.nv, rng);
+  s.u = random_vector(s.scene.nu, rng, 5);
+  return s;
+}
+
 // `count` robots of two models by turns, held at a point, in a ring of contacts of all types; where contacts hold the
 // world, and where they join robots, is different everywhere.
 RandomScene ring_of_robots(int count, bool floating, double damping) {
@@ -30,13 +42,8 @@ RandomScene ring_of_robots(int count, bool floating, double damping) {
     options.floating_base = floats;
     models.push_back(std::make_shared<const Model>(random_model(rng, options)));
   }
-  RandomScene s;
+  RandomScene s = robots_in_motion(models, count, rng);
   s.scene.damping = damping;
-  for (int r = 0; r < count; ++r) add_robot(s.scene, "r" + std::to_string(r), models[r % 2], random_placement(rng, 3));
-  s.q.resize(s.scene.nq);
-  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
-  s.v = random_vector(s.scene.nv, rng);
-  s.u = random_vector(s.scene.nu, rng, 5);
   const auto add = [&](ContactType type, ReferenceFrame frame, Attachment A, Attachment B) {
     Contact c;
     c.name = "c" + std::to_string(s.scene.contacts.size());
@@ -68,12 +75,7 @@ RandomScene ring_of_arms(int count) {
   options.branching = 0;
   options.floating_base = false;
   const auto model = std::make_shared<const Model>(random_model(rng, options));
-  RandomScene s;
-  for (int r = 0; r < count; ++r) add_robot(s.scene, "r" + std::to_string(r), model, random_placement(rng, 3));
-  s.q.resize(s.scene.nq);
-  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
-  s.v = random_vector(s.scene.nv, rng);
-  s.u = random_vector(s.scene.nu, rng, 5);
+  RandomScene s = robots_in_motion({model}, count, rng);
   for (int r = 0; r < count; ++r) {
     Contact c;
     c.name = "c" + std::to_string(r);
@@ -98,12 +100,7 @@ RandomScene ring_of_ladders(int count) {
   arms.joints[21].parent = 0;
   finalize(arms);
   const auto model = std::make_shared<const Model>(std::move(arms));
-  RandomScene s;
-  for (int r = 0; r < count; ++r) add_robot(s.scene, "r" + std::to_string(r), model, random_placement(rng, 3));
-  s.q.resize(s.scene.nq);
-  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
-  s.v = random_vector(s.scene.nv, rng);
-  s.u = random_vector(s.scene.nu, rng, 5);
+  RandomScene s = robots_in_motion({model}, count, rng);
   const auto add = [&](ContactType type, Attachment A, Attachment B) {
     Contact c;
     c.name = "c" + std::to_string(s.scene.contacts.size());

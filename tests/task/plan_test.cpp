@@ -47,6 +47,15 @@ std::string pendulum(const std::string& effort, const std::string& more = "lower
          effort + "' " + more + "/></joint></robot>";
 }
 
+// The same with a frame at its end.
+std::string pendulum_with_tip() {
+  std::string urdf = pendulum("100");
+  urdf.insert(urdf.rfind("</robot>"),
+              "<link name='tip'/><joint name='f' type='fixed'><origin xyz='0 0 -1'/><parent link='bar'/><child "
+              "link='tip'/></joint>");
+  return urdf;
+}
+
 // ---- nodes without torques
 
 class WithoutTorques : public testing::TestWithParam<std::string> {};
@@ -180,10 +189,7 @@ TEST(InfeasibleTasks, AreNotThoseWhoseGuessIsAMaximum) {
 // The same by the tip's place: a step that Gauss-Newton takes from beside goes back, for it keeps the tip below the
 // hinge.
 TEST(InfeasibleTasks, AreNotThoseWhoseStepsGoBackToAMaximum) {
-  std::string urdf = pendulum("100");
-  urdf.insert(urdf.rfind("</robot>"),
-              "<link name='tip'/><joint name='f' type='fixed'><origin xyz='0 0 -1'/><parent link='bar'/><child "
-              "link='tip'/></joint>");
+  const std::string urdf = pendulum_with_tip();
   const TaskFile task = task_with(
       {{"p.urdf", urdf}, {"scene.xml", "<scene><robot name='p' urdf='p.urdf'/></scene>"}},
       "<task scene='scene.xml' step='0.02'><phase nodes='50'><cost name='u' type='control' weight='1e-3'/></phase>"
@@ -196,10 +202,7 @@ TEST(InfeasibleTasks, AreNotThoseWhoseStepsGoBackToAMaximum) {
 
 // A bar of 1 m whose tip is to be 3 m from its hinge: straight at it is the least violation, and shown to be one.
 TEST(InfeasibleTasks, AreShownToBeSoWhereTheViolationIsStationary) {
-  std::string urdf = pendulum("100");
-  urdf.insert(urdf.rfind("</robot>"),
-              "<link name='tip'/><joint name='f' type='fixed'><origin xyz='0 0 -1'/><parent link='bar'/><child "
-              "link='tip'/></joint>");
+  const std::string urdf = pendulum_with_tip();
   const TaskFile task = task_with(
       {{"p.urdf", urdf},
        {"scene.xml", "<scene><robot name='p' urdf='p.urdf'><joint name='swing' q='0.4'/></robot></scene>"}},
@@ -237,10 +240,7 @@ TEST(StationaryGuesses, ThatAreNoMinimaAreLeftAndTold) {
       "weight='1e-4'/></phase><terminal>"
       "<cost name='up' type='frame_translation' frame='p/tip' xyz='0 0 1' weight='100'/></terminal><solver "
       "iterations='500'/></task>";
-  std::string urdf = pendulum("100");
-  urdf.insert(urdf.rfind("</robot>"),
-              "<link name='tip'/><joint name='f' type='fixed'><origin xyz='0 0 -1'/><parent link='bar'/><child "
-              "link='tip'/></joint>");
+  const std::string urdf = pendulum_with_tip();
   const TaskFile task =
       task_with({{"p.urdf", urdf}, {"scene.xml", "<scene><robot name='p' urdf='p.urdf'/></scene>"}}, text);
   const TaskSolution s = solved(task);

@@ -196,13 +196,23 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   return reason_ == StopReason::kConverged;
 }
 
+namespace {
+
+// By the multipliers that leave the least, of nodes that are differentiated at that motion.
+double kkt_residual_of(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
+                       const std::vector<Eigen::VectorXd>& us, bool limits) {
+  Eigen::VectorXd work;
+  return internal::kkt_residual_of_nodes(
+      problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, work);
+}
+
+}  // namespace
+
 // What steps are to gain may drown in the cost's rounding before the stopping rule is met: the KKT residual does not.
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the data are of the last try
   calcDiff();
-  const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, false);
-  Eigen::VectorXd work;
-  kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, false, {}, work);
+  kkt_ = kkt_residual_of(*problem_, xs_, us_, false);
   return kkt_ <= th_kkt_ * scale_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
@@ -225,9 +235,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
     if (!std::isfinite(th_kkt_)) return reason;
     problem_->calc(xs_, us_);
     calcDiff();
-    const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, true);
-    Eigen::VectorXd work;
-    kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, true, {}, work);
+    kkt_ = kkt_residual_of(*problem_, xs_, us_, true);
     if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
     idle = kkt_ < 0.5 * least ? 0 : idle + 1;
     least = std::min(least, kkt_);
@@ -246,9 +254,7 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
   for (bool moved = true;; ++polishing_) {
     if (moved) {
       calcDiff();
-      const auto l = internal::least_squares_multipliers_of_nodes(*problem_, us_, keeps_limits());
-      Eigen::VectorXd work;
-      kkt_ = internal::kkt_residual_of_nodes(*problem_, xs_, us_, l, keeps_limits(), {}, work);
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, keeps_limits());
     }
     if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
     if (polishing_ == maxiter) return StopReason::kIterations;

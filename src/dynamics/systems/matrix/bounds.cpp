@@ -168,11 +168,12 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
   std::vector<double> y(n, 0.0), w(n, 0.0), part(n);
   for (int k = m.owner.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
   m.factor->particular_solution(y.data());
+  const double c_eps = rounding(scene, m);
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k], rows = scene.contacts[c].rows();
     double moved = 0;
     for (int column : m.owner.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
-    const double of_row = rounding(scene, m) * motion_scale(scene.contacts[c], work.contacts[c]) * moved;
+    const double of_row = c_eps * motion_scale(scene.contacts[c], work.contacts[c]) * moved;
     for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]] = of_row;
   }
   const std::vector<char> kept(n, 1);
@@ -192,6 +193,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   std::vector<double> w(m.owner.island.size(), 0.0);
+  const double c_eps = rounding(scene, m);
   double largest = 0, all_missed = 0;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];
@@ -201,7 +203,7 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
     const double size = motion_scale(scene.contacts[c], work.contacts[c]);
     largest = std::max(largest, size);
     all_missed += missed;
-    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += rounding(scene, m) * size * missed;
+    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += c_eps * size * missed;
   }
   const double anywhere = std::numeric_limits<double>::epsilon() * largest * all_missed;
   for (int column = 0; column < m.owner.island.nv; ++column) w[iperm[column]] += anywhere;
