@@ -14,6 +14,7 @@
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/simulation/switch.hpp"
+#include "support/folder.hpp"
 #include "support/methods.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
@@ -206,6 +207,33 @@ TEST(Bounds, CountGains) {
     disturb(file, rng, 0.3);
     for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "gains");
   }
+}
+
+// Forces of least norm on a point that joints move by a tenth of a millimetre, beside rows of radians: what orthogonal
+// elimination leaves of these in the point's columns is no null space.
+TEST(Bounds, CountShortLeversBesideTurns) {
+  const TemporaryFolder folder;
+  const std::string inertial =
+      "<inertial><mass value=\"0.001\"/><inertia ixx=\"1e-10\" iyy=\"1e-10\" izz=\"1e-10\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial>";
+  std::string urdf = "<robot name=\"r\"><link name=\"l0\">" + inertial + "</link>";
+  const auto link = [&](int parent, int child, const std::string& origin, const std::string& axis) {
+    const std::string name = std::to_string(child);
+    urdf += "<link name=\"l" + name + "\">" + inertial + "</link><joint name=\"j" + name +
+            "\" type=\"continuous\"><parent link=\"l" + std::to_string(parent) + "\"/><child link=\"l" + name +
+            "\"/><origin " + origin + "/><axis xyz=\"" + axis + "\"/></joint>";
+  };
+  link(0, 1, "", "1 0 0");
+  link(1, 2, "rpy=\"-0.88 0.3 -1.72\"", "0 1 0");
+  link(0, 3, "", "0.834 0.0803 0.483");
+  link(3, 4, "xyz=\"3.3e-4 2.6e-4 8e-6\"", "0 1 0");
+  (void)folder.write("r.urdf", urdf + "</robot>");
+  const SceneFile file = load_scene(folder.write(
+      "scene.xml",
+      "<scene gravity=\"0 0 0\"><robot name=\"r\" urdf=\"r.urdf\" base=\"fixed\"><u>1e-9 1e-9 1e-9 1e-9</u></robot>"
+      "<contact name=\"near\" type=\"3d\" frame=\"r/l2\" offset=\"-8.5e-5 -1.14e-4 -1.22e-4\"/>"
+      "<contact name=\"turned\" type=\"6d\" frame=\"r/l4\" offset=\"1.45e-4 1.57e-4 2.21e-4\"/></scene>"));
+  for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "short lever");
 }
 
 // Six rows at the end of a lever hold a body whatever the lever's length: radians are not metres.

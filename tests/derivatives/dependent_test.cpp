@@ -117,6 +117,30 @@ TEST(Inconsistent, BothFeetHeldTwice) {
   expect_differences("humanoid on feet held twice", file.scene, state_of(file), Status::kInconsistent);
 }
 
+// A robot of ten micrometres: of what its contacts contradict each other by, turns are 1e-5, and count as much. Errors
+// that K's condition (1e14) would allow are not: least squares do not depend on the units of columns.
+TEST(Inconsistent, TurnsBesideMicrometres) {
+  SceneFile file = load_text(R"(<scene><robot name="a" urdf="arm.urdf" base="fixed"/>
+      <contact name="c" type="6d" frame="a/link_5" gains="25 10"/>
+      <contact name="d" type="3d" frame="a/tool" gains="25 10"/></scene>)");
+  std::mt19937 rng(6);
+  disturb(file, rng, 0.5);
+  scale_lengths(file, 1e-5);
+  SceneData oracle(file.scene, {Method::kDense, {}});
+  ASSERT_EQ(solve(file.scene, file.q, file.v, file.u, oracle).status, Status::kInconsistent);
+  const MatX<Quad> truth = differences(file.scene, oracle, state_of(file))[0];
+  for (const Way& way : ways(true)) {
+    if (way.options.method == Method::kDenseSchur) continue;
+    SceneData data(file.scene, way.options);
+    (void)solve(file.scene, file.q, file.v, file.u, data);
+    (void)differentiate(file.scene, data);
+    const Island island = islands_at(file.scene, data)[0];
+    const DerivativeErrors e = derivative_errors(file.scene, island, answer_of(file.scene, data, island, 0), truth,
+                                                 column_kinds(island, truth), 1);
+    for (double error : e.quantity) EXPECT_LE(error, kExpected) << way.name;
+  }
+}
+
 // Repeated contacts of all types and frames, in the world and between bodies.
 TEST(RandomDependent, AllMatricesByEveryMethod) {
   for (int seed = 1; seed <= 8; ++seed) {

@@ -457,6 +457,28 @@ TEST(Bodies, ContradictionsUnderLargeGravity) {
   }
 }
 
+// Accelerations that cancel in a row are its terms all the same, as the whole K has them: of a base that swings fast
+// about the body that is held twice, and the joint between them.
+TEST(Bodies, ContradictionsBesideAccelerationsThatCancel) {
+  ChainOptions options;
+  options.links = options.held_every = 2;
+  options.floating_base = true;
+  Chain c = make_chain(options);
+  Contact again = c.scene.contacts[0];
+  again.name = "again";
+  again.type = ContactType::k1D;
+  again.alpha = 0.1;
+  add_contact(c.scene, again);
+  c.v.setZero();
+  for (const double gravity : {1.0, 4e8}) {
+    c.scene.gravity = {0, 0, -gravity};
+    Both x(c.scene, c.q, c.v, c.u);
+    EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
+    EXPECT_EQ(x.dense.report.status, gravity > 1 ? Status::kRedundant : Status::kInconsistent);
+    EXPECT_EQ(x.bodies.report.status, x.dense.report.status) << gravity;
+  }
+}
+
 // Two points where one would do, and a body held twice.
 TEST(Bodies, RowsOfOneBodyAgreeWithTheOracle) {
   for (const ContactType type : {ContactType::k3D, ContactType::k6D})

@@ -84,6 +84,24 @@ void disturb(SceneFile& file, std::mt19937& rng, double size) {
   for (double& u : file.u) u += uniform(rng, -5, 5);
 }
 
+void scale_lengths(SceneFile& file, double unit) {
+  for (Robot& robot : file.scene.robots) {
+    Model model = *robot.model;
+    for (Joint& joint : model.joints) {
+      joint.placement.p *= unit;
+      joint.inertia.h *= unit;
+      joint.inertia.I *= unit * unit;
+    }
+    finalize(model);
+    robot.model = std::make_shared<const Model>(std::move(model));
+    robot.base.p *= unit;
+  }
+  for (Contact& contact : file.scene.contacts)
+    for (Attachment* at : {&contact.A, &contact.B}) at->placement.p *= unit;
+  file.scene.gravity *= unit;
+  file.u *= unit * unit;
+}
+
 SceneFile tilted_four_bar(double tilt, const std::string& type) {
   TemporaryFolder folder;
   const auto bar = [](const char* name) {

@@ -42,6 +42,9 @@ SceneFile load_small(const std::string& path);
 /// The same state away from rest: q moved by about `size` in each coordinate, v random, u moved by up to 5 N m.
 void disturb(SceneFile& file, std::mt19937& rng, double size = 0.05);
 
+/// The scene of fixed arms on revolute joints with all lengths times `unit`, gravity and torques with them.
+void scale_lengths(SceneFile& file, double unit);
+
 /// A plane four-bar whose second axis is tilted out of the plane by so much, its pin a point (3d) or a hinge (5d).
 SceneFile tilted_four_bar(double tilt, const std::string& type = "3d");
 

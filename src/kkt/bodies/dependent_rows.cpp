@@ -302,13 +302,25 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
+  // |J| |a| by recursion: each body's |X| |parent's| + |S| |a|, which no cancellation between joints makes small
+  auto& size = v.dx.motion;
+  for (int i = 0; i < p.nodes; ++i) {
+    size[i].setZero();
+    if (p.parent[i] >= 0) {
+      const V6& above = size[p.parent[i]];
+      const Vec3<double> r = s.r[i].cwiseAbs(), w = above.tail<3>();
+      size[i] = above;
+      size[i].head<3>() +=
+          Vec3<double>(w[1] * r[2] + w[2] * r[1], w[2] * r[0] + w[0] * r[2], w[0] * r[1] + w[1] * r[0]);
+    }
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k)
+      size[i] += s.S.col(k).cwiseAbs() * std::abs(v.x.joints[k]);
+  }
   double Ja = 0;
   for (int k = 0; k < p.nc; ++k) {
     double sum = 0;
-    const auto add = [&](int node, const auto& G) {
-      if (node >= 0) sum += G.cwiseAbs().dot((v.x.motion[node] - v.dx.motion[node]).cwiseAbs());
-    };
-    add(p.A[k], s.GA.col(k)), add(p.B[k], s.GB.col(k));
+    if (p.A[k] >= 0) sum += s.GA.col(k).cwiseAbs().dot(size[p.A[k]]);
+    if (p.B[k] >= 0) sum += s.GB.col(k).cwiseAbs().dot(size[p.B[k]]);
     Ja = std::max(Ja, sum);
   }
   return {Ja, v.dx.rows.cwiseAbs().maxCoeff()};

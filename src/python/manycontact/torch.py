@@ -13,7 +13,7 @@ is formed. All is computed in float64 on the CPU; tensors of other types and dev
 from typing import List, Optional, Tuple
 
 import numpy
-import torch
+import torch  # type: ignore[import]
 
 from . import BatchData, JointType, Options, Scene, solve_batch, vjp_batch_with_pushes
 

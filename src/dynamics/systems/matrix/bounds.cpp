@@ -161,7 +161,8 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
 
 // Where rows depend on others, rounding of J turns the null space of J^T too, and the forces of least norm with it: by
 // P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
-// |P| |dJ| |y|, J y = f.
+// |P| |dJ| |y|, J y = f; dJ is what the rows were computed with in their own columns, and what orthogonal elimination
+// leaves of a row in all (Higham, theorem 19.4).
 double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   const int n = m.owner.island.size();
@@ -169,11 +170,14 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
   for (int k = m.owner.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
   m.factor->particular_solution(y.data());
   const double c_eps = rounding(scene, m);
+  double all_moved = 0;
+  for (int column = 0; column < m.owner.island.nv; ++column) all_moved += std::abs(y[iperm[column]]);
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k], rows = scene.contacts[c].rows();
     double moved = 0;
     for (int column : m.owner.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
-    const double of_row = c_eps * motion_scale(scene.contacts[c], work.contacts[c]) * moved;
+    const double of_row = motion_scale(scene.contacts[c], work.contacts[c]) *
+                          (c_eps * moved + std::numeric_limits<double>::epsilon() * all_moved);
     for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]] = of_row;
   }
   const std::vector<char> kept(n, 1);

@@ -50,8 +50,9 @@ void forget_dropped(BodyLdl& ldl);
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                    BodyDependence& work);
 
-/// Of the rows of K, the largest terms of J a and of a0, which what they contradict each other by is judged beside:
-/// gravity, which the bodies' accelerations have in them, is in neither. v: solved; overwrites v.dx.
+/// Of the rows of K, the largest of |J| |a| and of a0, which what they contradict each other by is judged beside:
+/// gravity, which the bodies' accelerations have in them, is in neither. For two bodies that one joint moves, |J| |a|
+/// counts it for both. v: solved; overwrites v.dx.
 std::pair<double, double> row_terms_of_joints(const BodySystem& system, BodySolve& v);
 
 }  // namespace manycontact
