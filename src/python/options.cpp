@@ -42,7 +42,8 @@ void add_enumerations(py::module_& m) {
                            {"BAD_DAMPING", Reason::kBadDamping},
                            {"BAD_QUATERNION", Reason::kBadQuaternion},
                            {"SINGULAR_INERTIA", Reason::kSingularInertia},
-                           {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection}});
+                           {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection},
+                           {"UNCERTAIN", Reason::kUncertain}});
 }
 
 void add_how_to_solve(py::module_& m) {

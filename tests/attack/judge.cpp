@@ -342,11 +342,11 @@ bool Trying::values() {
     find(Fault::kRank, text("rank %d, right is %d of %d", r.rank, best->rank, trial.truth.rows()));
     return false;
   }
+  const std::size_t before = out.findings.size();
+  judge_status(*best);  // what bounds make of it comes after
   estimate_condition(scene, data);
   estimate_errors(scene, data);
-  const std::size_t before = out.findings.size();
   judge_values(*best);
-  judge_status(*best);
   judge_condition(*best);
   judge_bounds(*best);
   const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;

@@ -276,6 +276,30 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
+// An answer whose bound is its own size is none of the scene asked, and says so; accelerations that rounding leaves of
+// a scene at rest, and forces of one on which nothing acts, are known to be next to nothing.
+TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {
+  const SceneFile near =
+      box("<contact name=\"one\" type=\"3d\" frame=\"r/crate\" offset=\"0.3 0 0\"/>"
+          "<contact name=\"two\" type=\"1d\" axis=\"1 0 0\" frame=\"r/crate\" offset=\"0.3 5e-11 0\"/>");
+  const SceneFile rests = box("<contact name=\"one\" type=\"6d\" frame=\"r/crate\" offset=\"0.3 0.1 0.2\"/>");
+  const SceneFile falls =
+      box("<contact name=\"one\" type=\"1d\" axis=\"0.6 0.8 0\" frame=\"r/crate\" offset=\"0.1 0.2 0.3\"/>");
+  for (Method method : methods_for_dependent_rows()) {
+    SCOPED_TRACE(to_string(method));
+    Solved uncertain(near, method);
+    estimate_errors(uncertain.file.scene, uncertain.data);
+    EXPECT_GE(uncertain.report().error_forces, 1);
+    EXPECT_EQ(uncertain.report().status, Status::kRegularised);
+    EXPECT_EQ(uncertain.report().islands[0].reason, Reason::kUncertain);
+    for (const SceneFile& file : {rests, falls}) {
+      Solved s(file, method);
+      estimate_errors(s.file.scene, s.data);
+      EXPECT_EQ(s.report().status, Status::kOk);
+    }
+  }
+}
+
 // Hundreds of points on one body: six rows hold it, at a cost linear in the points.
 TEST(ManyContacts, OnOneBodyAreLeftToTheDenseMethod) {
   std::string contacts;

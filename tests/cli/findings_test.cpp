@@ -94,13 +94,15 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   const std::string near = scene(kBox + R"(<contact name="one" type="3d" frame="b/crate" offset="0.3 0 0"/>
     <contact name="two" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 5e-11 0"/>
     <contact name="three" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 0 5e-12"/>)");
-  const json j = solve({near});
+  const json j = solve({near}, 1);  // rounding may change the forces by their size
+  EXPECT_EQ(j.at("report").at("status"), "regularised");
   EXPECT_NEAR(j.at("report").at("rank_gap").get<double>(), 10, 0.1);
   ASSERT_EQ(j.at("near_dependent").size(), 1u);
   EXPECT_EQ(j.at("near_dependent")[0].at("rows"), json{"two[0]"});
   EXPECT_GT(j.at("near_dependent")[0].at("times_loads").get<double>(), 1e6);
   for (const char* command : {"solve", "inspect"}) {
     const std::string told = run({command, near}).out;
+    if (command == std::string("solve")) expect_contains(told, "rounding may change it by more than its size");
     expect_contains(told, "nearly dependent: two[0] counts only just: the other rows leave 4.8e-11 of it");
     expect_contains(told,
                     "of two[0], which counts, the rows before leave 4.8e-11 of its size, of three[0], which does not");

@@ -13,7 +13,7 @@ namespace manycontact::test {
 
 namespace {
 
-constexpr double kNoDigits = 1e-2;    // an error above this is a wrong answer whatever the condition
+constexpr double kNoDigits = 1e-2;         // an error above this is a wrong answer whatever the condition
 constexpr double kVanishingForce = 1e-12;  // of their scale: forces that balance to nothing
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
@@ -93,11 +93,12 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
 }
 
 // Whether regularised islands had reason to be: with the damping, K is so close to singular that no digit is allowed
-// for.
-bool damping_is_lost(const Truths& truths, const Report& report) {
+// for; or, of an answer that was judged, its own bounds leave nothing of it.
+bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   for (std::size_t i = 0; i < truths.islands.size(); ++i) {
     const IslandReport& island = report_of(report, i);
     if (island.status != Status::kRegularised) continue;
+    if (island.reason == Reason::kUncertain && std::max(island.error_acceleration, island.error_forces) >= 1) continue;
     if (island.reason != Reason::kDampingLost || !(allowed(truths.islands[i].damped_condition.product()) >= 1))
       return false;
   }
@@ -107,7 +108,7 @@ bool damping_is_lost(const Truths& truths, const Report& report) {
 // Whether the status says what the contacts are: dependent or not, at odds or not. What is close to a threshold may be
 // called either; with damping, K is regular and everything is ok, unless the damping is lost.
 bool well_labelled(const Problem& p, const Truths& truths, const Report& report) {
-  if (report.status == Status::kRegularised) return damping_is_lost(truths, report);
+  if (report.status == Status::kRegularised) return regularised_for_a_reason(truths, report);
   if (p.scene.damping > 0 || truths.contradiction < 0) return true;
   if (report.status == Status::kOk) return truths.rank == truths.rows;
   if (truths.rank == truths.rows) return false;
@@ -228,7 +229,7 @@ Row judge(const Case& which) {
       SceneData data(p.scene, way.options);
       (void)solve(p.scene, p.q, p.v, p.u, data);
       const bool regularised = std::any_of(data.report.islands.begin(), data.report.islands.end(),
-                                           [](const auto& i) { return i.status == Status::kRegularised; });
+                                           [](const auto& i) { return i.reason == Reason::kDampingLost; });
       if (regularised && !undamped) undamped.emplace(without_damping(p));
       row.cells[k] = judge_answer(p, regularised ? claimed(truths, *undamped, data.report) : truths, data, way);
     } catch (const std::exception& e) {

@@ -35,7 +35,8 @@ struct IslandReport {  // Of one island's answer.
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
   /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for.
-  /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest.
+  /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest; or
+  /// the answer is no more than that of a neighbouring problem (Reason::kUncertain).
   double error_acceleration = 0, error_forces = 0;
 };
 

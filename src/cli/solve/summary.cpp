@@ -17,8 +17,8 @@ namespace manycontact::cli {
 
 namespace {
 
-std::string status_in_words(Status status, double damping) {
-  switch (status) {
+std::string status_in_words(const Report& report, double damping) {
+  switch (report.status) {
     case Status::kOk:
       return damping > 0 ? "the damped system is solved to its residuals"
                          : "the contacts are independent and the system is solved to its residuals";
@@ -28,7 +28,10 @@ std::string status_in_words(Status status, double damping) {
     case Status::kInconsistent:
       return "contacts contradict each other; the accelerations miss them by the least squares";
     case Status::kRegularised:
-      return "the answer to a neighbouring problem, not to the one asked";
+      return std::any_of(report.islands.begin(), report.islands.end(),
+                         [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
+                 ? "no more than the answer to a neighbouring problem: rounding may change it by more than its size"
+                 : "the answer to a neighbouring problem, not to the one asked";
     case Status::kFailed:
       return "no answer for at least one island; its accelerations and forces are not numbers";
   }
@@ -183,7 +186,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 }  // namespace
 
 void print_report(std::ostream& out, const SolvedScene& s) {
-  wrap(out, status_in_words(s.data.report.status, s.file.scene.damping), 0,
+  wrap(out, status_in_words(s.data.report, s.file.scene.damping), 0,
        "Status " + to_string(s.data.report.status) + ": ");
   const std::vector<Alike> kinds = alike_islands(s.data);
   out << "\n";

@@ -21,21 +21,25 @@ void restore(const KktPattern& p, KktVectors& v) {
   }
 }
 
-// What rows contradict each other by, P b1, is orthogonal to J's range. Rounding of its large entries hides how small
-// those of heavy rows (a turn beside a length of micrometres) are: P b1 -= (J^T)^+ J^T P b1. Of an answer that is not
-// there yet v has the memory.
+// What rows contradict each other by, P b1, is orthogonal to J's range. Rounding of b1's large entries hides how small
+// those of heavy rows (a turn beside a length of micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
+// rounding of b1: rows that were dropped all but depend on the others. Of an answer that is not there yet v has the
+// memory.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   const auto largest = [](const std::vector<double>& x) {
     double out = 0;
-    for (double entry : x) out = std::max(out, std::abs(entry));
+    for (double entry : x) out = sparse::larger_or_nan(out, std::abs(entry));
     return out;
   };
-  if (!(largest(v.null_component) > tolerance::kDriftRounding * largest(v.b))) return;
+  const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
+  if (!(missed > tolerance::kDriftRounding * size)) return;
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(K.pattern->K, K.values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
   factor.solve(v.r.data());
-  for (int k = 0; k < K.pattern->size(); ++k) {
-    if (K.pattern->perm[k] < K.pattern->nv) continue;
+  for (int k = 0; k < K.pattern->size(); ++k)
+    if (K.pattern->perm[k] < K.pattern->nv) v.r[k] = 0;
+  if (!(largest(v.r) <= tolerance::kDriftRounding * size)) return;
+  for (std::size_t k = 0; k < v.r.size(); ++k) {
     v.null_component[k] += v.r[k];
     v.b[k] -= v.r[k];
   }

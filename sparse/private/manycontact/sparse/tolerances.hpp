@@ -131,10 +131,10 @@ inline constexpr double kQuaternion = 1e-6;
 /// Hager's and Higham's estimate of a 1-norm is a lower bound, nearly always within this factor.
 /// Used by: estimate_errors.
 inline constexpr double kNormEstimate = 3;
-/// Error bounds, in eps of everything a row was computed from: 8 and the joints below the base that its terms pass
+/// Error bounds, in eps of everything a row was computed from: 12 and the joints below the base that its terms pass
 /// through.
 /// Used by: estimate_errors.
-inline constexpr int kBoundRounding = 8;
+inline constexpr int kBoundRounding = 12;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 

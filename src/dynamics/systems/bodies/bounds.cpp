@@ -21,6 +21,14 @@ namespace {
 
 using V6 = Vec6<double>;
 
+// What a contact's a0 is computed from, but for the bodies' accelerations.
+double answered(const Contact& contact, const ContactData<double>& rows) {
+  const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
+  const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
+  const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
+  return v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
+}
+
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
@@ -50,14 +58,9 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
   });
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
-    const ContactData<double>& rows = form.contacts[k];
-    const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
-    const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
-    const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
-    const double answered = v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
     for (int i = 0; i < contact.rows(); ++i) {
       const int row = island.row_offset[k] + i;
-      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + answered));
+      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + answered(contact, form.contacts[k])));
     }
   }
   return w;
@@ -101,6 +104,35 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
   return tolerance::kNormEstimate * sparse::norm_1_estimate(static_cast<int>(w.size()), backward, forward);
 }
 
+double largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
+
+// What acts: gravity, torques and what contacts' rows are computed from beside their levers; these, weights and bias
+// forces beside the largest row.
+std::pair<double, double> acting_sizes(const Scene& scene, const BodiesSystem& form) {
+  const BodySystem& s = form.factor.system;
+  const BodyPattern& p = *s.pattern;
+  const BodyVectors& b = form.solution.b;
+  const double gravity = scene.gravity.cwiseAbs().maxCoeff();
+  double motion = gravity, load = largest(b.joints), inertia = 0, lever = 0;
+  for (int i = 0; i < p.nodes; ++i) {
+    load = std::max({load, s.Y[i].m * gravity, b.force[i].cwiseAbs().maxCoeff()});
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) {
+      const double own = s.armature[k] + s.S.col(k).dot(s.Y[i] * V6(s.S.col(k)));
+      inertia = std::max(inertia, own);
+      if (own > 0) motion = std::max(motion, std::abs(b.joints[k]) / own);
+    }
+  }
+  for (std::size_t k = 0; k < form.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[form.owner.island.contacts[k]];
+    const double size = motion_scale(contact, form.contacts[k]);
+    if (!(size > 0)) continue;
+    lever = std::max(lever, size);
+    motion = std::max(motion, answered(contact, form.contacts[k]) / size);
+    load = std::max(load, inertia * answered(contact, form.contacts[k]) / size);
+  }
+  return {motion, lever > 0 ? load / lever : 0};
+}
+
 }  // namespace
 
 bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
@@ -117,11 +149,9 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   each_force_block(scene, data.f_offset, owner.island, [&](int from, int to, int n) {
     df = std::max(df, (data.f.segment(from, n) + x.rows.segment(to, n)).cwiseAbs().maxCoeff());
   });
-  const auto relative = [](double error, const Eigen::VectorXd& y) {
-    return y.size() == 0 || error == 0 ? 0 : error / y.cwiseAbs().maxCoeff();
-  };
-  report.error_acceleration = relative(bound(*this, w, false) + da, x.joints);
-  report.error_forces = x.rows.size() == 0 ? 0 : relative(bound(*this, w, true) + df, x.rows);
+  const auto [motion, load] = acting_sizes(scene, *this);
+  internal::report_bounds({largest(x.joints), bound(*this, w, false) + da, motion},
+                          {largest(x.rows), x.rows.size() == 0 ? 0 : bound(*this, w, true) + df, load}, report);
   return true;
 }
 

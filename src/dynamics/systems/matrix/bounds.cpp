@@ -243,6 +243,29 @@ std::pair<Given, Given> given_answer(const SceneData& data, const Scene& scene, 
   return out;
 }
 
+// What acts: gravity, torques and bias forces beside the inertia that they move, what contacts' rows are computed from
+// beside their levers; and the forces of these.
+std::pair<double, double> acting_sizes(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+  const KktPattern& p = *m.K.pattern;
+  double motion = scene.gravity.cwiseAbs().maxCoeff(), load = 0, M = 0, J = 0;
+  for (int k = 0; k < p.size(); ++k) {
+    if (p.perm[k] >= p.nv) continue;
+    const double acts = std::abs(m.v.b[k]), own = std::abs(m.K.values[p.K.p[k + 1] - 1]);
+    load = std::max(load, acts);
+    M = std::max(M, own);
+    if (own > 0) motion = std::max(motion, acts / own);
+  }
+  for (int c : m.owner.island.contacts) {
+    const double lever = motion_scale(scene.contacts[c], work.contacts[c]);
+    J = std::max(J, lever);
+    if (!(lever > 0)) continue;
+    const double answered = internal::row_terms(scene, work, c) / lever;
+    motion = std::max(motion, answered);
+    load = std::max(load, M * answered);
+  }
+  return {motion, J > 0 ? load / J : 0};
+}
+
 }  // namespace
 
 bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
@@ -254,17 +277,16 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const std::vector<double> turned =
       contradicts ? turned_contradiction(scene, *data.workspace, *this) : std::vector<double>();
   const auto twice = [this](double* x) { factor->solve(x), factor->solve(x); };
-  const auto relative = [&](int first, int count, double size, double more) {
+  const auto error = [&](int first, int count, double more) {
     std::fill(kept.begin(), kept.end(), 0);
     for (int k = first; k < first + count; ++k) kept[iperm[k]] = 1;
-    const double error =
-        count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
-    return error == 0 ? 0 : error / size;
+    return count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
   };
-  report.error_acceleration = relative(0, owner.island.nv, a.size, a.moved);
   double more = f.moved;
   if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
-  report.error_forces = relative(owner.island.nv, owner.island.nc, f.size, more);
+  const auto [motion, load] = acting_sizes(scene, *data.workspace, *this);
+  internal::report_bounds({a.size, error(0, owner.island.nv, a.moved), motion},
+                          {f.size, error(owner.island.nv, owner.island.nc, more), load}, report);
   return true;
 }
 

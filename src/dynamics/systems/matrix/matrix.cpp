@@ -1,10 +1,13 @@
 #include "matrix.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "../../derivatives/products.hpp"
 #include "../../internal.hpp"
 #include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
@@ -63,12 +66,39 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
+// Whether rounding of the terms of one equation alone may change its own unknown by a hundredth of what acts: an
+// inertia or a damping next to nothing beside terms that cancel. Few are; their bounds tell.
+bool in_doubt(const Scene& scene, const MatrixSystem& m) {
+  constexpr double kPart = 0.01 / (tolerance::kBoundRounding * std::numeric_limits<double>::epsilon());
+  const KktPattern& p = *m.K.pattern;
+  double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
+  for (int k = 0; k < p.size(); ++k) {
+    const int row = p.perm[k] >= p.nv;
+    const double own = row ? scene.damping : std::abs(m.K.values[p.K.p[k + 1] - 1]);
+    size[row] = std::max(size[row], std::abs(m.v.x[k]));
+    if (!(own > 0)) continue;
+    if (!row) size[row] = std::max(size[row], std::abs(m.v.b[k]) / own);
+    change[row] = std::max(change[row], m.v.scale[k] / own);
+  }
+  return change[0] > kPart * size[0] || change[1] > kPart * size[1];
+}
+
+void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
+                        IslandReport& report) {
+  take_answer(scene, data, m, report);
+  if (!in_doubt(scene, m)) return;
+  thread.spare_report = report;
+  m.bound_errors(scene, data, thread.spare_report);
+  report.status = thread.spare_report.status;
+  report.reason = thread.spare_report.reason;
+}
+
 }  // namespace
 
 bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
   const bool answered = solve_at_state(scene, data, thread, *this, report);
   was_dependent = answered && scene.damping == 0 && factor == safe.get() && deficient();
-  if (answered) take_answer(scene, data, *this, report);
+  if (answered) take_judged_answer(scene, data, thread, *this, report);
   return answered;
 }
 
@@ -77,7 +107,7 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
   was_dependent = solve_with_kept_rows(scene, data, *this, report, [&] {
     return internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
   });
-  if (was_dependent) take_answer(scene, data, *this, report);
+  if (was_dependent) take_judged_answer(scene, data, thread, *this, report);
   return was_dependent;
 }
 
