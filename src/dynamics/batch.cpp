@@ -50,6 +50,7 @@ void refresh(const Scene& scene, BatchCopies& copies) {
   copies.scene.gravity = scene.gravity;
   copies.scene.damping = scene.damping;
   copies.scene.tolerance = scene.tolerance;
+  copies.scene.moment_length = scene.moment_length;
   for (std::size_t r = 0; r < copies.scene.robots.size(); ++r)
     copies.scene.robots[r].base = scene.robots[r % scene.robots.size()].base;
   for (std::size_t c = 0; c < copies.scene.contacts.size(); ++c) {

@@ -5,9 +5,8 @@
 
 namespace manycontact {
 
-double internal::inverse_norm(int n, Factor& factor) {
+double internal::inverse_norm(int n, const std::function<void(double*)>& solve) {
   constexpr int kSmall = 64;
-  const auto solve = [&factor](double* x) { factor.solve(x); };
   return n <= kSmall ? sparse::norm_1_by_columns(n, solve) : sparse::inverse_norm_1(n, solve);
 }
 

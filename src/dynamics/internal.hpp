@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "manycontact/algorithm/crba.hpp"
 #include "workspace.hpp"
@@ -50,9 +51,9 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen:
 /// Both, of the solution at hand, into a panel of anything. While AtSolution lives.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// |K^-1|_1 of n rows by a factor: of a small K itself, by all its columns, which costs no more than a factor; else an
-/// estimate.
-double inverse_norm(int n, Factor& factor);
+/// |K^-1|_1 of n rows, solve(x): x <- K^-1 x. Of a small K itself, by all its columns, which costs no more than a
+/// factor; else an estimate.
+double inverse_norm(int n, const std::function<void(double*)>& solve);
 
 /// What is known of an island's answer: the largest entry, a bound of its error, and what it is known to be small
 /// beside where it vanishes; all of one unit.

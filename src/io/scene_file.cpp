@@ -28,12 +28,15 @@ class IncludeReader {
   Element read(const std::string& path, const std::string& text) {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
-    root.allow_attributes({"name", "gravity", "damping", "tolerance", "consistent"});
+    root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent"});
     root.allow_children({"robot", "contact", "push", "spring", "pose", "include"});
     for (const char* name : {"damping", "tolerance"})
       if (root.number(name, 0) < 0)
         root.where(name).fail(std::string(name) + " of <scene> is " + show(root.number(name, 0)) +
                               ", expected 0 or more");
+    if (!(root.number("moment_length", 1) > 0))
+      root.where("moment_length")
+          .fail("moment_length of <scene> is " + show(root.number("moment_length", 1)) + ", expected a length above 0");
     (void)consistent(root);  // or refused
     open_.push_back(canonical(path));
     for (auto e = root.child(); e; e = e->next(nullptr)) {
@@ -82,8 +85,9 @@ class IncludeReader {
     // what an included scene says of the whole must be what holds
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity is another one in the scene that includes this, expected the same");
-    for (const char* name : {"damping", "tolerance"})
-      if (root.has(name) && root.number(name, 0) != into.number(name, 0))
+    for (const char* name : {"damping", "tolerance", "moment_length"})
+      if (const double usual = name == std::string("moment_length") ? 1 : 0;
+          root.has(name) && root.number(name, usual) != into.number(name, usual))
         root.where(name).fail(std::string(name) + " is another one in the scene that includes this, expected the same");
     if (consistent(root) && !consistent(into))
       root.where("consistent").fail("consistent is asked for, and not by the scene that includes this, expected both");
@@ -114,6 +118,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   out.scene.gravity = gravity_of(root);
   out.scene.damping = root.number("damping", 0);
   out.scene.tolerance = root.number("tolerance", 0);
+  out.scene.moment_length = root.number("moment_length", 1);
   if (consistent(root)) out.consistent_line = root.where("consistent").line;
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);

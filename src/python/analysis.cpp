@@ -128,7 +128,7 @@ void add_unique_forces(py::module_& m) {
       },
       py::arg("scene"), py::arg("q"), py::arg("data"),
       "Per row of data.f, after solve at q (nq): True where the force is unique, False where contacts could share it\n"
-      "otherwise with the same accelerations. Those have the least norm, newtons and newton metres counted alike.");
+      "otherwise with the same accelerations. Those have the least norm, newton metres counted by Scene.moment_length.");
 }
 
 void add_rank_changes(py::module_& m) {

@@ -221,6 +221,14 @@ void add_scene(py::module_& m) {
           },
           "How exact lengths are [m], and over the largest lever angles [rad]: contact rows that depend on each other\n"
           "but for that are dependent. 0: exact to rounding.")
+      .def_property(
+          "moment_length", [](const Scene& s) { return s.moment_length; },
+          [](Scene& s, double length) {
+            if (!(length > 0) || !std::isfinite(length))
+              throw py::value_error("Scene.moment_length: a finite length > 0 is expected");
+            s.moment_length = length;
+          },
+          "The lever [m] at which a newton counts as a newton metre, in forces of least norm and in least squares.")
       .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
       .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
       .def_property_readonly("pushes", &pushes_of, "Pushes, by number or name.")

@@ -14,6 +14,7 @@ SceneAtRest::SceneAtRest(const Scene& of) : scene(of), zero(Eigen::VectorXd::Zer
 void SceneAtRest::follow(const Scene& of, double h) {
   scene.damping = of.damping;
   scene.tolerance = of.tolerance;
+  scene.moment_length = of.moment_length;
   for (std::size_t r = 0; r < of.robots.size(); ++r) scene.robots[r].base = of.robots[r].base;
   for (std::size_t c = 0; c < of.contacts.size(); ++c) {
     const Contact& from = of.contacts[c];

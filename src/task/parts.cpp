@@ -56,6 +56,7 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   out.scene.gravity = whole.scene.gravity;
   out.scene.damping = whole.scene.damping;
   out.scene.tolerance = whole.scene.tolerance;
+  out.scene.moment_length = whole.scene.moment_length;
   std::vector<int> q, v, u;
   for (const int r : share.robots) {
     const Robot& robot = whole.scene.robots[static_cast<std::size_t>(r)];

@@ -276,6 +276,39 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
+// Links of next to nothing: what cancels in a single solve is not K's condition.
+TEST(Condition, BesideTinyMasses) {
+  SceneFile file = load_text(
+      "<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/><contact name=\"c\" type=\"6d\" frame=\"a/tool\"/>"
+      "<contact name=\"d\" type=\"6d\" frame=\"a/link_5\"/></scene>");
+  std::mt19937 rng(42);
+  disturb(file, rng, 0.5);
+  Model model = *file.scene.robots[0].model;
+  for (Joint& joint : model.joints) joint.inertia.m *= 1e-16, joint.inertia.h *= 1e-16, joint.inertia.I *= 1e-16;
+  file.scene.robots[0].model = std::make_shared<const Model>(std::move(model));
+  file.u.setZero();
+  Solved right(file, Method::kDense);
+  estimate_condition(right.file.scene, right.data);
+  for (Method method : methods_for_dependent_rows()) {
+    Solved s(file, method);
+    estimate_condition(s.file.scene, s.data);
+    EXPECT_NEAR(s.report().condition / right.report().condition, 1, 0.5) << to_string(method);
+  }
+}
+
+// Gravity that axes of the world do not feel is turned with the body: what that leaves of it is in the bounds.
+TEST(Bounds, CountGravityAcrossARow) {
+  SceneFile file = load_text(
+      "<scene gravity=\"0 0 -6.7e5\"><robot name=\"q\" urdf=\"quadruped.urdf\" base=\"floating\"/>"
+      "<contact name=\"c\" type=\"1d\" frame=\"q/LF_shank\" offset=\"0.1 0.2 0.15\" reference_frame=\"world\" "
+      "axis=\"1 0 0\" gains=\"187 1.6\"/></scene>");
+  std::mt19937 rng(43);
+  for (int k = 0; k < 5; ++k) {
+    disturb(file, rng, 0.5);
+    for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "gravity");
+  }
+}
+
 // An answer whose bound is its own size is none of the scene asked, and says so; accelerations that rounding leaves of
 // a scene at rest, and forces of one on which nothing acts, are known to be next to nothing.
 TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {

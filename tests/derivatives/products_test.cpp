@@ -133,7 +133,8 @@ TEST(Products, OfRandomScenesWhoseContactsDepend) {
         std::array{ReferenceFrame::kLocal, ReferenceFrame::kWorld, ReferenceFrame::kLocalWorldAligned}[seed / 3 % 3]};
     options.between_bodies = seed % 4 < 2 ? 1 : 0.5;
     options.passive = seed % 5 == 0 ? 0.3 : 0;
-    const RandomScene s = random_scene(rng, options);
+    RandomScene s = random_scene(rng, options);
+    s.scene.moment_length = seed % 6 < 2 ? 0.3 : 1;
     expect_products("seed " + std::to_string(seed), s.scene, {s.q, s.v, s.u}, true);
   }
 }

@@ -5,10 +5,13 @@
 
 #include <sstream>
 
+#include "manycontact/analysis/errors.hpp"
+#include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/chains.hpp"
+#include "support/dense.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
@@ -80,6 +83,37 @@ TEST(Dependent, RepeatedContactsThatAgree) {
     const RandomScene s = random_scene(rng, options);
     EXPECT_EQ(judge(s.scene, s.q, s.v, s.u), Status::kRedundant);
     expect_least_squares(s, Status::kRedundant);
+  }
+}
+
+// Forces of least norm with moments times so many newtons a newton metre: the same accelerations, and f with W f in J's
+// range, W = diag(1, 1 / length^2) on forces and moments.
+TEST(Dependent, MomentsCountByTheScenesLength) {
+  SceneFile file = load_edited(kModels + "humanoid_standing.xml",
+                               {{"</scene>", R"(<contact name="again" type="6d" frame="humanoid/left_sole"
+                                                         offset="0.1 0.02 0"/></scene>)"}});
+  for (Method method : methods()) {
+    if (method == Method::kDenseSchur) continue;
+    SCOPED_TRACE(to_string(method));
+    file.scene.moment_length = 1;
+    SceneData data(file.scene, {method, {}}), weighed(file.scene, {method, {}});
+    EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kRedundant);
+    file.scene.moment_length = 0.1;
+    EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, weighed).status, Status::kRedundant);
+    const Eigen::MatrixXd J = contact_jacobian(file.scene, file.q);
+    const double size = data.f.cwiseAbs().maxCoeff();
+    EXPECT_LE((weighed.a - data.a).cwiseAbs().maxCoeff(), 1e-10 * 9.81);
+    EXPECT_LE((J.transpose() * (weighed.f - data.f)).cwiseAbs().maxCoeff(), 1e-10 * size);
+    EXPECT_GE((weighed.f - data.f).cwiseAbs().maxCoeff(), 1e-3 * size);
+    Eigen::VectorXd Wf = weighed.f;
+    for (Eigen::Index k = 0; k < Wf.size(); ++k)
+      if (k % 6 >= 3) Wf[k] /= 0.1 * 0.1;
+    EXPECT_LE((J * least_norm(J, Wf, 1e-9) - Wf).cwiseAbs().maxCoeff(), 1e-10 * Wf.cwiseAbs().maxCoeff());
+    estimate_errors(file.scene, weighed);
+    EXPECT_LE(weighed.report.error_forces, 1e-9);
+    const auto truth = solve_truth<Quad>(file.scene, weighed.active, file.q.cast<Quad>(), file.v.cast<Quad>(),
+                                         file.u.cast<Quad>());
+    EXPECT_LE(largest_difference(weighed.f, truth.f), weighed.report.error_forces * size);
   }
 }
 

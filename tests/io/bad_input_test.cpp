@@ -225,6 +225,7 @@ TEST_F(BadInput, ScenesAndNames) {
   expect_scene_error("<scene gravity=\"0 0\"/>", 1, "gravity of <scene> has 2 numbers, expected 3");
   expect_scene_error("<scene\n damping=\"-1\"/>", 2, "damping of <scene> is -1, expected 0 or more");
   expect_scene_error("<scene tolerance=\"-1\"/>", 1, "tolerance of <scene> is -1, expected 0 or more");
+  expect_scene_error("<scene moment_length=\"0\"/>", 1, "moment_length of <scene> is 0, expected a length above 0");
   expect_scene_error("<scene friction=\"1\"/>", 1, "unknown attribute 'friction'");
   expect_scene_error("<scene>\n<body/></scene>", 2, "unknown element <body>, expected one of 'robot', 'contact'");
   expect_scene_error("<scene>\n<robot urdf=\"good.urdf\"/></scene>", 2, "<robot> has no attribute 'name'");

@@ -91,6 +91,8 @@ TEST_F(SceneFileTest, SceneAttributes) {
   EXPECT_EQ(s.scene.gravity, Vec3<double>(0, 1, -2));
   EXPECT_EQ(s.scene.damping, 1e-3);
   EXPECT_EQ(load("", " tolerance=\"1e-5\"").scene.tolerance, 1e-5);
+  EXPECT_EQ(load("", " moment_length=\"0.1\"").scene.moment_length, 0.1);
+  EXPECT_EQ(load("").scene.moment_length, 1);
   const SceneFile plain = load("");
   EXPECT_EQ(plain.scene.name, "scene");  // the file's
   EXPECT_EQ(plain.scene.gravity, Vec3<double>(0, 0, -9.81));

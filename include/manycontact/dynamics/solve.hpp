@@ -39,8 +39,8 @@ void estimate_condition(const Scene& scene, SceneData& data);
 ///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + what K and b were computed from))
 ///
 /// in the maximum norm, to first order in eps; c grows with the depth of the trees. Failed islands: infinite. Of an
-/// answer that rounding may change by more than its size, and by more than what acts (gravity, the terms of the
-/// equations: a scene at rest accelerates by rounding, and that is known to be little), `ok` and `redundant` become
+/// answer that rounding may change by more than its size, and by more than what acts (gravity, torques, bias
+/// forces: a scene at rest accelerates by rounding, and that is known to be little), `ok` and `redundant` become
 /// `regularised`, the answer to a neighbouring problem, with the reason kUncertain. Source: Higham, Accuracy and
 /// Stability (2002), 7.2 and ch. 15.
 void estimate_errors(const Scene& scene, SceneData& data);

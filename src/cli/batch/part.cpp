@@ -63,6 +63,7 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
   part.scene.gravity = scene.gravity;
   part.scene.damping = scene.damping;
   part.scene.tolerance = scene.tolerance;
+  part.scene.moment_length = scene.moment_length;
   std::vector<int> own_robot(scene.robots.size(), -1);
   for (int r : members.robots) {
     const Robot& robot = scene.robots[r];

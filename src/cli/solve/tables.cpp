@@ -170,7 +170,9 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
   if (any_shared)
     wrap(out,
          "contacts could share these otherwise, with the same accelerations: shown are those of least norm, a newton "
-         "metre counted as a newton; forces without a mark are unique",
+         "metre counted as " +
+             (s.file.scene.moment_length == 1 ? "a newton" : number(1 / s.file.scene.moment_length) + " newtons") +
+             "; forces without a mark are unique",
          2, "* ");
   print_total(out, s);
 }

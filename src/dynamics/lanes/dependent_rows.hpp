@@ -40,9 +40,9 @@ class DependentRows {
     columns_ = reinterpret_cast<int*>(gram_ + count * count);
   }
   /// What row k of J, in K's order, is judged beside (contact/row_scale.hpp); to be set before `hold`.
-  S& row_size(int k) { return row_size_[k]; }
+  S& row_size(int k) const { return row_size_[k]; }
   /// The largest term that a0 is computed from (contact_drift), which they are judged beside.
-  S& drift() { return *drift_; }
+  S& drift() const { return *drift_; }
   /// Of row k, what project_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 

@@ -4,6 +4,7 @@
 // numbers do not depend on its lane, nor on who stands beside it.
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -64,9 +65,15 @@ struct ProductJob {
 /// J a + a0, of J a and of a0, and the largest term that a0 is computed from.
 struct Contradiction {
   double left = 0, Ja = 0, a0 = 0, drift = 0;
+  double least_row = std::numeric_limits<double>::infinity(),
+         largest_row = 0;  // of the sizes that rows are judged beside (contact/row_scale.hpp)
   /// Whether it is above rounding, and more than that part of J a and a0.
   bool exceeds(double of_rows) const {
     return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+  }
+  /// Least squares of rows of very different size, turns beside micrometres: the oracle sorts them.
+  bool needs_oracle() const {
+    return least_row < tolerance::kGradedRows * largest_row && exceeds(tolerance::kContradiction);
   }
 };
 

@@ -102,8 +102,12 @@ class RobotBlock {
     std::size_t at;
     int stride;
   };
-  struct Contradicted {  // what J a + a0 keeps of the rows that depend; the largest of J a and of a0
-    S left = S(0), Ja = S(0), a0 = S(0);
+  struct Contradicted {  // lanes::Contradiction
+    S left = S(0), Ja = S(0), a0 = S(0), drift = S(0);
+    S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
+    Contradiction operator[](int lane) const {
+      return {left[lane], Ja[lane], a0[lane], drift[lane], least_row[lane], largest_row[lane]};
+    }
   };
   struct Slot {
     int i, j;
@@ -631,11 +635,16 @@ void RobotBlock<S>::restore_contradiction() {
 template <class S>
 typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
   Contradicted out;
+  if (dependent_) out.drift = dependent_->drift();
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
-    if (dependent_) out.left = larger(abs(dependent_->null_component(k)), out.left);
     out.Ja = larger(scale_[k] - abs(n_.b[k]), out.Ja);
     out.a0 = larger(abs(n_.b[k]), out.a0);
+    if (!dependent_) continue;
+    const S size = dependent_->row_size(k);
+    out.left = larger(abs(dependent_->null_component(k)), out.left);
+    out.least_row = -larger(-size, -out.least_row);
+    out.largest_row = larger(size, out.largest_row);
   }
   return out;
 }
@@ -644,8 +653,8 @@ template <class S>
 void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
   const Contradicted of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
-    const int lane = static_cast<int>(l);
-    answers[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_->drift()[lane]};
+    answers[l].contradiction = of[static_cast<int>(l)];
+    if (answers[l].contradiction.needs_oracle()) answers[l].sound = false;
     if (answers[l].contradiction.exceeds(tolerance::kDriftRounding))  // the whole K has the term of what is left
       answers[l].panel_is_safe = answers[l].products_are_safe = false;
   }
@@ -846,10 +855,7 @@ void RobotBlock<S>::finish(Robots robots, Memory memory) {
   for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
   (void)check_residual(robots, prefetch_of(memory));
   const Contradicted of = contradicted();
-  for (std::size_t l = 0; l < robots.size(); ++l) {
-    const int lane = static_cast<int>(l);
-    robots[l].contradiction = {of.left[lane], of.Ja[lane], of.a0[lane], dependent_ ? dependent_->drift()[lane] : 0};
-  }
+  for (std::size_t l = 0; l < robots.size(); ++l) robots[l].contradiction = of[static_cast<int>(l)];
 }
 
 template <class S>

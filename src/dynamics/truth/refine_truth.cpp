@@ -102,7 +102,8 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
     IslandWork& d = *island;
     const bool by_matrix = d.answered && !d.answered_by(d.bodies.get()) &&
                            d.matrix.make_current(scene, data, data.workspace->threads.front());
-    if (by_matrix && d.matrix.factor->method() == Method::kSparseLdl && !d.matrix.deficient()) {
+    if (by_matrix && d.matrix.factor->method() == Method::kSparseLdl && !d.matrix.deficient() &&
+        d.matrix.unit.empty()) {
       System<S> s = assemble_system(scene, terms, d, u);
       if (refine_island(*d.matrix.factor, s)) {
         const KktPattern& p = *d.matrix.K.pattern;

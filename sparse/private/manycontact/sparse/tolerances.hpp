@@ -124,6 +124,11 @@ inline constexpr double kContradiction = 1e-8;
 /// of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
 
+/// Rows that contradict each other by least squares, the smallest beside the largest: normal equations of the rows kept
+/// square that, and lose eight digits.
+/// Used by: dependent rows, which leave such islands to the oracle.
+inline constexpr double kGradedRows = 1e-4;
+
 /// Of a floating base's quaternion from unit length: what files with 7 digits keep. Beyond, solving refuses.
 /// Used by: check_input; floor io refuses the same.
 inline constexpr double kQuaternion = 1e-6;

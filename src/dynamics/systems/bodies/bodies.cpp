@@ -7,6 +7,7 @@
 
 #include "../../contact_drift.hpp"
 #include "../../internal.hpp"
+#include "../../row_units.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -140,7 +141,8 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
 // Whether rows are to be dropped here: of few coordinates the whole K does it as fast, and keeps derivatives.
 bool may_drop_rows(const Scene& scene, const SceneData& data, const Island& island) {
   constexpr int kFew = 100;
-  return scene.damping == 0 && (data.options.method == Method::kSparseBodies || island.nv >= kFew);
+  return scene.damping == 0 && !has_row_units(scene, island) &&
+         (data.options.method == Method::kSparseBodies || island.nv >= kFew);
 }
 
 // kNone: the factor and the solution are sound.

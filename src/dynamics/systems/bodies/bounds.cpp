@@ -21,12 +21,12 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// What a contact's a0 is computed from, but for the bodies' accelerations.
+// What a contact's a0 is computed from, but for the accelerations of bodies that move.
 double answered(const Contact& contact, const ContactData<double>& rows) {
-  const double v = std::max(rows.vA.cwiseAbs().maxCoeff(), rows.vB.cwiseAbs().maxCoeff());
-  const auto largest = [](const Vec3<double>& p) { return p.cwiseAbs().maxCoeff(); };
+  const auto largest = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
+  const double v = std::max(largest(rows.vA), largest(rows.vB));
   const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
-  return v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
+  return largest(rows.aA) + largest(rows.aB) + v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
 }
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
@@ -159,7 +159,7 @@ bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, Islan
   if (!make_current(scene, data)) return false;
   report.condition =
       sparse::inverse_norm_1(owner.island.size(), [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
-      internal::inverse_norm(owner.island.size(), factor);
+      internal::inverse_norm(owner.island.size(), [this](double* x) { factor.solve(x); });
   return true;
 }
 

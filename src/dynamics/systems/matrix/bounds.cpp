@@ -128,11 +128,12 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
     const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
     const int first = m.owner.island.nv + m.owner.island.row_offset[k];
     double f = 0;
-    for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]);
+    const int row = m.owner.island.row_offset[k];
+    for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]) * unit_of(m, row + i);
     double of_row = internal::row_terms(scene, work, m.owner.island.contacts[k]);
     contact_rounding(contact, work.contacts[m.owner.island.contacts[k]], a.data(), m.owner.shape->support().columns[k],
                      f, of_row, w);
-    for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row;
+    for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row * unit_of(m, row + i);
   }
   const double c = rounding(scene, m);
   const bool deficient = m.deficient();
@@ -145,8 +146,8 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   return out;
 }
 
-// max over the rows kept of |K^-1| w: the 1-norm of diag(w) K^-1 restricted to their columns.
-double bound(const Apply& solve, const std::vector<double>& w, const std::vector<char>& kept) {
+// max over the rows of |K^-1| w times kept: the 1-norm of diag(w) K^-1 diag(kept).
+double bound(const Apply& solve, const std::vector<double>& w, const std::vector<double>& kept) {
   const int n = static_cast<int>(w.size());
   const auto mask = [&](double* x) {
     for (int k = 0; k < n; ++k) x[k] *= kept[k];
@@ -178,9 +179,11 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
     for (int column : m.owner.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
     const double of_row = motion_scale(scene.contacts[c], work.contacts[c]) *
                           (c_eps * moved + std::numeric_limits<double>::epsilon() * all_moved);
-    for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]] = of_row;
+    const int row = m.owner.island.row_offset[k];
+    for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + row + i]] = of_row * unit_of(m, row + i);
   }
-  const std::vector<char> kept(n, 1);
+  std::vector<double> kept(n, 1);
+  for (int k = 0; k < m.owner.island.nc; ++k) kept[iperm[m.owner.island.nv + k]] = unit_of(m, k);
   return bound(
       [&](double* x) {
         for (int k = 0; k < m.owner.island.nv; ++k) x[iperm[k]] = 0;
@@ -202,8 +205,9 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];
     double missed = 0;
+    const int row = m.owner.island.row_offset[k];
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
-      missed += std::abs(m.v.null_component[iperm[m.owner.island.nv + m.owner.island.row_offset[k] + i]]);
+      missed += std::abs(m.v.null_component[iperm[m.owner.island.nv + row + i]]) * unit_of(m, row + i);
     const double size = motion_scale(scene.contacts[c], work.contacts[c]);
     largest = std::max(largest, size);
     all_missed += missed;
@@ -217,8 +221,8 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
 // What projecting the forces to those of least norm may have made of them.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
-  for (int k = m.owner.island.nv; k < m.owner.island.size(); ++k)
-    f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[k]]));
+  for (int k = 0; k < m.owner.island.nc; ++k)
+    f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[m.owner.island.nv + k]]) * unit_of(m, k));
   return m.factor->projector_error() * f;
 }
 
@@ -238,7 +242,8 @@ std::pair<Given, Given> given_answer(const SceneData& data, const Scene& scene, 
     for (int i = 0; i < n; ++i) out.first.add(data.a[given + i], m.v.x[iperm[own + i]]);
   });
   each_force_block(scene, data.f_offset, m.owner.island, [&](int given, int own, int n) {
-    for (int i = 0; i < n; ++i) out.second.add(data.f[given + i], -m.v.x[iperm[m.owner.island.nv + own + i]]);
+    for (int i = 0; i < n; ++i)
+      out.second.add(data.f[given + i], -unit_of(m, own + i) * m.v.x[iperm[m.owner.island.nv + own + i]]);
   });
   return out;
 }
@@ -272,14 +277,15 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const std::vector<double> w = uncertainty(scene, data, *this);
   const int* iperm = K.pattern->iperm.data();
   const auto [a, f] = given_answer(data, scene, *this);
-  std::vector<char> kept(w.size());
+  std::vector<double> kept(w.size());
   const bool contradicts = deficient() && contradiction;
   const std::vector<double> turned =
       contradicts ? turned_contradiction(scene, *data.workspace, *this) : std::vector<double>();
   const auto twice = [this](double* x) { factor->solve(x), factor->solve(x); };
   const auto error = [&](int first, int count, double more) {
     std::fill(kept.begin(), kept.end(), 0);
-    for (int k = first; k < first + count; ++k) kept[iperm[k]] = 1;
+    for (int k = first; k < first + count; ++k)
+      kept[iperm[k]] = k < owner.island.nv ? 1 : unit_of(*this, k - owner.island.nv);
     return count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
   };
   double more = f.moved;
@@ -291,9 +297,17 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
 }
 
 bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {
-  std::vector<double> sums(owner.island.size());
-  report.condition =
-      sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(owner.island.size(), *factor);
+  const int n = owner.island.size();
+  std::vector<double> sums(n), b(n), r(n), scale(n);
+  // refined once: beside masses of next to nothing a single solve leaves rounding of what cancels
+  const auto solve = [&](double* x) {
+    std::copy_n(x, n, b.data());
+    factor->solve(x);
+    sparse::residual(K.pattern->K, K.values.data(), x, b.data(), r.data(), scale.data());
+    factor->solve(r.data());
+    for (int k = 0; k < n; ++k) x[k] += r[k];
+  };
+  report.condition = sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(n, solve);
   return true;
 }
 

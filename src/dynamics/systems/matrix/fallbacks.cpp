@@ -33,6 +33,8 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
+constexpr int kOracleRows = 3000;  // of K, at most: seconds of a decomposition
+
 // What the rows of the island's J are judged beside.
 void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
   size.resize(island.nc);
@@ -68,15 +70,20 @@ double drift_size(const Scene& scene, const Workspace& w, const Island& island) 
 // rounding leaves there beside it was judged as a residual.) It may still be rounding of the terms of drift_size: that
 // is no contradiction. Derivatives take note of what is left above rounding alone. As in lanes (lanes::Contradiction),
 // but for rows that were made dependent.
-lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift) {
+lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const std::vector<double>& sizes) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
-  lanes::Contradiction of{0, 0, 0, drift};
+  lanes::Contradiction of;
+  of.drift = drift;
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
     of.left = sparse::larger_or_nan(of.left, std::abs(v.null_component[at]));
     of.Ja = std::max(of.Ja, v.scale[at] - std::abs(v.b[at]));
     of.a0 = std::max(of.a0, std::abs(v.b[at]));
+  }
+  for (double size : sizes) {
+    of.least_row = std::min(of.least_row, size);
+    of.largest_row = std::max(of.largest_row, size);
   }
   if (of.left <= m.tolerated * (of.Ja + of.a0 + drift)) of.left = 0;
   return of;
@@ -98,6 +105,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   row_scales(scene, *data.workspace, m.owner.island, scratch.row_scale);
   if (by.kind == FactorKind::kChosen && by.damping == 0 && has_vanishing_row(scene, m, scratch.row_scale))
     return Reason::kSmallPivot;
+  for (std::size_t k = 0; k < m.unit.size(); ++k) scratch.row_scale[k] *= m.unit[k];
   ++m.owner.factorizations;
   if (const Reason reason = factor.factorize(m.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
@@ -117,7 +125,12 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.status = Status::kOk;
   m.contradiction = false;
   if (m.deficient()) {
-    const lanes::Contradiction of = contradiction_of(m, drift_size(scene, *data.workspace, m.owner.island));
+    const lanes::Contradiction of =
+        contradiction_of(m, drift_size(scene, *data.workspace, m.owner.island), scratch.row_scale);
+    if (by.kind != FactorKind::kDense && of.needs_oracle() && m.owner.island.size() <= kOracleRows) {
+      m.factor = nullptr;
+      return Reason::kSmallPivot;
+    }
     m.contradiction = of.exceeds(tolerance::kDriftRounding);
     report.status = of.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
@@ -189,8 +202,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 }
 
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
-  constexpr int kLargest = 3000;  // rows of K: seconds of a decomposition
-  if (m.factor == m.dense.get() || m.owner.island.size() > kLargest) return false;
+  if (m.factor == m.dense.get() || m.owner.island.size() > kOracleRows) return false;
   const Attempt oracle{FactorKind::kDense, m.owner.choice.order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
   (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come

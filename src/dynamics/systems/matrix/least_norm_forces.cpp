@@ -48,7 +48,7 @@ const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, Mat
   v.resize(island.size());
   std::fill(v.b.begin(), v.b.end(), 0.0);
   each_force_block(scene, data.f_offset, island, [&](int from, int to, int n) {
-    for (int i = 0; i < n; ++i) v.b[iperm[island.nv + to + i]] = data.f[from + i];
+    for (int i = 0; i < n; ++i) v.b[iperm[island.nv + to + i]] = data.f[from + i] / unit_of(m, to + i);
   });
   if (m.factor->own_refinements() > 0) {
     v.x = v.b;
@@ -75,21 +75,22 @@ void take_motion(const Scene& scene, const Island& island, const ConstVector& dq
   each_velocity_block(scene, island, [&](int from, int to, int n) { dofs.segment(to, n) = dq.segment(from, n); });
 }
 
-// rho, by the island's rows.
+// S rho, by the island's rows: d(J^T S rho) of the rows as they are.
 void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
   remake(rho, m.owner.island.nc);
-  for (int k = 0; k < rho.size(); ++k) rho[k] = -m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
+  for (int k = 0; k < rho.size(); ++k)
+    rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// P x of the contacts' rows: x, and the answer, by the island's rows.
+// S P S x of the contacts' rows: x, and the answer, by the island's rows.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());
   std::fill(v.b.begin(), v.b.end(), 0.0);
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
-  for (int k = 0; k < x.size(); ++k) v.b[iperm[k]] = x[k];
+  for (int k = 0; k < x.size(); ++k) v.b[iperm[k]] = unit_of(m, k) * x[k];
   m.factor->project_out(v.b.data(), v.null_component.data());
-  for (int k = 0; k < x.size(); ++k) x[k] = v.null_component[iperm[k]];
+  for (int k = 0; k < x.size(); ++k) x[k] = unit_of(m, k) * v.null_component[iperm[k]];
 }
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -153,6 +154,8 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, Kkt
     const auto rate = jacobian_rate(scene, *data.workspace, m.owner, c);
     auto rows = D.middleRows(island.nv + island.row_offset[c], rate.W().rows());
     rate.of_motion(y, [&](int k, const Vec6<double>& dnu) { rows.col(w.place[k]).noalias() += rate.W() * dnu; });
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      rows.row(i) *= unit_of(m, island.row_offset[c] + static_cast<int>(i));
   }
   // dforces_dq += P D = D - (D - P D)
   const auto add = [&](double sign) {
@@ -182,7 +185,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, con
   });
   const bool believed = solve_vector(m, v);
   each_force_block(scene, data.f_offset, island, [&](int to, int from, int n) {
-    for (int i = 0; i < n; ++i) work.y[to + i] -= v.x[iperm[island.nv + from + i]];
+    for (int i = 0; i < n; ++i) work.y[to + i] -= v.x[iperm[island.nv + from + i]] / unit_of(m, from + i);
   });
   return believed;
 }

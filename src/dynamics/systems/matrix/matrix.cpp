@@ -36,8 +36,9 @@ void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors&
 void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
   internal::scatter(scene, data.f_offset, p, m.owner.island, m.v.x.data(), data.a, data.f);
-  each_force_block(scene, data.f_offset, m.owner.island,
-                   [&](int first, int, int n) { data.f.segment(first, n) *= -1; });
+  each_force_block(scene, data.f_offset, m.owner.island, [&](int first, int row, int n) {
+    for (int i = 0; i < n; ++i) data.f[first + i] *= -unit_of(m, row + i);
+  });
   report_residuals(scene, p, m.v, report);
   report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
 }
@@ -125,16 +126,23 @@ bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, Threa
 
 namespace {
 
+// Rows of contacts times S, of a panel in the island's order.
+void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
+  for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
+}
+
 // Whether the panel could be believed.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
   internal::right_hand_sides(scene, data, m.owner, out);
+  scale_rows(m, out);
   const bool deficient = m.deficient() && out.request.q;
   if (deficient && m.contradiction && !internal::add_contradiction(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
+  scale_rows(m, out);
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
@@ -143,7 +151,12 @@ bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, K
   const KktPattern& p = *m.K.pattern;
   v.resize(m.K.size());
   internal::gather(scene, data.f_offset, p, m.owner.island, work.a, work.y, v.b.data());
+  const auto scale = [&](std::vector<double>& x) {
+    for (std::size_t k = 0; k < m.unit.size(); ++k) x[p.iperm[p.nv + static_cast<int>(k)]] *= m.unit[k];
+  };
+  scale(v.b);
   const bool believed = internal::solve_vector(m, v);
+  scale(v.x);
   internal::scatter(scene, data.f_offset, p, m.owner.island, v.x.data(), work.a, work.y);
   return believed;
 }

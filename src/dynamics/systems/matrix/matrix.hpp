@@ -55,6 +55,7 @@ class MatrixSystem final : public IslandSystem {
   std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
   KktVectors v;                                 // x: the answer
+  std::vector<double> unit;                     // nc, or empty where all are 1: S of row_units.hpp, of K and v
   std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, the two it falls back to
   Factor* factor = nullptr;                     // the one that answered; nullptr: none did
   double first_error = 0, last_error = 0;       // backward error before and after refinement
@@ -65,6 +66,8 @@ class MatrixSystem final : public IslandSystem {
   std::vector<int> dependent;  // scratch: rows of J
   std::unique_ptr<DependentDerivatives> rows;  // by differentiate and products, where rows depend
 };
+
+inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 1 : m.unit[row]; }
 
 namespace internal {
 

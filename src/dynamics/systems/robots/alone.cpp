@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "../../internal.hpp"
+#include "../../row_units.hpp"
 #include "../../threads.hpp"
 #include "robots.hpp"
 
@@ -145,7 +146,7 @@ void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
 }
 
 bool may_drop_rows(const Scene& scene, const IslandWork& d) {
-  return scene.damping == 0 && d.alone.group && !is_inexact(scene, d);
+  return scene.damping == 0 && d.alone.group && !is_inexact(scene, d) && !has_row_units(scene, d.island);
 }
 
 }  // namespace

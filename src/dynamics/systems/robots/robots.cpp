@@ -6,6 +6,7 @@
 
 #include "../../derivatives/products.hpp"
 #include "../../internal.hpp"
+#include "../../row_units.hpp"
 #include "../../threads.hpp"
 #include "derivatives.hpp"
 #include "each_batch.hpp"
@@ -204,22 +205,26 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Of an island that drops rows: which, and what they contradict each other by.
-void report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
+// Of an island that drops rows: which, and what they contradict each other by. False: they are left to the oracle.
+bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
   lanes::Contradiction all;
   for (const Member& m : s.members) {
     all.left = sparse::larger_or_nan(m.contradiction.left, all.left);
     all.Ja = std::max(all.Ja, m.contradiction.Ja);
     all.a0 = std::max(all.a0, m.contradiction.a0);
     all.drift = std::max(all.drift, m.contradiction.drift);
+    all.least_row = std::min(all.least_row, m.contradiction.least_row);
+    all.largest_row = std::max(all.largest_row, m.contradiction.largest_row);
   }
   for (std::size_t k = 0; k < s.b.size(); ++k) {
     all.Ja = std::max(all.Ja, s.scale[k] - std::abs(s.b[k]));
     all.a0 = std::max(all.a0, std::abs(s.b[k]));
   }
+  if (all.needs_oracle()) return false;
   report.backward_error = backward_error_of(s);
   s.contradiction = all.exceeds(tolerance::kDriftRounding);
   report_dropped_rows(data, s.owner, s.dropped, all, report);
+  return true;
 }
 
 // The answer, in the scene's coordinates.
@@ -344,7 +349,8 @@ void RobotsSystem::drop_rows(bool on) {
 }
 
 bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || scene.damping != 0 || dropped.empty() || static_cast<int>(dropped.size()) < owner.depended)
+  if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island) || dropped.empty() ||
+      static_cast<int>(dropped.size()) < owner.depended)
     return false;
   tried = data.workspace->state;
   if (!drops) drop_rows(true);
@@ -354,7 +360,7 @@ bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, Islan
 }
 
 bool RobotsSystem::solve_as_found(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || scene.damping != 0) return false;
+  if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island)) return false;
   if (!internal::find_dependent_groups(*data.workspace, *this) || tried == data.workspace->state) return false;
   drop_rows(true);  // other groups, it may be
   return solve_as_dependent(scene, data, report);
@@ -380,8 +386,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  if (drops) internal::report_dependence(data, *this, report);
-  return true;
+  return sound = !drops || internal::report_dependence(data, *this, report);
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
