@@ -130,7 +130,7 @@ std::pair<double, double> acting_sizes(const Scene& scene, const BodiesSystem& f
     motion = std::max(motion, answered(contact, form.contacts[k]) / size);
     load = std::max(load, inertia * answered(contact, form.contacts[k]) / size);
   }
-  return {motion, lever > 0 ? 1e-6 * load / lever : 0};
+  return {motion, lever > 0 ? load / lever : 0};
 }
 
 }  // namespace

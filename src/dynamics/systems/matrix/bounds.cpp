@@ -249,7 +249,7 @@ std::pair<Given, Given> given_answer(const SceneData& data, const Scene& scene, 
 }
 
 // What acts: gravity, torques and bias forces beside the inertia that they move, what contacts' rows are computed from
-// beside their levers; and a millionth of the forces of these, that contacts may well be free of.
+// beside their levers; and the forces of these.
 std::pair<double, double> acting_sizes(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double motion = scene.gravity.cwiseAbs().maxCoeff(), load = 0, M = 0, J = 0;
@@ -268,7 +268,7 @@ std::pair<double, double> acting_sizes(const Scene& scene, const Workspace& work
     motion = std::max(motion, answered);
     load = std::max(load, M * answered);
   }
-  return {motion, J > 0 ? 1e-6 * load / J : 0};
+  return {motion, J > 0 ? load / J : 0};
 }
 
 }  // namespace
