@@ -310,6 +310,26 @@ TEST(Bounds, CountGravityAcrossARow) {
   }
 }
 
+// A row that was dropped for 5e-12 that the others leave of it: dropped in another's place, as much would be left
+// there.
+TEST(Bounds, CountWhatDroppedRowsLeave) {
+  for (const char* apart : {"0", "5e-12"}) {
+    SceneFile file =
+        box("<contact name=\"one\" type=\"3d\" frame=\"r/crate\" offset=\"0.3 0 0\"/>"
+            "<contact name=\"two\" type=\"1d\" axis=\"1 0 0\" frame=\"r/crate\" offset=\"0.3 0 " +
+            std::string(apart) + "\"/>");
+    file.v << 0.1, 0.2, 0.3, 0.4, 0.5, 0.6;
+    for (Method method : methods_for_dependent_rows()) {
+      SCOPED_TRACE(to_string(method) + " " + apart);
+      Solved s(file, method);
+      estimate_errors(s.file.scene, s.data);
+      EXPECT_EQ(s.report().rank, 3);
+      for (const double bound : {s.report().error_acceleration, s.report().error_forces})
+        EXPECT_EQ(bound > 1e-12, apart != std::string("0")) << bound;
+    }
+  }
+}
+
 // An answer whose bound is its own size is none of the scene asked, and says so; accelerations that rounding leaves of
 // a scene at rest, and forces of one on which nothing acts, are known to be next to nothing.
 TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {

@@ -61,6 +61,11 @@ class DenseFactor final : public Factor {
     for (int k = rank(); k < kkt_.nc(); ++k) rows.push_back(order[k]);
   }
 
+  double left_of_dropped_rows() const override {
+    if (rank() == kkt_.nc() || rank() == kkt_.nv()) return 0;
+    return std::abs(kkt_.choice.matrixQR()(rank(), rank()));
+  }
+
   // P = I - J J^+
   void project_out(double* y, double* null_component) override {
     if (rank() == kkt_.nc()) return;

@@ -89,10 +89,9 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
 }
 
 // The same of a contact's rows (of_row: the terms of a0), and what its J leaves in the rows of the coordinates: J's
-// entries are as good as the motions they are picked from.
-void contact_rounding(const Contact& c, const ContactData<double>& d, const double* a, const std::vector<int>& columns,
-                      double f, double& of_row, std::vector<double>& w) {
-  const double size = motion_scale(c, d);
+// entries are as good as the motions they are picked from, `size`.
+void contact_rounding(double size, const double* a, const std::vector<int>& columns, double f, double& of_row,
+                      std::vector<double>& w) {
   for (int column : columns) {
     of_row += size * std::abs(a[column]);
     w[column] += size * f;
@@ -105,6 +104,11 @@ double rounding(const Scene& scene, const MatrixSystem& m) {
   for (int r : m.owner.island.robots)
     for (int i : scene.robots[r].model->dof_depth) depth = std::max(depth, i);
   return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
+}
+
+// c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
+double rounding_of_J(const Scene& scene, const MatrixSystem& m) {
+  return std::max(rounding(scene, m), m.factor->left_of_dropped_rows());
 }
 
 // |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
@@ -124,6 +128,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   each_velocity_block(scene, m.owner.island, [&](int at, int first, int n) {
     for (int i = 0; i < n; ++i) w[first + i] += applied[at + i];
   });
+  const double c = rounding(scene, m), of_J = rounding_of_J(scene, m) / c;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
     const int first = m.owner.island.nv + m.owner.island.row_offset[k];
@@ -131,11 +136,10 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
     const int row = m.owner.island.row_offset[k];
     for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]) * unit_of(m, row + i);
     double of_row = internal::row_terms(scene, work, m.owner.island.contacts[k]);
-    contact_rounding(contact, work.contacts[m.owner.island.contacts[k]], a.data(), m.owner.shape->support().columns[k],
-                     f, of_row, w);
+    contact_rounding(of_J * motion_scale(contact, work.contacts[m.owner.island.contacts[k]]), a.data(),
+                     m.owner.shape->support().columns[k], f, of_row, w);
     for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row * unit_of(m, row + i);
   }
-  const double c = rounding(scene, m);
   const bool deficient = m.deficient();
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
@@ -170,7 +174,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
   std::vector<double> y(n, 0.0), w(n, 0.0), part(n);
   for (int k = m.owner.island.nv; k < n; ++k) y[iperm[k]] = m.v.x[iperm[k]];
   m.factor->particular_solution(y.data());
-  const double c_eps = rounding(scene, m);
+  const double c_eps = rounding_of_J(scene, m);
   double all_moved = 0;
   for (int column = 0; column < m.owner.island.nv; ++column) all_moved += std::abs(y[iperm[column]]);
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
@@ -200,7 +204,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   std::vector<double> w(m.owner.island.size(), 0.0);
-  const double c_eps = rounding(scene, m);
+  const double c_eps = rounding_of_J(scene, m);
   double largest = 0, all_missed = 0;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];

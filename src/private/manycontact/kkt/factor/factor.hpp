@@ -57,6 +57,9 @@ class Factor {  // one island's factor, whatever the method
   /// A flag per row of J, numbered within the island (rows: nc): set where y -= P y may change it, and it others.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
+  /// What is left of the rows that were dropped, beside what they are judged by, where that may be more than rounding.
+  virtual double left_of_dropped_rows() const { return 0; }
+
   /// What rounding makes of the projections, beside the largest entry of y: the forces of least norm are no better.
   virtual double projector_error() const { return 0; }
 
