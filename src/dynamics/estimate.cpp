@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/sparse/condition.hpp"
 
 namespace manycontact {
@@ -20,6 +21,23 @@ void estimate_errors(const Scene& scene, SceneData& data) {
       report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
   }
   summarise(data.report);
+}
+
+std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data) {
+  internal::check_scene(scene, data, "estimate_derivative_errors");
+  const DerivativeData& of = derivatives(data);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Workspace& w = *data.workspace;
+  std::vector<DerivativeBounds> out(w.islands.size(), {kNone, kNone, kNone, kNone, kNone, kNone});
+  if (internal::forces_are_applied(w)) return out;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandWork& d = *w.islands[i];
+    if (!d.answered || !d.matrix.make_current(scene, data, w.threads.front())) continue;
+    w.linearisation->assign(scene, w, d.island);
+    DerivativeBounds bounds;
+    if (internal::bound_derivatives(scene, data, w.threads.front(), d.matrix, of.islands[i], bounds)) out[i] = bounds;
+  }
+  return out;
 }
 
 void estimate_condition(const Scene& scene, SceneData& data) {

@@ -55,13 +55,6 @@ void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& isl
 /// factor; else an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
-/// What is known of an island's answer: the largest entry, a bound of its error, and what it is known to be small
-/// beside where it vanishes; all of one unit.
-struct Known {
-  double size = 0, error = 0, acts = 0;
-  double relative() const { return error == 0 ? 0 : error / size; }
-  bool uncertain() const { return !(error < std::max(size, acts)) && error > 0; }
-};
 /// The bounds into the report, and whether they leave anything of the answer.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();

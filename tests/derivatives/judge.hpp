@@ -59,6 +59,25 @@ inline Eigen::MatrixXd answer_of(const Scene& scene, const SceneData& data, cons
   return whole(rows, columns);
 }
 
+/// Errors of an island's matrices are within what estimate_derivative_errors says of them.
+inline void expect_true_bounds(const Island& island, const Eigen::MatrixXd& answer, const MatX<Quad>& truth,
+                               const DerivativeBounds& bounds) {
+  const double of[2][3] = {{bounds.da_dq, bounds.da_dv, bounds.da_du},
+                           {bounds.dforces_dq, bounds.dforces_dv, bounds.dforces_du}};
+  const std::array<int, 4> first = column_kinds(island, truth);
+  for (int rows = 0; rows < 2; ++rows)
+    for (int kind = 0; kind < 3; ++kind) {
+      const auto block = [&](const auto& x) {
+        return x.block(rows * island.nv, first[kind], rows ? island.nc : island.nv, first[kind + 1] - first[kind])
+            .eval();
+      };
+      const Eigen::MatrixXd mine = block(answer);
+      if (mine.size() == 0) continue;
+      const double error = static_cast<double>((block(truth) - mine.cast<Quad>()).cwiseAbs().maxCoeff());
+      EXPECT_LE(error, of[rows][kind] * mine.cwiseAbs().maxCoeff()) << (rows ? "forces " : "a ") << "qvu"[kind];
+    }
+}
+
 /// All six matrices, by every method in every order, of a scene with the given status. Prints a row of the table.
 inline void expect_differences(const std::string& name, const Scene& scene, const State& s, Status status) {
   SCOPED_TRACE(name);
@@ -80,12 +99,15 @@ inline void expect_differences(const std::string& name, const Scene& scene, cons
     EXPECT_EQ(data.report.status, status);
     DerivativeErrors e;
     const std::vector<Island> islands = islands_at(scene, data);
+    const std::vector<DerivativeBounds> bounds = estimate_derivative_errors(scene, data);
     for (std::size_t i = 0; i < islands.size(); ++i) {
       const Island& island = islands[i];
       const Eigen::MatrixXd answer = answer_of(scene, data, island, i);
       e.add(derivative_errors(scene, island, answer, truth[i], column_kinds(island, truth[i]), condition[i]));
       if (status == Status::kOk && way.options.method != Method::kDenseSchur)
         expect_no_fallback(way.options, data.report.islands[i]);
+      if (bounds.size() == islands.size())
+        expect_true_bounds(island, answer, truth[i], bounds[i]);  // else of one system
       if (way.options.method == Method::kDense) expect_able_to_fail(scene, island, answer, truth[i], condition[i]);
     }
     EXPECT_LE(e.excess, 1);

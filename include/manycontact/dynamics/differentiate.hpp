@@ -33,6 +33,19 @@ struct SceneDerivatives {
 /// The same as one sparse matrix, rows [a; f], columns [q | v | u | w] (those asked for), column-major.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
 
+/// Bounds of the largest errors of an island's derivatives, each relative to the largest entry of its matrix: 0 where
+/// that was not asked for or is empty, above 1 where all of it is rounding, infinite where there is no bound.
+struct DerivativeBounds {
+  double da_dq = 0, da_dv = 0, da_du = 0, dforces_dq = 0, dforces_dv = 0, dforces_du = 0;
+};
+/// After differentiate, one per island, by the residual of K [da; -df] = -[dr1; dr2] and a few solves with the factor:
+///
+///     |error| <= |K^-1| (|residual| + (c eps + e) (|dr| + |K| |[da; -df]|)),   e the relative error of a and f
+///
+/// in the maximum norm and to first order. Infinite for failed islands, deep trees too large for K, and where pushes or
+/// springs act. Throws std::logic_error unless differentiate was called after the last solve.
+[[nodiscard]] std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data);
+
 /// What differentiate computed last.
 const DerivativeData& derivatives(const SceneData& data);
 /// Gives back the memory of derivatives, which the next differentiate takes again (but not the threads' scratch).

@@ -13,6 +13,8 @@
 // leaves is done by the whole K, which is made then (`ask` in steps.hpp). What a system keeps bears the number of the
 // state that it is of (Workspace::state), and is made anew where that is another.
 
+#include <algorithm>
+
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
 
@@ -20,6 +22,20 @@ namespace manycontact {
 
 struct IslandWork;
 struct ThreadWork;
+
+namespace internal {
+
+/// What is known of an island's answer: the largest entry, a bound of its error, and what it is known to be small
+/// beside where it vanishes; all of one unit.
+struct Known {
+  double size = 0, error = 0, acts = 0;
+  double relative() const { return error == 0 ? 0 : error / size; }
+  /// Beside what an error of it is felt as.
+  double felt() const { return error == 0 ? 0 : error / std::max(size, acts); }
+  bool uncertain() const { return !(error < std::max(size, acts)) && error > 0; }
+};
+
+}  // namespace internal
 
 /// What jvp and vjp are given, and where the answers go, in the scene's coordinates. dtau, wtau: of torques on all
 /// velocity coordinates.

@@ -230,6 +230,13 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
+std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
+  std::vector<double> kept(m.owner.island.size(), 0.0);
+  for (int k = first; k < first + count; ++k)
+    kept[m.K.pattern->iperm[k]] = k < m.owner.island.nv ? 1 : unit_of(m, k - m.owner.island.nv);
+  return kept;
+}
+
 // Of the answer given, (a, f), the size, and by how much it differs from x = [a; -f], which the whole K gave since: the
 // bounds are x's.
 struct Given {
@@ -277,26 +284,37 @@ std::pair<double, double> acting_sizes(const Scene& scene, const Workspace& work
 
 }  // namespace
 
-bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
-  const std::vector<double> w = uncertainty(scene, data, *this);
-  const int* iperm = K.pattern->iperm.data();
-  const auto [a, f] = given_answer(data, scene, *this);
-  std::vector<double> kept(w.size());
-  const bool contradicts = deficient() && contradiction;
+namespace internal {
+
+double bound_of_solution(MatrixSystem& m, const std::vector<double>& w, int first, int count) {
+  if (count == 0) return 0;
+  return bound(inverse(m), w, kept_rows(m, first, count));
+}
+
+std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& m) {
+  const std::vector<double> w = uncertainty(scene, data, m);
+  const auto [a, f] = given_answer(data, scene, m);
+  const bool contradicts = m.deficient() && m.contradiction;
   const std::vector<double> turned =
-      contradicts ? turned_contradiction(scene, *data.workspace, *this) : std::vector<double>();
-  const auto twice = [this](double* x) { factor->solve(x), factor->solve(x); };
+      contradicts ? turned_contradiction(scene, *data.workspace, m) : std::vector<double>();
+  const auto twice = [&m](double* x) { m.factor->solve(x), m.factor->solve(x); };
   const auto error = [&](int first, int count, double more) {
-    std::fill(kept.begin(), kept.end(), 0);
-    for (int k = first; k < first + count; ++k)
-      kept[iperm[k]] = k < owner.island.nv ? 1 : unit_of(*this, k - owner.island.nv);
-    return count > 0 ? bound(inverse(*this), w, kept) + (contradicts ? bound(twice, turned, kept) : 0) + more : 0;
+    if (count == 0) return 0.0;
+    return bound_of_solution(m, w, first, count) +
+           (contradicts ? bound(twice, turned, kept_rows(m, first, count)) : 0) + more;
   };
   double more = f.moved;
-  if (deficient()) more += turned_forces(scene, *data.workspace, *this) + projected_forces(*this);
-  const auto [motion, load] = acting_sizes(scene, *data.workspace, *this);
-  internal::report_bounds({a.size, error(0, owner.island.nv, a.moved), motion},
-                          {f.size, error(owner.island.nv, owner.island.nc, more), load}, report);
+  if (m.deficient()) more += turned_forces(scene, *data.workspace, m) + projected_forces(m);
+  const auto [motion, load] = acting_sizes(scene, *data.workspace, m);
+  return {{a.size, error(0, m.owner.island.nv, a.moved), motion},
+          {f.size, error(m.owner.island.nv, m.owner.island.nc, more), load}};
+}
+
+}  // namespace internal
+
+bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandReport& report) {
+  const auto [a, f] = internal::known_answer(scene, data, *this);
+  internal::report_bounds(a, f, report);
   return true;
 }
 

@@ -126,23 +126,18 @@ bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, Threa
 
 namespace {
 
-// Rows of contacts times S, of a panel in the island's order.
-void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
-  for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
-}
-
 // Whether the panel could be believed.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
   internal::right_hand_sides(scene, data, m.owner, out);
-  scale_rows(m, out);
+  internal::scale_rows(m, out);
   const bool deficient = m.deficient() && out.request.q;
   if (deficient && m.contradiction && !internal::add_contradiction(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
-  scale_rows(m, out);
+  internal::scale_rows(m, out);
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 

@@ -3,9 +3,11 @@
 // by the dense oracle, whichever is sound first (fallbacks.cpp).
 
 #include <span>
+#include <utility>
 
 #include "../system.hpp"
 #include "manycontact/contact/rows.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"
 #include "within_tolerance.hpp"
@@ -68,8 +70,23 @@ class MatrixSystem final : public IslandSystem {
 };
 
 inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 1 : m.unit[row]; }
+namespace internal {
+/// Rows of contacts times S, of a panel in the island's order.
+inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
+  for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
+}
+}  // namespace internal
 
 namespace internal {
+
+/// Bounds of the errors of a and f, and what they are beside (bounds.cpp).
+std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
+/// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, of f in newtons and newton metres;
+/// w and the columns in order of elimination, times 1 or more.
+double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
+/// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
+bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
+                       const IslandDerivatives& derivatives, DerivativeBounds& out);
 
 /// Memory for the joint-space terms and K of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
