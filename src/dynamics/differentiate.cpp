@@ -62,17 +62,15 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  if (d.answered_by(d.bodies.get())) {
-    check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
-    make_joint_space(scene, w, d);
-  }
+  if (d.answered_by(d.bodies.get())) check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
   // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
-  if (d.answered && !d.alone.differentiates(w) && !differentiates_by_robots(d))
-    w.linearisation->assign(scene, w, d.island);
+  if (!d.answered || d.alone.differentiates(w) || differentiates_by_robots(d)) return;
+  make_joint_space(scene, w, d);
+  w.linearisation->assign(scene, w, d.island);
 }
 
 // Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
