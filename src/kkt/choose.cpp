@@ -16,7 +16,7 @@ double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
 
 namespace {
 
-// M, J and what they are made of; of large islands contact by contact.
+// M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const double contacts = static_cast<double>(shape.scene().contacts.size()), rows = shape.island().size();
   return 310 * rows + (rows > kLargestInLanes ? 1400 : 730) * contacts;
@@ -27,12 +27,12 @@ double cost_of_terms(const IslandShape& shape) {
 double cost_ldl(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
   const double stretches = (order == Order::kContactsEarly ? 2.2 : 0.65) * L.scattered;
-  return cost_of_terms(shape) + predicted_cost_ldl(shape.island().size(), L) + 215 * L.blocks + stretches;
+  return predicted_cost_ldl(shape.island().size(), L) + 215 * L.blocks + stretches;
 }
 
 double cost_cholmod(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
-  return cost_of_terms(shape) + 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
+  return 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
 }
 
 double cost_supernodal(IslandShape& shape) {
@@ -44,7 +44,7 @@ double cost_supernodal(IslandShape& shape) {
     for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
     flops += 0.5 * rows * rows * model.nv;
   }
-  return cost_of_terms(shape) + 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
+  return 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
 }
 
 // Of a body and its joint, without rows.
@@ -56,7 +56,7 @@ double cost_bodies(const BodyPattern& p) {
   return cost + p.open_at_base * p.open_at_base * p.open_at_base / 12;
 }
 
-// M and J are not needed. Subtrees that are alike stand side by side.
+// Subtrees that are alike stand side by side.
 double cost_bodies(IslandShape& shape) {
   const BodyPattern& whole = *shape.bodies();
   if (!may_be_cut(whole)) return cost_bodies(whole);
@@ -69,10 +69,11 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Than a way of that cost. Most islands are shallow, and need no analysis to know.
+// Than a way of that cost on K. Most islands are shallow, and need no analysis to know.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
+  cost += cost_of_terms(shape);
   return kBody * nodes < cost && cost_bodies(shape) < cost;
 }
 
@@ -102,7 +103,7 @@ double least_cost_ldl(const IslandShape& shape) {
       least.nonzeros += depth;
       least.flops += depth * (depth + 2);
     }
-  return cost_of_terms(shape) + predicted_cost_ldl(shape.island().size(), least);
+  return predicted_cost_ldl(shape.island().size(), least);
 }
 
 bool is_deep(IslandShape& shape) { return bodies_are_cheaper(shape, least_cost_ldl(shape)); }
@@ -111,7 +112,7 @@ namespace {
 
 double cost_dense(const IslandShape& shape) {
   const double n = shape.island().nv, m = shape.island().nc;
-  return cost_of_terms(shape) + 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
+  return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
 }
 
 // Of rows that fill each other's columns, at so much an entry and a multiply-add.
@@ -124,6 +125,7 @@ double full_rows_cost(const Island& island, double entry, double flop) {
 
 PredictedCosts predict_costs(IslandShape& shape) {
   PredictedCosts costs;
+  costs.terms = cost_of_terms(shape);
   costs.bodies = cost_bodies(shape);
   costs.dense = cost_dense(shape);
   costs.supernodal = std::numeric_limits<double>::infinity();
@@ -191,7 +193,7 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
            " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
     return to_string(choice.method) + ", at " +
-           number(costs.bodies / *std::min_element(costs.ldl.begin(), costs.ldl.end())) +
+           number(costs.bodies / (costs.terms + *std::min_element(costs.ldl.begin(), costs.ldl.end()))) +
            " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);

@@ -8,19 +8,21 @@
 
 namespace manycontact {
 
-/// Predicted costs of a solve. Relative, some 0.2 ns on a core of 2020: coefficients of sparse-ldl and sparse-bodies by
-/// least squares of the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000
-/// links one by one; most within 1.3. Where the rows are hard to tell apart it takes longer.
+/// Predicted costs of one factorization and two solves. Relative, some 0.2 ns on a core of 2020: coefficients of
+/// sparse-ldl and sparse-bodies by least squares of the logarithms of times, measured over chains, trees, combs, hands,
+/// nets and ladders of 10 to 1,000 links one by one; most within 1.3. Where the rows are hard to tell apart it takes
+/// longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
-  double bodies;
   double dense;
+  double terms;   // of M and J, which all these need ...
+  double bodies;  // ... but not sparse-bodies
 };
 /// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
-/// Of one factorization and two solves, in the same units.
+/// In the same units.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 
 /// Rows of a robot's K that stands in lanes, at most: the scratch memory of robots side by side stays in the caches.
