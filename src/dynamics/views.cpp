@@ -50,6 +50,10 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
 }
 int factorizations_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->factorizations; }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
+void wake_threads_for(SceneData& data, double seconds) {
+  (void)prepared(data);
+  data.workspace->worth_a_thread = seconds;
+}
 void limit_pool(SceneData& data, std::size_t bytes) {
   (void)prepared(data);
   data.workspace->pool.most = bytes;

@@ -123,6 +123,7 @@ struct Workspace {
   std::size_t springs = 0;  // of the scene: they join robots to islands
   Options options;
   std::vector<ThreadWork> threads;                   // one at least
+  double worth_a_thread = 3e-5;                      // s of work for each: it takes microseconds to wake one
   std::vector<internal::Failure> failures;           // one per thread
   std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
   std::vector<int> robot_island;                     // per robot

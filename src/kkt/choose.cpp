@@ -14,12 +14,17 @@ double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
   return 17.0 * rows + 20 * L.nonzeros + 0.18 * L.flops;
 }
 
+double predicted_cost_of_terms(int rows, std::size_t contacts) {
+  return 310.0 * rows + 730.0 * static_cast<double>(contacts);
+}
+
 namespace {
 
 // M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
 double cost_of_terms(const IslandShape& shape) {
-  const double contacts = static_cast<double>(shape.scene().contacts.size()), rows = shape.island().size();
-  return 310 * rows + (rows > kLargestInLanes ? 1400 : 730) * contacts;
+  const std::size_t contacts = shape.scene().contacts.size();
+  const double one_by_one = shape.island().size() > kLargestInLanes ? 670.0 * static_cast<double>(contacts) : 0;
+  return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
 }
 
 // Blocks of columns cost more than their entries and multiply-adds: what one changes is in stretches, short ones where

@@ -63,6 +63,11 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   return plan;
 }
 
+double cost_ldl(int rows, double nonzeros, double flops) {
+  return predicted_cost_ldl(rows, {.nonzeros = nonzeros, .flops = flops});
+}
+double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
+
 // By what a plan depends on: the structure, whether joints have friction, the contacts' types and joints, the order of
 // elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
@@ -80,7 +85,11 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
   key.insert(key.end(), block.dropped.begin(), block.dropped.end());
   BlockGroup& group = w.lanes.groups[{model.structure.get(), std::move(key)}];
-  if (!group.plan) group.plan = make_plan(block, order);
+  if (group.plan) return group;
+  group.plan = make_plan(block, order);
+  const Scene& own = group.plan->scene;
+  group.seconds = kPredictedSecond * (predicted_cost_of_terms(group.plan->pattern->size(), own.contacts.size()) +
+                                      cost_ldl(group.plan->pattern->ldl));
   return group;
 }
 
@@ -128,14 +137,7 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   return group;
 }
 
-double cost_ldl(int rows, double nonzeros, double flops) {
-  return predicted_cost_ldl(rows, {.nonzeros = nonzeros, .flops = flops});
-}
-double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
-
-// Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
 double cost_joined(const RobotsSystem& system, int width) {
-  const double together = 1 + 0.15 * width;
   double cost = cost_ldl(system.interface->rows(), system.interface->nonzeros, system.interface->flops);
   for (std::size_t k = 0; k < system.order.size();) {
     const BlockGroup* group = system.robots[system.order[k]].group;
@@ -143,10 +145,20 @@ double cost_joined(const RobotsSystem& system, int width) {
     while (count < static_cast<std::size_t>(width) && k + count < system.order.size() &&
            system.robots[system.order[k + count]].group == group)
       ++count;
-    cost += (count == 1 ? 1 : together) * cost_ldl(group->plan->pattern->ldl);
+    cost += (count == 1 ? 1 : together(width)) * cost_ldl(group->plan->pattern->ldl);
     k += count;
   }
   return cost;
+}
+
+double seconds_joined(const RobotsSystem& system, int width) {
+  double seconds = kPredictedSecond * cost_joined(system, width);
+  const double of_one = together(width) / width;
+  for (const RobotsSystem::OfRobot& r : system.robots) {
+    const lanes::BlockPlan& plan = *r.group->plan;
+    seconds += kPredictedSecond * of_one * predicted_cost_of_terms(plan.pattern->size(), plan.scene.contacts.size());
+  }
+  return seconds;
 }
 
 // What an island's own way costs, which its robots' must be clearly below.
@@ -184,6 +196,7 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   d.joinable = fits;
   if (!fits) return nullptr;
   out->drop_rows(false);
+  out->seconds = seconds_joined(*out, w.lanes.level->width);
   out->solves = d.choice.method == Method::kSparseLdl &&
                 cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost_of_choice(d);
   return out;

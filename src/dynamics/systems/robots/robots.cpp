@@ -93,7 +93,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
     const auto& r = s.robots[robot];
     return s.members[r.member].joins + r.group->plan->size_of_ends<lanes::JoinedEnd>(among);
   };
-  each_item(w, s.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
+  each_item(w, s.contact_batches.size(), are_worth_threads(w, kWalk * s.seconds), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
     const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
     thread.interface_contacts.clear();

@@ -8,10 +8,9 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Relative, some 0.2 ns on a core of 2020: coefficients of
-/// sparse-ldl and sparse-bodies by least squares of the logarithms of times, measured over chains, trees, combs, hands,
-/// nets and ladders of 10 to 1,000 links one by one; most within 1.3. Where the rows are hard to tell apart it takes
-/// longer.
+/// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies by least squares of
+/// the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by one;
+/// most within 1.3. Where rows are hard to tell apart it takes longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
@@ -24,6 +23,11 @@ PredictedCosts predict_costs(IslandShape& shape);
 
 /// In the same units.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
+
+/// Of terms, of an island that stands in lanes.
+double predicted_cost_of_terms(int rows, std::size_t contacts);
+/// A unit of predicted cost in seconds, on a core of 2020.
+inline constexpr double kPredictedSecond = 0.2e-9;
 
 /// Rows of a robot's K that stands in lanes, at most: the scratch memory of robots side by side stays in the caches.
 inline constexpr int kLargestInLanes = 400;
