@@ -404,6 +404,23 @@ TEST(Bodies, AutoTakesThemForLargeTreesOfFewOpenRows) {
   }
 }
 
+// Derivatives come from the whole K then, which has all columns at once.
+TEST(Bodies, DerivativesAreTheSameWhereAutoTookThem) {
+  for (const Chain& c : {binary_tree(150), make_chain({.links = 120, .type = ContactType::k3D})}) {
+    SceneData x(c.scene), bodies(c.scene, kBodies);
+    for (SceneData* data : {&x, &bodies}) {
+      (void)solve(c.scene, c.q, c.v, c.u, *data);
+      ASSERT_EQ(data->report.islands[0].method, Method::kSparseBodies);
+      (void)differentiate(c.scene, *data);
+    }
+    EXPECT_NO_THROW((void)matrix_of(x, 0));
+    const SceneDerivatives a = dense_derivatives(c.scene, x), b = dense_derivatives(c.scene, bodies);
+    EXPECT_LT((a.da_dq - b.da_dq).norm(), 1e-8 * b.da_dq.norm());
+    EXPECT_LT((a.da_dv - b.da_dv).norm(), 1e-8 * b.da_dv.norm());
+    EXPECT_LT((a.dforces_dq - b.dforces_dq).norm(), 1e-8 * b.dforces_dq.norm());
+  }
+}
+
 // P stays symmetric along them, or it would not stay positive.
 TEST(Bodies, AnswerTenThousandLinksHeldByFewRows) {
   for (const ContactType type : {ContactType::k1D, ContactType::k3D, ContactType::k6D})
