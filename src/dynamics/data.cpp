@@ -8,6 +8,9 @@
 namespace manycontact {
 
 Workspace::Workspace(const Scene& s) : scene(s), robots(s.robots.size()), contacts(s.contacts.size()) {
+  for (const Contact& contact : s.contacts)  // standing still they are of no island that has the contact
+    for (const Attachment* at : {&contact.A, &contact.B})
+      if (at->robot >= 0 && !moves(*at)) internal::make_robot(s, *this, at->robot);
   supports.resize(s.contacts.size());
   joint_space.assign(s.contacts.size(), 0);
   rows_state.assign(s.contacts.size(), 0);

@@ -2,7 +2,6 @@
 // The memory behind SceneData, private to floor dynamics. Each part says who writes it.
 
 #include <map>
-#include <mutex>
 #include <span>
 
 #include "applied_forces.hpp"
@@ -138,7 +137,6 @@ struct Workspace {
 
   // by evaluate, update_kinematics
   OnDemand<RobotData> robots;
-  std::mutex making;                       // of robots: one that stands still may be asked for by any island
   std::vector<char> joint_space;           // per contact: it has memory for the joint-space K
   std::vector<ContactSupport> supports;    // per contact; constant once there
   OnDemand<ContactData<double>> contacts;  // at the bias accelerations

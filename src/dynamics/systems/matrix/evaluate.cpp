@@ -30,7 +30,6 @@ void evaluate_contact(const Scene& scene, Workspace& w, int c) {
 }  // namespace
 
 void make_robot(const Scene& scene, Workspace& w, int robot) {
-  const std::lock_guard lock(w.making);
   if (!w.robots.has(robot)) w.robots.make(robot, *scene.robots[robot].model);
 }
 
@@ -47,8 +46,6 @@ void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
   }
   for (int c : d.island.contacts) {
     if (!w.joint_space[c]) {
-      for (const Attachment& at : {scene.contacts[c].A, scene.contacts[c].B})
-        if (at.robot >= 0) make_robot(scene, w, at.robot);
       w.supports[c] = contact_support(scene, scene.contacts[c]);
       w.contacts.make(c, scene.contacts[c], w.supports[c]);
       w.joint_space[c] = 1;
