@@ -8,9 +8,9 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies by least squares of
-/// the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by one;
-/// most within 1.3. Where rows are hard to tell apart it takes longer.
+/// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies by least squares
+/// of the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by
+/// one; most within 1.3. Where rows are hard to tell apart it takes longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
