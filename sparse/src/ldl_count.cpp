@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "manycontact/sparse/ldl.hpp"
+#include "manycontact/sparse/relaxed_supernodes.hpp"
 
 namespace manycontact::sparse {
 
@@ -87,13 +88,18 @@ LdlCounts ldl_count(const UpperCsc& A) {
     if (parent[j] >= 0) ancestor[j] = parent[j];
   }
   LdlCounts counts;
-  for (int k = 0; k < n; ++k) {
-    const int j = post[k];
-    if (parent[j] >= 0) weight[parent[j]] += weight[j];
-    const double entries = static_cast<double>(weight[j]) - 1;  // without the diagonal
+  for (int k = 0; k < n; ++k)
+    if (const int j = post[k]; parent[j] >= 0) weight[parent[j]] += weight[j];
+  std::vector<int> below(n);  // the diagonal
+  for (int j = 0; j < n; ++j) {
+    below[j] = static_cast<int>(weight[j] - 1);
+    const double entries = below[j];
     counts.nonzeros += entries;
     counts.flops += entries * (entries + 2);
   }
+  const std::vector<char> nested = nearly_nested(parent, below);
+  for (int j = 0; j < n; ++j)
+    if (const double entries = below[j]; !nested[j]) ++counts.blocks, counts.scattered += entries * entries;
   return counts;
 }
 

@@ -13,22 +13,6 @@ constexpr int kZeros = 12, kShort = 16;
 
 int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
 
-// The columns that take the pattern of the next one: from the root of the elimination tree, while the block that
-// begins with it stays full enough.
-std::vector<char> nearly_nested(const LdlSymbolic& L) {
-  std::vector<char> nested(L.n, 0);
-  long rows = 0, zeros = 0, entries = 0;  // of column k + 1, relaxed, and of its block
-  for (int k = L.n - 1; k >= 0; --k) {
-    const long own = count(L, k), more = rows + 1 - own;
-    nested[k] =
-        L.parent[k] == k + 1 && (more == 0 || (own >= kShort && kZeros * (zeros + more) <= entries + own + more));
-    rows = nested[k] ? rows + 1 : own;
-    zeros = nested[k] ? zeros + more : 0;
-    entries = nested[k] ? entries + rows : own;
-  }
-  return nested;
-}
-
 // Those of which `leading` has more rows than L: there it was relaxed.
 std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) {
   std::vector<char> nested(L.n, 0);
@@ -78,7 +62,25 @@ void nest(const std::vector<char>& nested, LdlSymbolic& L) {
 
 }  // namespace
 
-void relax_supernodes(LdlSymbolic& L) { nest(nearly_nested(L), L); }
+std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts) {
+  const int n = static_cast<int>(parent.size());
+  std::vector<char> nested(n, 0);
+  long rows = 0, zeros = 0, entries = 0;  // of column k + 1, relaxed, and of its block
+  for (int k = n - 1; k >= 0; --k) {
+    const long own = counts[k], more = rows + 1 - own;
+    nested[k] = parent[k] == k + 1 && (more == 0 || (own >= kShort && kZeros * (zeros + more) <= entries + own + more));
+    rows = nested[k] ? rows + 1 : own;
+    zeros = nested[k] ? zeros + more : 0;
+    entries = nested[k] ? entries + rows : own;
+  }
+  return nested;
+}
+
+void relax_supernodes(LdlSymbolic& L) {
+  std::vector<int> counts(L.n);
+  for (int k = 0; k < L.n; ++k) counts[k] = count(L, k);
+  nest(nearly_nested(L.parent, counts), L);
+}
 
 void relax_supernodes(const LdlSymbolic& leading, LdlSymbolic& L) { nest(nested_like(leading, L), L); }
 

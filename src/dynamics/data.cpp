@@ -7,14 +7,13 @@
 
 namespace manycontact {
 
-Workspace::Workspace(const Scene& s) : scene(s) {
-  robots.reserve(s.robots.size());
-  for (const Robot& robot : s.robots) robots.emplace_back(*robot.model);
-  contacts.reserve(s.contacts.size());
+Workspace::Workspace(const Scene& s) : scene(s), robots(s.robots.size()), contacts(s.contacts.size()) {
+  for (const Contact& contact : s.contacts)  // standing still they are of no island that has the contact
+    for (const Attachment* at : {&contact.A, &contact.B})
+      if (at->robot >= 0 && !moves(*at)) internal::make_robot(s, *this, at->robot);
   supports.resize(s.contacts.size());
   joint_space.assign(s.contacts.size(), 0);
   rows_state.assign(s.contacts.size(), 0);
-  for (const Contact& contact : s.contacts) contacts.emplace_back(contact, ContactSupport{});
   if (has_applied_forces(s)) applied = std::make_unique<AppliedWork>(s);
 }
 

@@ -62,17 +62,23 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  if (d.answered_by(d.bodies.get())) {
-    check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
-    make_joint_space(scene, w, d);
-  }
+  if (d.answered_by(d.bodies.get())) check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
   // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
-  if (d.answered && !d.alone.differentiates(w) && !differentiates_by_robots(d))
-    w.linearisation->assign(scene, w, d.island);
+  if (!d.answered || d.alone.differentiates(w) || differentiates_by_robots(d)) return;
+  make_joint_space(scene, w, d);
+  w.linearisation->assign(scene, w, d.island);
+}
+
+// Whether an island that sparse-bodies answered is differentiated by the whole K first: bodies solve for columns one by
+// one, which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not, the
+// oracle of a large K would take longer.
+bool differentiates_by_matrix(const SceneData& data, const IslandWork& d) {
+  constexpr int kLargest = 1500;  // rows of K
+  return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) && d.island.size() <= kLargest;
 }
 
 // Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
@@ -80,6 +86,10 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
+  if (differentiates_by_matrix(data, d) && d.matrix.make_current(scene, data, thread) &&
+      d.matrix.deficient() == d.bodies->drops &&  // of the answer's rank
+      d.matrix.differentiate(scene, data, thread, out))
+    return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
       }))

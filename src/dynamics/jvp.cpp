@@ -49,8 +49,8 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
     if (!d->answered || d->alone.multiplies(w)) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
-      internal::make_joint_space(scene, w, *d);
     }
+    internal::make_joint_space(scene, w, *d);
     linearisation.assign(scene, w, d->island);
   }
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);

@@ -15,12 +15,8 @@ namespace manycontact {
 
 IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
     : shape(std::move(s)), choice(choose(*shape, options)), matrix(*this) {
-  if (choice.method == Method::kSparseBodies) {
+  if (choice.method == Method::kSparseBodies)
     bodies = std::make_unique<BodiesSystem>(*this, lanes::level_of(options.lanes));
-    return;
-  }
-  matrix.K.reset(shape->pattern(choice.order));
-  matrix.v.resize(matrix.K.size());
 }
 
 namespace {
@@ -44,9 +40,24 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island&
 }
 
 // The island's robots and contacts, of which it has as many as any of its shape.
-void bind_island(const Scene& scene, Workspace& w, Island& island, IslandWork& d) {
+void bind_island(Island& island, IslandWork& d) {
   std::swap(d.island, island);
-  if (!d.bodies) internal::make_joint_space(scene, w, d);
+  d.matrix.M.clear();
+  d.matrix.J.clear();
+}
+
+// Memory of what islands are solved by first; lanes have their own.
+void make_first_systems(const Scene& scene, Workspace& w) {
+  for (const auto& island : w.islands) {
+    IslandWork& d = *island;
+    if (d.bodies) {
+      for (int c : d.island.contacts)
+        if (!w.contacts.has(c)) w.contacts.make(c, scene.contacts[c], ContactSupport{});
+    } else if (!d.matrix.has_terms() && !d.stands_in_lanes()) {
+      internal::make_joint_space(scene, w, d);
+      d.matrix.make_room(d.choice.order);
+    }
+  }
 }
 
 // Robots of islands with a contact that was switched, at either end.
@@ -114,7 +125,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
   for (std::size_t k = 0; k < count; ++k) {
     s.next.push_back(take(scene, w, s.groups[k]));
-    bind_island(scene, w, s.groups[k], *s.next.back());
+    bind_island(s.groups[k], *s.next.back());
   }
   w.islands.swap(s.next);
   std::sort(w.islands.begin(), w.islands.end(),
@@ -200,6 +211,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
   change_islands(scene, data, w, all);
   w.lanes.level = lanes::level_of(w.options.lanes);
   prepare_robots(scene, w);
+  make_first_systems(scene, w);
   if (w.pool.trim()) forget_unused(w);
   restore_derivatives(w);
   lay_out_forces(scene, data);

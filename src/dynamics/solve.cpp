@@ -155,7 +155,8 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
     return !robots.owner.answered && robots.solve(scene, data, w.threads.front(), report);
   });
-  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
+  const auto left = std::ranges::count_if(w.islands, [](const auto& d) { return !d->answered; });
+  each_item(w, w.islands.size(), left > 1, [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     if (d.answered) return;
     solve_island(scene, data, thread, d, data.report.islands[i]);

@@ -20,15 +20,15 @@ StaticTorque::StaticTorque(const Scene& scene) : applied(scene), scratch(applied
 
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
-  const auto known = [&w](std::uint64_t state) {
-    if (state != w.state)
+  const auto check = [](bool known) {
+    if (!known)
       throw std::logic_error(
           "static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: "
           "call complete first");
   };
-  for (const RobotData& r : w.robots) known(r.state);
+  for (int r = 0; r < scene.nrobots(); ++r) check(internal::is_evaluated(w, r));
   for (std::size_t c = 0; contacts && c < scene.contacts.size(); ++c)
-    if (data.f_offset[c] >= 0) known(w.rows_state[c]);
+    if (data.f_offset[c] >= 0) check(w.rows_state[c] == w.state);
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,

@@ -17,6 +17,20 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
   });
 }
 
+/// The same; by the calling thread alone, with the memory of each item's own thread, where others are not worth waking.
+template <class Work>
+void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work) {
+  if (worth_threads) return each_item(w, count, work);
+  for (std::size_t k = 0; k < count; ++k) work(k, w.threads[k % w.threads.size()]);
+}
+
+/// Whether so many seconds of predicted work are worth waking the threads of these data.
+inline bool are_worth_threads(const Workspace& w, double seconds) {
+  return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
+}
+// Beside a solve: derivatives, products, and one of a solve's or a product's walks through an island's robots.
+inline constexpr double kDerivatives = 6, kProducts = 1, kWalk = 0.25;
+
 /// work(island, its number, memory of the thread) for each island that no batch of robots alone has `done`; first those
 /// of which with_all_threads(island) holds, one after the other: they have their own use for all threads.
 template <class Done, class WithAllThreads, class Work>
@@ -27,8 +41,13 @@ void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, W
       work(*w.islands[i], i, w.threads.front());
       w.done[i] = 1;
     }
-  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    if (!w.done[i] && !done(*w.islands[i])) work(*w.islands[i], i, thread);
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    if (!w.done[i]) w.done[i] = done(*w.islands[i]);
+    left += !w.done[i];
+  }
+  each_item(w, w.islands.size(), left > 1, [&](std::size_t i, ThreadWork& thread) {
+    if (!w.done[i]) work(*w.islands[i], i, thread);
   });
 }
 

@@ -23,9 +23,9 @@ const Workspace& prepared(const SceneData& data) {
 
 const RobotData& robot_at_state(const SceneData& data, int robot) {
   const Workspace& w = prepared(data);
-  const RobotData& r = w.robots.at(robot);
-  if (r.state != w.state) not_there(data);
-  return r;
+  (void)w.robot_island.at(robot);
+  if (!internal::is_evaluated(w, robot)) not_there(data);
+  return w.robots[robot];
 }
 
 const Linearisation& linearised(const SceneData& data, int contact) {
@@ -50,6 +50,10 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
 }
 int factorizations_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->factorizations; }
 std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
+void wake_threads_for(SceneData& data, double seconds) {
+  (void)prepared(data);
+  data.workspace->worth_a_thread = seconds;
+}
 void limit_pool(SceneData& data, std::size_t bytes) {
   (void)prepared(data);
   data.workspace->pool.most = bytes;
@@ -69,7 +73,7 @@ std::span<const double> inertia_of(const SceneData& data, int robot) { return ro
 const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return robot_at_state(data, robot).h; }
 const ContactData<double>& contact_of(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
-  if (w.rows_state.at(contact) != w.state) not_there(data);
+  if (w.rows_state.at(contact) != w.state || !w.contacts.has(contact)) not_there(data);
   return w.contacts[contact];
 }
 const ContactSupport& support_of(const SceneData& data, int contact) {
@@ -97,6 +101,7 @@ void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
   for (int i = 0; i < scene.nrobots(); ++i) {
     const Robot& robot = scene.robots[i];
     const Model& model = *robot.model;
+    internal::make_robot(scene, w, i);
     RobotData& r = w.robots[i];
     forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), r.kin);
     forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, r.kin);

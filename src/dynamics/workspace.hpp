@@ -29,6 +29,23 @@ struct RobotData : RobotQuantities<double> {
   std::vector<double> M;     // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
+/// Memory of each of a scene's robots or contacts that an island needed: lanes have their own.
+template <class T>
+class OnDemand {
+ public:
+  explicit OnDemand(std::size_t count) : made_(count) {}
+  T& operator[](std::size_t k) { return *made_[k]; }
+  const T& operator[](std::size_t k) const { return *made_[k]; }
+  bool has(std::size_t k) const { return made_[k] != nullptr; }
+  template <class... Args>
+  void make(std::size_t k, Args&&... args) {
+    made_[k] = std::make_unique<T>(std::forward<Args>(args)...);
+  }
+
+ private:
+  std::vector<std::unique_ptr<T>> made_;
+};
+
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's pool,
 /// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
@@ -48,6 +65,8 @@ struct IslandWork {
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
+  /// Its first way is by lanes, which need none of what the whole K is made of.
+  bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
   int factorizations = 0;  // of K, whole or robot by robot, since that began
 
@@ -103,6 +122,7 @@ struct Workspace {
   std::size_t springs = 0;  // of the scene: they join robots to islands
   Options options;
   std::vector<ThreadWork> threads;                   // one at least
+  double worth_a_thread = 3e-5;                      // s of work for each: it takes microseconds to wake one
   std::vector<internal::Failure> failures;           // one per thread
   std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
   std::vector<int> robot_island;                     // per robot
@@ -116,11 +136,11 @@ struct Workspace {
   std::vector<char> done;  // scratch of each_island
 
   // by evaluate, update_kinematics
-  std::vector<RobotData> robots;
-  std::vector<char> joint_space;              // per contact: it has memory for the joint-space K
-  std::vector<ContactSupport> supports;       // per contact; constant once there
-  std::vector<ContactData<double>> contacts;  // per contact, at the bias accelerations
-  std::vector<std::uint64_t> rows_state;      // per contact: the state these are of
+  OnDemand<RobotData> robots;
+  std::vector<char> joint_space;           // per contact: it has memory for the joint-space K
+  std::vector<ContactSupport> supports;    // per contact; constant once there
+  OnDemand<ContactData<double>> contacts;  // at the bias accelerations
+  std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
 
   const double* prescribed = nullptr;  // rows of f: accelerations asked for, while they are solved for
   bool prescribes = false;             // the solution at hand is of such

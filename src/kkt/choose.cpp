@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <map>
 
 #include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -10,13 +11,28 @@
 namespace manycontact {
 
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
-  return 17.0 * rows + 20 * L.nonzeros + 0.3 * L.flops;
+  return 17.0 * rows + 20 * L.nonzeros + 0.18 * L.flops;
+}
+
+double predicted_cost_of_terms(int rows, std::size_t contacts) {
+  return 310.0 * rows + 730.0 * static_cast<double>(contacts);
 }
 
 namespace {
 
+// M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
+double cost_of_terms(const IslandShape& shape) {
+  const std::size_t contacts = shape.scene().contacts.size();
+  const double one_by_one = shape.island().size() > kLargestInLanes ? 670.0 * static_cast<double>(contacts) : 0;
+  return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
+}
+
+// Blocks of columns cost more than their entries and multiply-adds: what one changes is in stretches, short ones where
+// contacts are among the joints.
 double cost_ldl(IslandShape& shape, Order order) {
-  return predicted_cost_ldl(shape.island().size(), shape.counts(order));
+  const sparse::LdlCounts& L = shape.counts(order);
+  const double stretches = (order == Order::kContactsEarly ? 2.2 : 0.65) * L.scattered;
+  return predicted_cost_ldl(shape.island().size(), L) + 215 * L.blocks + stretches;
 }
 
 double cost_cholmod(IslandShape& shape, Order order) {
@@ -24,9 +40,7 @@ double cost_cholmod(IslandShape& shape, Order order) {
   return 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
 }
 
-}  // namespace
-
-double predicted_cost_supernodal(IslandShape& shape) {
+double cost_supernodal(IslandShape& shape) {
   const SchurCounts S = count_schur(shape.scene(), shape.island(), shape.support());
   double flops = 0;
   for (std::size_t r = 0; r < S.rows.size(); ++r) {
@@ -38,33 +52,35 @@ double predicted_cost_supernodal(IslandShape& shape) {
   return 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
 }
 
-namespace {
+// Of a body and its joint, without rows.
+constexpr double kBody = 1180;
 
-// What sparse-bodies is compared with: it needs no M, the terms of which cost about as much again as its dense columns.
-double cost_with_terms(double rows, double nonzeros, double flops) { return 17 * rows + 7 * nonzeros + flops; }
-double cost_with_terms(IslandShape& shape, Order order) {
-  const sparse::LdlCounts& L = shape.counts(order);
-  return cost_with_terms(shape.island().size(), L.nonzeros, L.flops);
+double cost_bodies(const BodyPattern& p) {
+  double cost = kBody * p.nodes + 1100.0 * p.nc + 10 * p.open_squared + 0.5 * p.open_updates;
+  for (int n : p.ndof) cost += n > 1 ? 3900 : 0;
+  return cost + p.open_at_base * p.open_at_base * p.open_at_base / 12;
 }
 
-// Without the analysis.
-double bodies_at_least(const IslandShape& shape) {
+// Subtrees that are alike stand side by side.
+double cost_bodies(IslandShape& shape) {
+  const BodyPattern& whole = *shape.bodies();
+  if (!may_be_cut(whole)) return cost_bodies(whole);
+  const std::vector<BodySubtree>& subtrees = shape.body_subtrees().subtrees;
+  std::map<int, int> alike;
+  for (const BodySubtree& subtree : subtrees) ++alike[subtree.shape];
+  double cost = 0;
+  for (const BodySubtree& subtree : subtrees)
+    cost += (alike[subtree.shape] > 1 ? 0.5 : 1) * cost_bodies(*subtree.pattern);
+  return cost;
+}
+
+// Than a way of that cost on K. Most islands are shallow, and need no analysis to know.
+bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
-  return 600 * nodes + 200.0 * shape.island().nc;
+  cost += cost_of_terms(shape);
+  return kBody * nodes < cost && cost_bodies(shape) < cost;
 }
-
-// Than a way of that cost. Most islands are shallow, and need no analysis to know.
-bool bodies_are_cheaper(IslandShape& shape, double cost) {
-  const double most = tolerance::kCheaper * cost;
-  return bodies_at_least(shape) < most && predicted_cost_bodies(shape) < most;
-}
-
-}  // namespace
-
-double predicted_cost_bodies(IslandShape& shape) { return bodies_at_least(shape) + 1.5 * shape.bodies()->flops; }
-
-namespace {
 
 // Coordinates that move a body.
 double chain_length(const Scene& scene, const Attachment& at) {
@@ -86,23 +102,23 @@ double joint_space_size(const IslandShape& shape) {
 }
 
 double least_cost_ldl(const IslandShape& shape) {
-  double nonzeros = 0, flops = 0;
+  sparse::LdlCounts least;
   for (const Robot& robot : shape.scene().robots)
     for (const double depth : robot.model->dof_depth) {  // M's column has its ancestors' rows, no less in any order
-      nonzeros += depth;
-      flops += depth * (depth + 2);
+      least.nonzeros += depth;
+      least.flops += depth * (depth + 2);
     }
-  return cost_with_terms(shape.island().size(), nonzeros, flops);
+  return predicted_cost_ldl(shape.island().size(), least);
 }
 
 bool is_deep(IslandShape& shape) { return bodies_are_cheaper(shape, least_cost_ldl(shape)); }
 
-double predicted_cost_dense(int nv, int nc) {
-  const double n = nv, m = nc;
+namespace {
+
+double cost_dense(const IslandShape& shape) {
+  const double n = shape.island().nv, m = shape.island().nc;
   return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
 }
-
-namespace {
 
 // Of rows that fill each other's columns, at so much an entry and a multiply-add.
 double full_rows_cost(const Island& island, double entry, double flop) {
@@ -114,28 +130,25 @@ double full_rows_cost(const Island& island, double entry, double flop) {
 
 PredictedCosts predict_costs(IslandShape& shape) {
   PredictedCosts costs;
-  costs.bodies = predicted_cost_bodies(shape);
-  costs.dense = predicted_cost_dense(shape.island().nv, shape.island().nc);
+  costs.terms = cost_of_terms(shape);
+  costs.bodies = cost_bodies(shape);
+  costs.dense = cost_dense(shape);
   costs.supernodal = std::numeric_limits<double>::infinity();
   if (overdetermined(shape.island())) {
-    costs.with_terms = least_cost_ldl(shape) + full_rows_cost(shape.island(), 7, 1);
-    costs.ldl.fill(costs.with_terms);
-    costs.cholmod.fill(8000 + full_rows_cost(shape.island(), 13, 1.7));
+    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), 20, 0.18));
+    costs.cholmod.fill(least_cost_ldl(shape) + 8000 + full_rows_cost(shape.island(), 26, 1));
     return costs;
   }
   if (is_deep(shape)) {
     costs.ldl.fill(least_cost_ldl(shape));
-    costs.with_terms = costs.ldl.front();
     costs.cholmod.fill(costs.supernodal);
     return costs;
   }
-  costs.with_terms = std::numeric_limits<double>::infinity();
   for (Order order : kOrders) {
-    costs.with_terms = std::min(costs.with_terms, cost_with_terms(shape, order));
     costs.ldl[static_cast<std::size_t>(order)] = cost_ldl(shape, order);
     costs.cholmod[static_cast<std::size_t>(order)] = cost_cholmod(shape, order);
   }
-  if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = predicted_cost_supernodal(shape);
+  if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = cost_supernodal(shape);
   return costs;
 }
 
@@ -159,11 +172,10 @@ Choice choose(IslandShape& shape, const Options& options) {
   }
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
-  if (sparse::supernodal_available() && shape.island().nc > 0 &&
-      predicted_cost_supernodal(shape) < cost_ldl(shape, choice.order))
-    choice.method = Method::kSparseSupernodal;
-  const double least =
-      choice.method == Method::kSparseLdl ? cost_with_terms(shape, choice.order) : predicted_cost_supernodal(shape);
+  double least = cost_ldl(shape, choice.order);
+  if (sparse::supernodal_available() && shape.island().nc > 0)
+    if (const double cost = cost_supernodal(shape); cost < least)
+      choice.method = Method::kSparseSupernodal, least = cost;
   if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
   return choice;
 }
@@ -185,7 +197,8 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
     return "dense, at " + number(costs.dense / ldl) +
            " of the predicted cost of sparse-ldl: most rows depend on others";
   if (choice.method == Method::kSparseBodies)
-    return to_string(choice.method) + ", at " + number(costs.bodies / costs.with_terms) +
+    return to_string(choice.method) + ", at " +
+           number(costs.bodies / (costs.terms + *std::min_element(costs.ldl.begin(), costs.ldl.end()))) +
            " or less of the predicted cost of sparse-ldl";
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);

@@ -151,16 +151,16 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  MatX<S> Q = MatX<S>::Identity(nv, nv);
-  if (kkt.rank > 0) Q.applyOnTheLeft(kkt.of_Jt.householderQ());
   // A change of rank makes these anew: where memory runs out, Eigen's own resize leaves an array freed.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));
   }
-  kkt.N = Q.rightCols(nv - kkt.rank);
+  kkt.N.setZero(nv, nv - kkt.rank);
   kkt.regular = true;
   if (kkt.N.cols() > 0) {
+    kkt.N.bottomRows(nv - kkt.rank).setIdentity();
+    if (kkt.rank > 0) kkt.N.applyOnTheLeft(kkt.of_Jt.householderQ());
     const MatX<S> A = kkt.N.transpose() * (kkt.M * kkt.N);
     kkt.reduced.compute(A);
     kkt.regular = sound_inertia<S>(kkt, A);

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "manycontact/kkt/choose.hpp"
-#include "manycontact/model/interned.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/relaxed_supernodes.hpp"
 
@@ -121,14 +120,12 @@ const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod_schur
 
 namespace {
 
-using Key = std::vector<std::uint64_t>;
-
 std::uint64_t word(int robot, int joint) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
 }
 
 // The trees, and which bodies which types of contact join.
-void add_structure(const Scene& scene, const Island& island, Key& key) {
+void add_structure(const Scene& scene, const Island& island, Words& key) {
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));
   for (int c : island.contacts) {
@@ -140,7 +137,7 @@ void add_structure(const Scene& scene, const Island& island, Key& key) {
 
 // What the order contacts-early sees beside that: the models' numbers, and what IslandShape keeps of the contacts'
 // places and axes.
-void add_places(const Scene& scene, const Island& island, Key& key) {
+void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
     for (double x : numbers.reshaped()) key.push_back(std::bit_cast<std::uint64_t>(x));
@@ -152,30 +149,36 @@ void add_places(const Scene& scene, const Island& island, Key& key) {
   }
 }
 
-}  // namespace
+// Of both, at most.
+void reserve(const Island& island, Words& key) {
+  key.reserve(2 + 2 * island.robots.size() + 18 * island.contacts.size());
+}
 
-std::size_t ShapeCache::Hash::operator()(const Key& key) const { return HashOfWords()(key); }
+}  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
   // The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
   // same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
   static Interned<IslandShape> at_hand;
   key_.clear();
+  reserve(island, key_);
   add_structure(scene, island, key_);
   add_places(scene, island, key_);
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
-  std::shared_ptr<IslandShape> fresh = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
+  auto [fresh, places] = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
   if (is_deep(*fresh)) {
-    const auto& deep = shapes_.try_emplace(key_, std::move(fresh)).first->second;
-    return by_places_.try_emplace(key_, deep).first->second;
+    const auto& deep = shapes_.try_emplace(places, std::move(fresh)).first->second;
+    return by_places_.try_emplace(places, deep).first->second;
   }
-  Key structure;
-  add_structure(scene, island, structure);
+  Words structure;
   const std::vector<int>& contacts_early = fresh->permutation(Order::kContactsEarly);
+  structure.reserve(2 + island.robots.size() + 3 * island.contacts.size() + contacts_early.size());
+  add_structure(scene, island, structure);
   structure.insert(structure.end(), contacts_early.begin(), contacts_early.end());
-  const auto& shape = shapes_.try_emplace(std::move(structure), std::move(fresh)).first->second;
-  return by_places_.try_emplace(key_, shape).first->second;
+  const auto& shape =
+      shapes_.try_emplace(std::make_shared<const Words>(std::move(structure)), std::move(fresh)).first->second;
+  return by_places_.try_emplace(places, shape).first->second;
 }
 
 void ShapeCache::keep(const std::set<const IslandShape*>& used) {

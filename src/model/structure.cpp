@@ -25,7 +25,7 @@ std::vector<std::uint64_t> key_of(const Model& model) {
 
 std::shared_ptr<const ModelStructure> find_structure(const Model& model) {
   static Interned<const ModelStructure> structures;
-  return structures.find(key_of(model), [] { return std::make_shared<const ModelStructure>(); });
+  return structures.find(key_of(model), [] { return std::make_shared<const ModelStructure>(); }).object;
 }
 
 }  // namespace manycontact

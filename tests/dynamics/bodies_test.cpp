@@ -357,6 +357,70 @@ TEST(Bodies, AutoTakesThemForDeepTreesAlone) {
   EXPECT_EQ(choice_of(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
 }
 
+// A point of each leaf of a complete binary tree, on its joint, is held along one direction.
+Chain binary_tree(int leaves) {
+  ChainOptions options;
+  options.links = 2 * leaves - 1;
+  options.held_every = 0;
+  options.floating_base = true;
+  Chain c = make_chain(options);
+  Model model = *c.scene.robots[0].model;
+  for (int i = 1; i < model.njoints(); ++i) model.joints[i].parent = (i - 1) / 2;
+  // depth first, as joints of a model are
+  std::vector<int> order{0}, place(model.joints.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    for (int child : {2 * order[k] + 2, 2 * order[k] + 1})
+      if (child < model.njoints()) order.insert(order.begin() + static_cast<std::ptrdiff_t>(k) + 1, child);
+  std::vector<Joint> joints;
+  for (int i : order) {
+    place[i] = static_cast<int>(joints.size());
+    joints.push_back(model.joints[i]);
+    if (i > 0) joints.back().parent = place[joints.back().parent];
+  }
+  model.joints = std::move(joints);
+  finalize(model);
+  Chain out;
+  add_robot(out.scene, "tree", std::make_shared<const Model>(std::move(model)));
+  out.q = c.q, out.v = c.v, out.u = c.u;
+  for (int i = leaves - 1; i < 2 * leaves - 1; ++i) {
+    Contact contact;
+    contact.name = "hold" + std::to_string(i);
+    contact.type = ContactType::k1D;
+    contact.A = {0, place[i], {}};
+    contact.axis = Vec3<double>(std::sin(i), std::cos(i), 1).normalized();
+    add_contact(out.scene, contact);
+  }
+  return out;
+}
+
+// Few rows are open at a time, however many a tree has.
+TEST(Bodies, AutoTakesThemForLargeTreesOfFewOpenRows) {
+  for (const auto& [leaves, method] : {std::pair(18, Method::kSparseLdl), std::pair(150, Method::kSparseBodies)}) {
+    const Chain c = binary_tree(leaves);
+    SceneData x(c.scene);
+    EXPECT_EQ(choice_of(x, 0).method, method) << leaves;
+    EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk) << leaves;
+    EXPECT_EQ(x.report.islands[0].method, method) << leaves;
+  }
+}
+
+// Derivatives come from the whole K then, which has all columns at once.
+TEST(Bodies, DerivativesAreTheSameWhereAutoTookThem) {
+  for (const Chain& c : {binary_tree(150), make_chain({.links = 120, .type = ContactType::k3D})}) {
+    SceneData x(c.scene), bodies(c.scene, kBodies);
+    for (SceneData* data : {&x, &bodies}) {
+      (void)solve(c.scene, c.q, c.v, c.u, *data);
+      ASSERT_EQ(data->report.islands[0].method, Method::kSparseBodies);
+      (void)differentiate(c.scene, *data);
+    }
+    EXPECT_NO_THROW((void)matrix_of(x, 0));
+    const SceneDerivatives a = dense_derivatives(c.scene, x), b = dense_derivatives(c.scene, bodies);
+    EXPECT_LT((a.da_dq - b.da_dq).norm(), 1e-8 * b.da_dq.norm());
+    EXPECT_LT((a.da_dv - b.da_dv).norm(), 1e-8 * b.da_dv.norm());
+    EXPECT_LT((a.dforces_dq - b.dforces_dq).norm(), 1e-8 * b.dforces_dq.norm());
+  }
+}
+
 // P stays symmetric along them, or it would not stay positive.
 TEST(Bodies, AnswerTenThousandLinksHeldByFewRows) {
   for (const ContactType type : {ContactType::k1D, ContactType::k3D, ContactType::k6D})

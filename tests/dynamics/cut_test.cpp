@@ -5,6 +5,7 @@
 
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "spatial/compare.hpp"
@@ -124,6 +125,7 @@ struct Solution {
 };
 Solution solution_of(const RandomScene& s, const Options& options) {
   SceneData data(s.scene, options);
+  wake_threads_for(data, 0);
   (void)solve(s.scene, s.q, s.v, s.u, data);
   return {data.a, data.f, data.report};
 }

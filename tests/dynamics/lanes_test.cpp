@@ -2,6 +2,7 @@
 // instructions; lanes that fall out, alone.
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <numeric>
@@ -375,6 +376,52 @@ TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   (void)solve(h.scene, h.q, h.v, h.u, data);
   differentiate(h.scene, data);
   EXPECT_THROW((void)contact_at_solution(data, 0), std::logic_error);
+}
+
+double heap() {
+  const auto m = mallinfo2();
+  return static_cast<double>(m.uordblks + m.hblkhd);
+}
+
+// A wall of boxes, each joined to its neighbours: what their lanes do without, K above all, is not made.
+TEST_P(InLanes, JoinedBoxesTakeLittleMemory) {
+  constexpr int n = 40;
+  Model model;
+  model.name = "box";
+  model.floating_base = true;
+  model.joints.resize(1);
+  model.joints[0].type = JointType::kFloating;
+  model.joints[0].inertia = Inertia<double>::from_com(6.4, {0, 0, 0.02}, Vec3<double>(0.17, 0.19, 0.2).asDiagonal());
+  for (VectorXd* x :
+       {&model.joints[0].lower, &model.joints[0].upper, &model.joints[0].velocity_limit, &model.joints[0].effort_limit})
+    x->setConstant(6, INFINITY);
+  finalize(model);
+  const auto box = std::make_shared<const Model>(std::move(model));
+  Scene scene;
+  for (int i = 0; i < n * n; ++i) add_robot(scene, "box" + std::to_string(i), box);
+  VectorXd q(scene.nq);
+  for (int i = 0; i < n * n; ++i) q.segment<7>(7 * i) << 0.5 * (i % n), 0, 0.5 * (i / n), 0, 0, 0, 1;
+  const auto join = [&scene](int a, int b, const Vec3<double>& at, const Vec3<double>& axis) {
+    Contact c;
+    c.name = "join" + std::to_string(scene.contacts.size());
+    c.type = ContactType::k1D;
+    c.A = {a, 0, {Mat3<double>::Identity(), at}};
+    c.B = {b, 0, {Mat3<double>::Identity(), at - Vec3<double>(a + 1 == b ? 0.5 : 0, 0, a + 1 == b ? 0 : 0.5)}};
+    c.axis = axis.normalized();
+    add_contact(scene, c);
+  };
+  for (int i = 0; i < n * n; ++i) {
+    if (i % n + 1 < n) join(i, i + 1, {0.25, 0, 0.02 * (i % 3)}, {0.3, 1, 0.2});
+    if (i + n < n * n) join(i, i + n, {0.02 * (i % 5), 0, 0.25}, {0, 0, 1});
+  }
+  const double before = heap();
+  SceneData data(scene, Options{Method::kAuto, {}, GetParam()});
+  const VectorXd zero = VectorXd::Zero(scene.nv);
+  EXPECT_EQ(solve(scene, q, zero, VectorXd::Zero(scene.nu), data).status, Status::kOk);
+  EXPECT_LE((heap() - before) / (n * n), 13000);
+  EXPECT_THROW((void)support_of(data, 0), std::logic_error);
+  complete(scene, data);
+  EXPECT_NO_THROW((void)support_of(data, 0));
 }
 
 TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {

@@ -243,12 +243,12 @@ def test_a_childs_child():
 def test_batches_hear_ctrl_c(name):
     file = mc.load_scene(str(MODELS / "humanoid_standing.xml"))
     scene, batch = file.scene, mc.BatchData(file.scene, 1)
-    n = 20000
+    n = 60000
     states = [np.broadcast_to(x, (n, x.size)) for x in (file.q, file.v, file.u)]
     if name == "vjp_batch":
         states += [np.zeros((n, scene.nv)), np.zeros((n, 12))]
     if name == "differentiate_batch":
-        states = [x[:2000] for x in states]
+        states = [x[:5000] for x in states]
 
     def run(count):
         return getattr(mc, name)(scene, *(np.ascontiguousarray(x[:count]) for x in states), batch)
@@ -256,7 +256,7 @@ def test_batches_hear_ctrl_c(name):
     start = time.perf_counter()
     run(200)
     whole = (time.perf_counter() - start) * len(states[0]) / 200
-    timer = threading.Timer(0.05, _thread.interrupt_main)
+    timer = threading.Timer(0.03, _thread.interrupt_main)
     timer.start()
     start = time.perf_counter()
     try:

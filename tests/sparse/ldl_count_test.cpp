@@ -7,6 +7,7 @@
 #include <random>
 
 #include "manycontact/sparse/ldl.hpp"
+#include "manycontact/sparse/relaxed_supernodes.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -16,6 +17,13 @@ void expect_counts(const sparse::UpperCsc& A) {
   const sparse::LdlCounts counts = sparse::ldl_count(A);
   EXPECT_EQ(counts.nonzeros, L.nonzeros());
   EXPECT_EQ(counts.flops, L.flops);
+  sparse::LdlSymbolic relaxed = L;
+  sparse::relax_supernodes(relaxed);
+  double blocks = 0, scattered = 0;
+  for (int k = 0; k < L.n; ++k)
+    if (const double below = relaxed.Lp[k + 1] - relaxed.Lp[k]; !relaxed.nests(k)) ++blocks, scattered += below * below;
+  EXPECT_EQ(counts.blocks, blocks);
+  EXPECT_EQ(counts.scattered, scattered);
 }
 
 TEST(LdlCount, RandomPatterns) {

@@ -88,7 +88,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   if (is_deep(shape)) {  // K's patterns are not made
     wrap(out,
          "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
-             relative(costs.bodies),
+             number(costs.bodies / (costs.terms + least)),
          4);
     wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
     return;

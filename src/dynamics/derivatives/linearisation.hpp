@@ -70,8 +70,8 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island,
 
 /// Forces of an island's contacts on its robots' bodies, in their tree frames, into fext(robot)[joint]. contacts: per
 /// contact of the scene, evaluated. f: of the scene.
-template <class Fext>
-void contact_forces(const Scene& scene, const Island& island, const std::vector<ContactData<double>>& contacts,
+template <class Contacts, class Fext>
+void contact_forces(const Scene& scene, const Island& island, const Contacts& contacts,
                     const std::vector<int>& f_offset, const Eigen::VectorXd& f, Fext&& fext) {
   for (int r : island.robots) std::fill(fext(r).begin(), fext(r).end(), Vec6<double>(Vec6<double>::Zero()));
   for (int c : island.contacts) {

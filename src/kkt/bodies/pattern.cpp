@@ -63,19 +63,47 @@ void find_holds(BodyPattern& p) {
   }
 }
 
-// How many rows may be open where.
-void make_room(BodyPattern& p) {
-  std::vector<int> waiting(p.nodes, 0), complete(p.nodes, 0);  // ends that arrive at a node; rows that are complete
-  int at_base = 0;
+// Rows by where they end.
+struct Ends {
+  std::vector<int> arriving;  // at a node: ends of rows that are not complete there
+  std::vector<int> alone;     // rows with one end
+  std::vector<int> meeting;   // rows of two that are complete here and no deeper
+};
+Ends find_ends(const BodyPattern& p) {
+  Ends ends{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nodes)};
   for (int row = 0; row < p.nc; ++row) {
-    const bool two = p.A[row] >= 0 && p.B[row] >= 0;
-    if (!two) {
-      if (const int i = std::max(p.A[row], p.B[row]); i >= 0) ++complete[i];
+    if (p.A[row] < 0 || p.B[row] < 0) {
+      if (const int i = std::max(p.A[row], p.B[row]); i >= 0) ++ends.alone[i];
       continue;
     }
-    ++waiting[p.A[row]], ++waiting[p.B[row]];
-    if (const int i = p.meeting(row); i >= 0) complete[i] += 1, waiting[i] -= 2;
+    ++ends.arriving[p.A[row]], ++ends.arriving[p.B[row]];
+    if (const int i = p.meeting(row); i >= 0) ends.meeting[i] += 1, ends.arriving[i] -= 2;
   }
+  return ends;
+}
+
+// How many rows are likely to be open where.
+void count_open(BodyPattern& p, Ends ends) {
+  std::vector<double> left(p.nodes, 0);  // complete rows that come from the children
+  for (int i = p.nodes - 1; i >= 0; --i) {
+    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once: joints below move them
+    const double open = complete + ends.arriving[i] + ends.meeting[i];
+    const double kept = std::clamp(complete - kEliminated * p.ndof[i], 0.0, static_cast<double>(kMostOpen));
+    p.open_squared += open * open;
+    p.open_updates += open * open * (complete - kept + ends.meeting[i]);
+    if (const int parent = p.parent[i]; parent >= 0)
+      ends.arriving[parent] += ends.arriving[i], left[parent] += kept;
+    else
+      p.open_at_base += ends.arriving[i] + kept;
+  }
+}
+
+// How many rows may be open where.
+void make_room(BodyPattern& p, Ends ends) {
+  std::vector<int>& waiting = ends.arriving;
+  std::vector<int> complete(p.nodes);
+  int at_base = 0;
+  for (int i = 0; i < p.nodes; ++i) complete[i] = ends.alone[i] + ends.meeting[i];
   // a row that completes at a node is counted there by its ends as well: no harm
   p.most.resize(p.nodes);
   for (int i = p.nodes - 1; i >= 0; --i) {
@@ -101,10 +129,7 @@ void make_room(BodyPattern& p) {
     p.joint_first.push_back(p.joint_first.back() + m * n);
     p.square_first.push_back(p.square_first.back() + m * m);
     p.D_first.push_back(p.D_first.back() + n * n);
-    p.flops += static_cast<double>(m) * (60 + 6 * static_cast<double>(m));
   }
-  const double base = at_base;
-  p.flops += base * base * base / 6;
 }
 
 }  // namespace
@@ -118,7 +143,9 @@ int BodyPattern::meeting(int row) const {
 void BodyPattern::complete_analysis() {
   list_rows(*this);
   find_holds(*this);
-  make_room(*this);
+  Ends ends = find_ends(*this);
+  count_open(*this, ends);
+  make_room(*this, std::move(ends));
 }
 
 BodyPattern analyze_bodies(const Scene& scene, const Island& island) {

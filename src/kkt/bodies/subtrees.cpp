@@ -7,10 +7,14 @@ namespace manycontact {
 
 namespace {
 
-// Bodies that six rows hold, unless a row joins what hangs below to another body.
+bool is_held_by_six(const BodyPattern& p, int i) {
+  return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
+}
+
+// Those, unless a row joins what hangs below to another body.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
-  for (int i = 0; i < p.nodes; ++i) cut[i] = p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
+  for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
   for (int row = 0; row < p.nc; ++row) {
     if (p.A[row] < 0 || p.B[row] < 0) continue;
     const int end = p.meeting(row);
@@ -98,6 +102,12 @@ BodyPattern pattern_of(const BodyPattern& p, const Island& island, const NodeNum
 }
 
 }  // namespace
+
+bool may_be_cut(const BodyPattern& p) {
+  for (int i = 0; i < p.nodes; ++i)
+    if (is_held_by_six(p, i)) return true;
+  return false;
+}
 
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole) {
   BodySubtrees out;

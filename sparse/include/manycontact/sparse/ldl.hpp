@@ -19,9 +19,7 @@ struct LdlSymbolic {
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
   /// Column k's pattern is k + 1 and that of column k + 1.
-  bool nests(int k) const {
-    return k + 1 < n && parent[k] == k + 1 && Lp[k + 1] - Lp[k] == Lp[k + 2] - Lp[k + 1] + 1;
-  }
+  bool nests(int k) const { return k + 1 < n && parent[k] == k + 1 && Lp[k + 1] - Lp[k] == Lp[k + 2] - Lp[k + 1] + 1; }
 };
 
 /// Scratch memory of factorization, for matrices up to the largest it was made for.
@@ -36,6 +34,9 @@ LdlSymbolic ldl_analyze(const UpperCsc& A);
 /// What that would find of L's size, as LdlSymbolic has it.
 struct LdlCounts {
   double nonzeros = 0, flops = 0;
+  // once columns whose patterns are nearly one share it (sparse/relaxed_supernodes.hpp): blocks of columns, and the sum
+  // of their rows below squared, entries that a block changes elsewhere
+  double blocks = 0, scattered = 0;
 };
 /// In time and memory of A's entries, however many L has. Source: Gilbert, Ng, Peyton, An efficient algorithm to
 /// compute row and column counts for sparse Cholesky factorization (1994).

@@ -7,6 +7,10 @@
 
 namespace manycontact::sparse {
 
+/// The columns that take the pattern of the next one, by the elimination tree and the columns' entries without their
+/// diagonals: from the root, while the block that begins with it stays full enough.
+std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts);
+
 void relax_supernodes(LdlSymbolic& L);
 /// The leading rows and columns of L's matrix are leading's, which is relaxed: L is relaxed to have the same entries
 /// there.

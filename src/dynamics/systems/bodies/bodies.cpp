@@ -164,7 +164,8 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
   const Island& island = bodies.owner.island;
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
-    data.workspace->robots[island.robots[k]].state = 0;
+    if (OnDemand<RobotData>& robots = data.workspace->robots; robots.has(island.robots[k]))
+      robots[island.robots[k]].state = 0;
     place_trees<double>(*robot.model, robot.base, data.workspace->q.segment(robot.idx_q, robot.model->nq),
                         bodies.kin[k]);
   }

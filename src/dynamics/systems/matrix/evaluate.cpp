@@ -30,17 +30,25 @@ void evaluate_contact(const Scene& scene, Workspace& w, int c) {
 
 }  // namespace
 
+void make_robot(const Scene& scene, Workspace& w, int robot) {
+  if (!w.robots.has(robot)) w.robots.make(robot, *scene.robots[robot].model);
+}
+
+bool is_evaluated(const Workspace& w, int robot) { return w.robots.has(robot) && w.robots[robot].state == w.state; }
+
 void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
+  if (d.matrix.has_terms()) return;
   d.matrix.M.clear();
   d.matrix.J.clear();
   for (int r : d.island.robots) {
+    make_robot(scene, w, r);
     if (w.robots[r].M.empty()) w.robots[r].M.resize(packed_size(*scene.robots[r].model));
     d.matrix.M.emplace_back(w.robots[r].M);
   }
   for (int c : d.island.contacts) {
     if (!w.joint_space[c]) {
       w.supports[c] = contact_support(scene, scene.contacts[c]);
-      w.contacts[c] = ContactData<double>(scene.contacts[c], w.supports[c]);
+      w.contacts.make(c, scene.contacts[c], w.supports[c]);
       w.joint_space[c] = 1;
     }
     const Eigen::MatrixXd& J = w.contacts[c].J;
@@ -63,8 +71,8 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 
 void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d) {
   Workspace& w = *data.workspace;
-  if (w.robots[d.island.robots.front()].state == w.state) return;
-  if (d.bodies) make_joint_space(scene, w, d);
+  if (is_evaluated(w, d.island.robots.front())) return;
+  make_joint_space(scene, w, d);
   evaluate(scene, w.q, data.v, w, d.island);
   d.matrix.tolerated = scene.tolerance > 0 && d.island.nc > 0 ? d.matrix.within.make_dependent(scene, w, d) : 0;
 }
@@ -103,15 +111,13 @@ void take_units(const Scene& scene, MatrixSystem& m) {
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
   const Workspace& w = *data.workspace;
   const IslandWork& d = m.owner;
-  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(order);
-  if (m.K.pattern != pattern) m.K.reset(pattern);
-  if (m.v.b.size() != static_cast<std::size_t>(m.K.size())) m.v.resize(m.K.size());
+  m.make_room(order);
   manycontact::assemble(m.M, m.J, damping, m.K);
   m.K.row_scale = 0;
   for (int c : d.island.contacts)
     m.K.row_scale = std::max(m.K.row_scale, motion_scale(scene.contacts[c], w.contacts[c]));
 
-  const int* iperm = pattern->iperm.data();  // b = [tau - h; wanted - a0]
+  const int* iperm = m.K.pattern->iperm.data();  // b = [tau - h; wanted - a0]
   double* b = m.v.b.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];

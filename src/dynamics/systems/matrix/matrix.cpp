@@ -11,6 +11,16 @@
 
 namespace manycontact {
 
+bool MatrixSystem::has_terms() const {
+  return M.size() == owner.island.robots.size() && J.size() == owner.island.contacts.size();
+}
+
+void MatrixSystem::make_room(Order order) {
+  const std::shared_ptr<const KktPattern>& pattern = owner.shape->pattern(order);
+  if (K.pattern != pattern) K.reset(pattern);
+  if (v.b.size() != static_cast<std::size_t>(K.size())) v.resize(K.size());
+}
+
 bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }
 
 bool MatrixSystem::dropped_rows() const {

@@ -47,6 +47,10 @@ class MatrixSystem final : public IslandSystem {
   /// K, its factor and x of the solution at hand, where another system answered that. False: no factor is sound, or K
   /// is too large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
+  /// Whether make_joint_space has been asked since prepare gave it the island.
+  bool has_terms() const;
+  /// Memory of K and its vectors in that order of elimination.
+  void make_room(Order order);
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
   /// Whether that is why the factor which drops such rows answered.
@@ -88,7 +92,11 @@ double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
                        const IslandDerivatives& derivatives, DerivativeBounds& out);
 
-/// Memory for the joint-space terms and K of an island, the first time. Throws std::length_error beyond 2^31 entries.
+/// Memory for a robot's kinematics and dynamics terms, the first time.
+void make_robot(const Scene& scene, Workspace& work, int robot);
+/// Whether these are of the state at hand.
+bool is_evaluated(const Workspace& work, int robot);
+/// Memory for the joint-space terms of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);

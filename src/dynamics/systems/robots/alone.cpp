@@ -85,12 +85,16 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// use(group, robots, numbers of their islands, memory of the thread) for each batch.
+// use(group, robots, numbers of their islands, memory of the thread) for each batch. of_solve: the work beside that of
+// a solve.
 template <class Wanted, class Use>
-void each_in_lanes(const Scene& scene, Workspace& w, Wanted&& wanted, Use&& use) {
+void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, Wanted&& wanted, Use&& use) {
   InLanes& in = w.lanes;
   form_batches(scene, w, wanted);
-  each_item(w, in.batches.size(), [&](std::size_t k, ThreadWork& thread) {
+  double seconds = 0;
+  for (const InLanes::Batch& batch : in.batches)
+    seconds += of_solve * batch.group->seconds * together(static_cast<std::size_t>(batch.count));
+  each_item(w, in.batches.size(), are_worth_threads(w, seconds), [&](std::size_t k, ThreadWork& thread) {
     const auto [group, first, count] = in.batches[k];
     if (k + 1 < in.batches.size())
       prefetch_models(scene, Robots(in.robots).subspan(in.batches[k + 1].first, in.batches[k + 1].count));
@@ -112,7 +116,7 @@ template <class Wanted>
 void solve_in_lanes(const Scene& scene, SceneData& data, Wanted&& wanted) {
   Workspace& w = *data.workspace;
   const lanes::Job job = job_at_state(scene, data);
-  each_in_lanes(scene, w, wanted, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+  each_in_lanes(scene, w, 1, wanted, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     group.kernels[thread.number]->solve(job, robots, {thread.answers.data(), robots.size()});
     for (std::size_t k = 0; k < robots.size(); ++k) {
       const lanes::Answer& answer = thread.answers[k];
@@ -188,7 +192,7 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool non_temporal = bytes > kCacheBytes;
   each_in_lanes(
-      scene, w, served(&AloneSystem::differentiates, w),
+      scene, w, kDerivatives, served(&AloneSystem::differentiates, w),
       [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
         const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
@@ -209,7 +213,7 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
-  each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
+  each_in_lanes(scene, w, kProducts, served(&AloneSystem::multiplies, w),
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
                   group.kernels[thread.number]->jvp(job, robots);
                 });
@@ -220,7 +224,7 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
-  each_in_lanes(scene, w, served(&AloneSystem::multiplies, w),
+  each_in_lanes(scene, w, kProducts, served(&AloneSystem::multiplies, w),
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
                   group.kernels[thread.number]->vjp(job, robots);
                 });

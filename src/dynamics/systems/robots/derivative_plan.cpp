@@ -47,7 +47,7 @@ double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros;
 // between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   constexpr double kProduct = 0.4;
-  double cost = cost_of_interface(system.interface->symbolic.nonzeros(), ld);
+  double cost = cost_of_interface(system.interface->nonzeros, ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     const RobotsDerivatives::OfRobot& r = by.robots[k];
     const KktPattern& p = *system.robots[k].ordinary->plan->inner;

@@ -71,27 +71,29 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
     return by.robots[robot].ends.data() +
            system.robots[robot].group->plan->size_of_ends<lanes::MovingEnd>(static_cast<std::size_t>(among));
   };
-  each_item(w, system.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
-    const RobotsSystem::ContactBatch& batch = system.contact_batches[k];
-    const auto couplings = std::span(system.contacts).subspan(batch.first, batch.count);
-    thread.interface_derivatives.clear();
-    for (const RobotsSystem::Coupling& coupling : couplings)
-      thread.interface_derivatives.push_back(
-          {&scene.contacts[coupling.contact], end(coupling.A, coupling.among_A), end(coupling.B, coupling.among_B),
-           data.f.data() + data.f_offset[coupling.contact], terms_of(system, coupling).J});
-    batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.interface_derivatives);
-    for (const RobotsSystem::Coupling& coupling : couplings) {
-      const lanes::JoinTerms terms = terms_of(system, coupling);
-      const std::vector<int>& columns = system.owner.shape->support().columns[coupling.number];
-      for (int i = 0; i < coupling.rows; ++i) {
-        double* row = &out.X(system.interface->row[coupling.row + i], 0);
-        for (int c = 0; c < terms.cols; ++c) {
-          if (out.request.q) row[out.q_first + columns[c]] = terms.dq()[c * terms.rows + i];
-          if (out.request.v) row[out.v_first + columns[c]] = terms.dv()[c * terms.rows + i];
+  each_item(
+      w, system.contact_batches.size(), are_worth_threads(w, kDerivatives * system.seconds),
+      [&](std::size_t k, ThreadWork& thread) {
+        const RobotsSystem::ContactBatch& batch = system.contact_batches[k];
+        const auto couplings = std::span(system.contacts).subspan(batch.first, batch.count);
+        thread.interface_derivatives.clear();
+        for (const RobotsSystem::Coupling& coupling : couplings)
+          thread.interface_derivatives.push_back(
+              {&scene.contacts[coupling.contact], end(coupling.A, coupling.among_A), end(coupling.B, coupling.among_B),
+               data.f.data() + data.f_offset[coupling.contact], terms_of(system, coupling).J});
+        batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.interface_derivatives);
+        for (const RobotsSystem::Coupling& coupling : couplings) {
+          const lanes::JoinTerms terms = terms_of(system, coupling);
+          const std::vector<int>& columns = system.owner.shape->support().columns[coupling.number];
+          for (int i = 0; i < coupling.rows; ++i) {
+            double* row = &out.X(system.interface->row[coupling.row + i], 0);
+            for (int c = 0; c < terms.cols; ++c) {
+              if (out.request.q) row[out.q_first + columns[c]] = terms.dq()[c * terms.rows + i];
+              if (out.request.v) row[out.v_first + columns[c]] = terms.dv()[c * terms.rows + i];
+            }
+          }
         }
-      }
-    }
-  });
+      });
 }
 
 // A robot's end of a contact that joins it.
@@ -235,7 +237,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
       for (int row : r.join) sample.X(row, c.in_X) = X(row, sample.column[c.in_X]);
   const int ld = static_cast<int>(sample.X.cols());
   answer(system, by, columns_in_sample, 0, ld, sample.X.data(), ld, false, by.buffers.front());
-  each_batch(w, system, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     for (int s = 0; s < static_cast<int>(sample.column.size()); ++s) {
       for (Member& member : robots)
         begin_check(by, by.robots[system.order[&member - system.members.data()]], s, member);
@@ -292,7 +294,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
                                 r.u_first,     r.own,         false};
   };
   for (std::size_t k = 0; k < by.robots.size(); ++k) system.member(k).ends = by.robots[k].ends.data();
-  each_batch(w, system, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {
+  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {
     kernel.move_ends(job_of(by.robots.front()), robots);
   });
   differentiate_interface(scene, data, system, out);
@@ -301,7 +303,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
     for (const RobotsDerivatives::Columns& c : by.robots[k].sampled)
       for (int row : system.interface->robots[k].interface_rows)
         by.sample.b[c.in_X * system.b.size() + row] = out.X(system.interface->row[row], by.sample.column[c.in_X]);
-  each_batch(w, system, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork& thread) {
+  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork& thread) {
     const auto number = [&](std::size_t l) { return system.order[&robots[l] - system.members.data()]; };
     thread.panels.clear();
     for (std::size_t l = 0; l < robots.size(); ++l) {
@@ -353,7 +355,7 @@ bool RobotsSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
   const int ld = static_cast<int>(X.cols());
   const bool non_temporal = sizeof(double) * X.size() > kCacheBytes;
   each_item(w, (ld + RobotsDerivatives::kChunk - 1) / RobotsDerivatives::kChunk,
-            [&](std::size_t chunk, ThreadWork& thread) {
+            are_worth_threads(w, kDerivatives * seconds), [&](std::size_t chunk, ThreadWork& thread) {
               const int first = static_cast<int>(chunk) * RobotsDerivatives::kChunk,
                         cols = std::min(RobotsDerivatives::kChunk, ld - first);
               answer(*this, *derivatives, columns_in_X, first, cols, X.data(), ld, non_temporal,

@@ -8,21 +8,27 @@ namespace manycontact::internal {
 
 /// step(kernel, robots, their memory, memory of the thread) for each batch, each thread's one way and the next time
 /// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it.
+/// of_solve: the work of the steps of which this is one, beside that of a solve.
 template <class Step>
-void each_batch(Workspace& w, RobotsSystem& system, Step&& step) {
+void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;
   const std::size_t count = system.batches.size(), threads = w.threads.size();
   const auto item = [&](std::size_t k) -> const RobotsSystem::Batch& {
     const std::size_t first = k % threads, last = first + (count - 1 - first) / threads * threads;
     return system.batches[system.back ? last - (k - first) : k];
   };
-  each_item(w, count, [&](std::size_t k, ThreadWork& thread) {
+  each_item(w, count, are_worth_threads(w, of_solve * system.seconds), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::Batch& batch = item(k);
     const std::size_t next = k + threads;  // of the same thread
     double* memory = system.memory.data();
     step(*batch.group->kernels[thread.number], std::span(system.members).subspan(batch.first, batch.count),
          lanes::RobotBlocks::Memory{memory + batch.at, memory + (next < count ? item(next) : batch).at}, thread);
   });
+}
+
+template <class Step>
+void each_batch(Workspace& w, RobotsSystem& system, Step&& step) {
+  each_batch(w, system, kWalk, std::forward<Step>(step));
 }
 
 }  // namespace manycontact::internal

@@ -55,9 +55,11 @@ void analyze_interface(Interface& interface) {
   interface.perm = sparse::camd_order(pattern, {});
   interface.place = sparse::inverse(interface.perm);
   interface.S = sparse::permute(pattern, interface.place);
-  interface.symbolic = sparse::ldl_analyze(interface.S);
-  sparse::relax_supernodes(interface.symbolic);
-  interface.schedule = sparse::compile_ldl(interface.S, interface.symbolic);
+  sparse::LdlSymbolic L = sparse::ldl_analyze(interface.S);
+  sparse::relax_supernodes(L);
+  interface.nonzeros = L.nonzeros();
+  interface.flops = L.flops;
+  interface.schedule = sparse::compile_ldl(interface.S, L);
   const std::vector<int>& at = interface.place;
   each_entry([&](Interface::OfRobot& r, int i, int j) {
     r.slot.push_back(interface.S.slot(std::min(at[i], at[j]), std::max(at[i], at[j])));

@@ -31,7 +31,8 @@ struct Interface {
   std::vector<int> row;          // per interface row: the island's row
   std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
   sparse::UpperCsc S;            // its pattern, in that order
-  sparse::LdlSymbolic symbolic;
+  int nonzeros = 0;              // of its factor, and multiply-adds
+  double flops = 0;
   sparse::LdlSchedule schedule;
 
   int rows() const { return static_cast<int>(row.size()); }

@@ -17,7 +17,6 @@ namespace manycontact::internal {
 namespace {
 
 constexpr std::size_t kMostGroups = 64;  // they come and go with the rows that depend
-constexpr int kLargest = 400;  // rows of a robot's K: the scratch memory of robots side by side stays in the caches
 
 // Of a shape's scene: a robot, the contacts on it alone, those that join it to others, and the pattern of its K without
 // these.
@@ -64,6 +63,11 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   return plan;
 }
 
+double cost_ldl(int rows, double nonzeros, double flops) {
+  return predicted_cost_ldl(rows, {.nonzeros = nonzeros, .flops = flops});
+}
+double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
+
 // By what a plan depends on: the structure, whether joints have friction, the contacts' types and joints, the order of
 // elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
@@ -81,7 +85,11 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
   key.insert(key.end(), block.dropped.begin(), block.dropped.end());
   BlockGroup& group = w.lanes.groups[{model.structure.get(), std::move(key)}];
-  if (!group.plan) group.plan = make_plan(block, order);
+  if (group.plan) return group;
+  group.plan = make_plan(block, order);
+  const Scene& own = group.plan->scene;
+  group.seconds = kPredictedSecond * (predicted_cost_of_terms(group.plan->pattern->size(), own.contacts.size()) +
+                                      cost_ldl(group.plan->pattern->ldl));
   return group;
 }
 
@@ -93,7 +101,7 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
 
 // Of an island of one robot that is not large; nullptr: it has no place in lanes.
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
-  if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargest) return nullptr;
+  if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
   if (!pattern->schedule().compiled) return nullptr;
   return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
@@ -102,7 +110,7 @@ BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
 bool can_be_joined(const IslandWork& d, const Options& options) {
   return !options.order && (d.choice.method == Method::kSparseLdl || d.choice.method == Method::kSparseSupernodal) &&
          std::all_of(d.shape->scene().robots.begin(), d.shape->scene().robots.end(),
-                     [](const Robot& robot) { return robot.model->nv <= kLargest; });
+                     [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
 
 // Whether a contact comes before another in its group: like ones stand together, in any order of the scene.
@@ -120,35 +128,43 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const auto structure = [&](const Attachment& at) { return scene.robots[at.robot].model->structure.get(); };
   InterfaceContactGroup& group =
       w.lanes.contacts[{structure(contact.A), structure(contact.B), contact.type, contact.A.joint, contact.B.joint}];
+  if (group.kernels.size() >= w.threads.size()) return group;
+  const ContactSupport support = contact_support(scene, contact);
   while (group.kernels.size() < w.threads.size()) {
-    group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, w.supports[c]));
-    group.kernels.back()->reserve_batch(scene, contact, w.supports[c]);
+    group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, support));
+    group.kernels.back()->reserve_batch(scene, contact, support);
   }
   return group;
 }
 
-double cost_ldl(const sparse::LdlSymbolic& L) {
-  return predicted_cost_ldl(L.n, {static_cast<double>(L.nonzeros()), L.flops});
-}
-
-// Robots side by side cost as much as `together` of them alone (measured, on 8 lanes and on 2).
 double cost_joined(const RobotsSystem& system, int width) {
-  const double together = 1 + 0.15 * width;
-  double cost = cost_ldl(system.interface->symbolic);
+  double cost = cost_ldl(system.interface->rows(), system.interface->nonzeros, system.interface->flops);
   for (std::size_t k = 0; k < system.order.size();) {
     const BlockGroup* group = system.robots[system.order[k]].group;
     std::size_t count = 1;
     while (count < static_cast<std::size_t>(width) && k + count < system.order.size() &&
            system.robots[system.order[k + count]].group == group)
       ++count;
-    cost += (count == 1 ? 1 : together) * cost_ldl(group->plan->pattern->ldl);
+    cost += (count == 1 ? 1 : together(width)) * cost_ldl(group->plan->pattern->ldl);
     k += count;
   }
   return cost;
 }
 
+double seconds_joined(const RobotsSystem& system, int width) {
+  double seconds = kPredictedSecond * cost_joined(system, width);
+  const double of_one = together(width) / width;
+  for (const RobotsSystem::OfRobot& r : system.robots) {
+    const lanes::BlockPlan& plan = *r.group->plan;
+    seconds += kPredictedSecond * of_one * predicted_cost_of_terms(plan.pattern->size(), plan.scene.contacts.size());
+  }
+  return seconds;
+}
+
 // What an island's own way costs, which its robots' must be clearly below.
-double cost_of_choice(const IslandWork& d) { return cost_ldl(d.shape->pattern(d.choice.order)->ldl); }
+double cost_of_choice(const IslandWork& d) {
+  return predicted_cost_ldl(d.shape->island().size(), d.shape->counts(d.choice.order));
+}
 
 // Whether they may be, as far as can be told without the interface rows' patterns.
 bool may_be_cheaper(const IslandWork& d) {
@@ -172,13 +188,15 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
         w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(d.choice.order);
     BlockGroup& group =
         group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, d.choice.order);
-    fits = group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargest;
+    fits =
+        group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargestInLanes;
     out->robots.push_back({&group, &group});
     out->order.push_back(static_cast<int>(k));
   }
   d.joinable = fits;
   if (!fits) return nullptr;
   out->drop_rows(false);
+  out->seconds = seconds_joined(*out, w.lanes.level->width);
   out->solves = d.choice.method == Method::kSparseLdl &&
                 cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost_of_choice(d);
   return out;
@@ -187,7 +205,7 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
 void take_memory(RobotsSystem& system) {
   const std::size_t rows = system.interface->row.size(), robots = system.robots.size();
   system.Sx.resize(system.interface->S.nonzeros());
-  system.L.resize(system.interface->symbolic.nonzeros());
+  system.L.resize(system.interface->nonzeros);
   for (std::vector<double>* x :
        {&system.D, &system.terms, &system.b, &system.y, &system.r, &system.scale, &system.step})
     x->resize(rows);

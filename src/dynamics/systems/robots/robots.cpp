@@ -94,19 +94,20 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
     const auto& r = s.robots[robot];
     return s.members[r.member].joins + r.group->plan->size_of_ends<lanes::JoinedEnd>(among);
   };
-  each_item(w, s.contact_batches.size(), [&](std::size_t k, ThreadWork& thread) {
-    const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
-    const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
-    thread.interface_contacts.clear();
-    for (const RobotsSystem::Coupling& coupling : couplings)
-      thread.interface_contacts.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
-                                           join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
-    batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.interface_contacts);
-    for (std::size_t i = 0; i < couplings.size(); ++i) {
-      couplings[i].motion = thread.interface_contacts[i].motion;
-      couplings[i].smallest_row = thread.interface_contacts[i].smallest_row;
-    }
-  });
+  each_item(
+      w, s.contact_batches.size(), are_worth_threads(w, kWalk * s.seconds), [&](std::size_t k, ThreadWork& thread) {
+        const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
+        const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
+        thread.interface_contacts.clear();
+        for (const RobotsSystem::Coupling& coupling : couplings)
+          thread.interface_contacts.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
+                                               join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
+        batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.interface_contacts);
+        for (std::size_t i = 0; i < couplings.size(); ++i) {
+          couplings[i].motion = thread.interface_contacts[i].motion;
+          couplings[i].smallest_row = thread.interface_contacts[i].smallest_row;
+        }
+      });
 }
 
 // No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
@@ -195,7 +196,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   reset(report, s.owner.island);
   report.method = Method::kSparseLdl;
   report.order = s.owner.choice.order;
-  report.factor_nonzeros = s.interface->symbolic.nonzeros() + s.owner.island.size();
+  report.factor_nonzeros = s.interface->nonzeros + s.owner.island.size();
   for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
   report.refinement_steps = refinement.steps;
   Largest largest = largest_of(s);

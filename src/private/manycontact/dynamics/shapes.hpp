@@ -10,6 +10,8 @@ namespace manycontact {
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.
 std::size_t shapes_analysed(const SceneData& data);
+/// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.
+void wake_threads_for(SceneData& data, double seconds);
 /// Contact sets that are not in use are kept up to so many bytes.
 void limit_pool(SceneData& data, std::size_t bytes);
 

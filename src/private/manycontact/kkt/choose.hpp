@@ -8,22 +8,29 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Relative: coefficients by measured factors, of which a row, an
-/// entry of L and a multiply-add of sparse LDL cost 17, 20 and 0.3; only ratios mean something, to a factor of two.
+/// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies by least squares
+/// of the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by
+/// one; most within 1.3. Where rows are hard to tell apart it takes longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
-  double bodies;
-  double with_terms;  // the least of sparse-ldl with M's terms, which `bodies` is compared with
   double dense;
+  double terms;   // of M and J, which all these need ...
+  double bodies;  // ... but not sparse-bodies
 };
 /// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
+/// In the same units.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
-double predicted_cost_supernodal(IslandShape& shape);
-double predicted_cost_bodies(IslandShape& shape);
-double predicted_cost_dense(int nv, int nc);
+
+/// Of terms, of an island that stands in lanes.
+double predicted_cost_of_terms(int rows, std::size_t contacts);
+/// A unit of predicted cost in seconds, on a core of 2020.
+inline constexpr double kPredictedSecond = 0.2e-9;
+
+/// Rows of a robot's K that stands in lanes, at most: the scratch memory of robots side by side stays in the caches.
+inline constexpr int kLargestInLanes = 400;
 
 /// What sparse-ldl costs at least in any order, from the trees' depths alone.
 double least_cost_ldl(const IslandShape& shape);

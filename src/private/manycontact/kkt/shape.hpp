@@ -11,6 +11,7 @@
 
 #include "manycontact/kkt/bodies/subtrees.hpp"
 #include "manycontact/kkt/schur.hpp"
+#include "manycontact/model/interned.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact {
@@ -69,12 +70,8 @@ class ShapeCache {
   void keep(const std::set<const IslandShape*>& used);
 
  private:
-  using Key = std::vector<std::uint64_t>;
-  struct Hash {
-    std::size_t operator()(const Key& key) const;
-  };
-  std::unordered_map<Key, std::shared_ptr<IslandShape>, Hash> by_places_, shapes_;
-  Key key_;
+  std::unordered_map<SharedWords, std::shared_ptr<IslandShape>, HashOfWords, SameWords> by_places_, shapes_;
+  Words key_;
 };
 
 }  // namespace manycontact

@@ -10,9 +10,14 @@
 
 namespace manycontact {
 
-/// Of words: numbers, bits of doubles, addresses.
+/// Words: numbers, bits of doubles, addresses. Tables share what may be long.
+using Words = std::vector<std::uint64_t>;
+using SharedWords = std::shared_ptr<const Words>;
+
 struct HashOfWords {
-  std::size_t operator()(const std::vector<std::uint64_t>& key) const {
+  using is_transparent = void;
+  std::size_t operator()(const SharedWords& key) const { return (*this)(*key); }
+  std::size_t operator()(const Words& key) const {
     std::uint64_t h = key.size();
     for (std::uint64_t x : key) {  // a round of splitmix64 for each word
       h += x + 0x9e3779b97f4a7c15;
@@ -24,27 +29,39 @@ struct HashOfWords {
   }
 };
 
+struct SameWords {
+  using is_transparent = void;
+  static const Words& words(const SharedWords& x) { return *x; }
+  static const Words& words(const Words& x) { return x; }
+  bool operator()(const auto& x, const auto& y) const { return words(x) == words(y); }
+};
+
 template <class T>
 class Interned {
  public:
+  struct Found {
+    std::shared_ptr<T> object;
+    SharedWords key;
+  };
   /// The one of that key; make() where none is alive.
   template <class Make>
-  std::shared_ptr<T> find(const std::vector<std::uint64_t>& key, Make&& make) {
+  Found find(const Words& key, Make&& make) {
     const std::lock_guard lock(mutex_);
     if (known_.size() >= sweep_at_) {
       std::erase_if(known_, [](const auto& item) { return item.second.expired(); });
       sweep_at_ = std::max(kFewest, 2 * known_.size());
     }
-    std::weak_ptr<T>& known = known_[key];
-    std::shared_ptr<T> found = known.lock();
-    if (!found) known = found = make();
-    return found;
+    auto known = known_.find(key);
+    if (known == known_.end()) known = known_.try_emplace(std::make_shared<const Words>(key)).first;
+    std::shared_ptr<T> found = known->second.lock();
+    if (!found) known->second = found = make();
+    return {std::move(found), known->first};
   }
 
  private:
   static constexpr std::size_t kFewest = 64;
   std::mutex mutex_;
-  std::unordered_map<std::vector<std::uint64_t>, std::weak_ptr<T>, HashOfWords> known_;
+  std::unordered_map<SharedWords, std::weak_ptr<T>, HashOfWords, SameWords> known_;
   std::size_t sweep_at_ = kFewest;
 };
 

@@ -25,7 +25,9 @@ struct BodyPattern {
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left when all joints are eliminated
-  double flops = 0;      // of factorization, beyond a constant for each body
+  // of rows that are likely to be open: of each node their number squared, and that times those eliminated there; those
+  // left at the bases
+  double open_squared = 0, open_updates = 0, open_at_base = 0;
 
   /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.
   bool complete(int row, int i) const {
@@ -40,6 +42,9 @@ struct BodyPattern {
 
 /// Complete rows that stay open above a node: its body has six directions, so more would depend on each other.
 inline constexpr int kMostOpen = 6;
+/// Complete rows that a coordinate of a joint is likely to give their pivots: a row that one joint alone moves little
+/// waits for the next.
+inline constexpr double kEliminated = 0.5;
 
 /// Cost linear in bodies, contacts, and rows times the bodies between the two ends of one.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);

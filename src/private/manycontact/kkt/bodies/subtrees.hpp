@@ -30,6 +30,9 @@ struct BodySubtrees {
   std::vector<BodyCut> cuts;
 };
 
+/// Whether there is a body to cut at: with others below it, held by six rows.
+bool may_be_cut(const BodyPattern& p);
+
 /// Cuts wherever six rows to what stands still hold a body and no row of another body goes past it. Linear cost, as
 /// analyze_bodies.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
