@@ -176,7 +176,8 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (sparse::supernodal_available() && shape.island().nc > 0)
     if (const double cost = cost_supernodal(shape); cost < least)
       choice.method = Method::kSparseSupernodal, least = cost;
-  if (!options.order && bodies_are_cheaper(shape, least)) return {Method::kSparseBodies};
+  if (!options.order && bodies_are_cheaper(shape, least))
+    return {Method::kSparseBodies, choice.order};  // that of K for what bodies leave
   return choice;
 }
 

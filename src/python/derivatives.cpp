@@ -159,6 +159,17 @@ void add_derivative_classes(py::module_& m) {
       .def_property_readonly(
           "islands", [](const Derivatives& x) { return Islands{{x.data}}; }, "One entry per island of the report.");
 
+  py::class_<DerivativeBounds> bounds(m, "DerivativeBounds",
+                                      "Bounds of the largest errors of an island's derivatives, each relative to the "
+                                      "largest entry of its matrix: above\n"
+                                      "1 where all of it is rounding, inf where there is no bound.");
+  bounds.def_readonly("da_dq", &DerivativeBounds::da_dq)
+      .def_readonly("da_dv", &DerivativeBounds::da_dv)
+      .def_readonly("da_du", &DerivativeBounds::da_du)
+      .def_readonly("dforces_dq", &DerivativeBounds::dforces_dq)
+      .def_readonly("dforces_dv", &DerivativeBounds::dforces_dv)
+      .def_readonly("dforces_du", &DerivativeBounds::dforces_du);
+
   py::class_<SceneDerivatives, std::shared_ptr<SceneDerivatives>> dense(
       m, "SceneDerivatives", "The scene's matrices, in the order of its v, u and of data.f.");
   member_view(dense, "da_dq", &SceneDerivatives::da_dq, "(nv, nv)");
@@ -172,6 +183,13 @@ void add_derivative_classes(py::module_& m) {
 }
 
 void add_differentiate(py::module_& m) {
+  m.def(
+      "estimate_derivative_errors",
+      [](const Scene& scene, const Data& data) {
+        return data.use([&](SceneData& d) { return estimate_derivative_errors(scene, d); });
+      },
+      py::arg("scene"), py::arg("data"),
+      "After differentiate: bounds of the relative errors of each island's derivatives, by a few solves.");
   m.def(
       "differentiate",
       [](const Scene& scene, const std::shared_ptr<Data>& data, const DerivativeRequest& request) {

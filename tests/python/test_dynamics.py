@@ -44,6 +44,10 @@ def test_report(humanoid):
     assert report.residual_dynamics < 1e-12
     assert mc.estimate_condition(file.scene, data).condition > 1
     assert 0 < mc.estimate_errors(file.scene, data).error_acceleration
+    mc.differentiate(file.scene, data)
+    bounds = mc.estimate_derivative_errors(file.scene, data)
+    assert len(bounds) == len(data.report.islands)
+    assert 0 < bounds[0].da_dq < 1e-6 and 0 < bounds[0].dforces_du < 1e-6
     assert report.condition == 0  # a copy
 
 

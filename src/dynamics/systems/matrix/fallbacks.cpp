@@ -152,7 +152,8 @@ Attempts fallbacks_of(const Choice& choice, double damping) {
   const auto [method, order] = choice;
   if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline stands alone
-  if (order != Order::kLeafToRoot && (damping > 0 ? has_order(method) : method == Method::kSparseLdl))
+  if (order != Order::kLeafToRoot &&
+      (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   out.add({FactorKind::kDense, order, damping});
