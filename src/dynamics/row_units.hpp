@@ -1,7 +1,7 @@
 #pragma once
 // What rows of J count beside each other (Scene::moment_length). Forces of least norm and least squares of
-// contradictions depend on it, answers of independent rows do not: K's rows of contacts, and of b, are times S =
-// diag(1, or the length for rows that turn), its y and their multipliers are f over S.
+// contradictions depend on it, answers of independent rows do not. Where rows may depend, K's rows of contacts, and of
+// b, are times S = diag(1, or the length for rows that turn), and K's unknown y is -f over S.
 
 #include "manycontact/kkt/island.hpp"
 
@@ -9,7 +9,8 @@ namespace manycontact::internal {
 
 inline double row_unit(const Scene& scene, int row_of_contact) { return row_of_contact < 3 ? 1 : scene.moment_length; }
 
-/// Whether any does: rows that depend on each other are then dropped from the whole K alone.
+/// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
+/// they may be (dependent rows, the oracle).
 inline bool has_row_units(const Scene& scene, const Island& island) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : island.contacts)

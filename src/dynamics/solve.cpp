@@ -18,6 +18,7 @@ namespace internal {
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island) {
   if (!(scene.damping >= 0) || !std::isfinite(scene.damping)) return Reason::kBadDamping;
+  if (!(scene.moment_length > 0) || !std::isfinite(scene.moment_length)) return Reason::kBadMomentLength;
   for (int r : island.robots) {
     const Robot& robot = scene.robots[r];
     const Model& model = *robot.model;

@@ -26,6 +26,8 @@ std::string to_string(Reason reason) {
       return "the inertia is singular where no contact holds";
     case Reason::kSpringWithoutDirection:
       return "the ends of a spring coincide, so that its force has no direction";
+    case Reason::kBadMomentLength:
+      return "the scene's moment_length is not a finite number above 0";
     case Reason::kUncertain:
       return "rounding may change the answer by more than its size";
   }

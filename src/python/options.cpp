@@ -43,6 +43,7 @@ void add_enumerations(py::module_& m) {
                            {"BAD_QUATERNION", Reason::kBadQuaternion},
                            {"SINGULAR_INERTIA", Reason::kSingularInertia},
                            {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection},
+                           {"BAD_MOMENT_LENGTH", Reason::kBadMomentLength},
                            {"UNCERTAIN", Reason::kUncertain}});
 }
 

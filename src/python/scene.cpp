@@ -228,7 +228,9 @@ void add_scene(py::module_& m) {
               throw py::value_error("Scene.moment_length: a finite length > 0 is expected");
             s.moment_length = length;
           },
-          "The lever [m] at which a newton counts as a newton metre, in forces of least norm and in least squares.")
+          "A moment of a contact counts as the force that makes it at this lever [m]: in forces of least norm, and "
+          "turns\n"
+          "beside displacements in least squares.")
       .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
       .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
       .def_property_readonly("pushes", &pushes_of, "Pushes, by number or name.")

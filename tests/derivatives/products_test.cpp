@@ -139,6 +139,17 @@ TEST(Products, OfRandomScenesWhoseContactsDepend) {
   }
 }
 
+// Contacts that contradict each other, moments counted by another length: G's solve is in K's units, too.
+TEST(Products, OfContradictionsWithAMomentLength) {
+  SceneFile file = load_text(R"(<scene moment_length="10"><robot name="a" urdf="arm.urdf" base="fixed"/>
+      <contact name="c" type="6d" frame="a/link_5" reference_frame="world" gains="25 10"/>
+      <contact name="d" type="3d" frame="a/tool" gains="25 10"/></scene>)");
+  std::mt19937 rng(12);
+  disturb(file, rng, 0.5);
+  ASSERT_EQ(status_at(file.scene, {file.q, file.v, file.u}), Status::kInconsistent);
+  expect_products("arm", file.scene, {file.q, file.v, file.u}, true);
+}
+
 // One pair of feet of many that stand hand in hand, on points: the others' contacts are in no null space.
 TEST(Products, OfARowWithOneOnCorners) {
   std::string corners;

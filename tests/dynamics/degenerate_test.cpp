@@ -111,9 +111,14 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
     EXPECT_LE((J * least_norm(J, Wf, 1e-9) - Wf).cwiseAbs().maxCoeff(), 1e-10 * Wf.cwiseAbs().maxCoeff());
     estimate_errors(file.scene, weighed);
     EXPECT_LE(weighed.report.error_forces, 1e-9);
-    const auto truth = solve_truth<Quad>(file.scene, weighed.active, file.q.cast<Quad>(), file.v.cast<Quad>(),
-                                         file.u.cast<Quad>());
+    const auto truth =
+        solve_truth<Quad>(file.scene, weighed.active, file.q.cast<Quad>(), file.v.cast<Quad>(), file.u.cast<Quad>());
     EXPECT_LE(largest_difference(weighed.f, truth.f), weighed.report.error_forces * size);
+    for (const double bad : {0.0, -1.0, std::nan("")}) {
+      file.scene.moment_length = bad;
+      EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kFailed);
+      EXPECT_EQ(data.report.islands[0].reason, Reason::kBadMomentLength);
+    }
   }
 }
 

@@ -23,7 +23,7 @@ struct IslandReport {  // Of one island's answer.
   Status status = Status::kOk;
   Method method = Method::kSparseLdl;  // the one that answered
   Order order = Order::kLeafToRoot;    // its order, where it has one
-  Reason reason = Reason::kNone;       // of the last change of order or method, or of the failure
+  Reason reason = Reason::kNone;       // of the last change of order or method, of the failure, or kUncertain
   bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
   int nv = 0, nc = 0;
   int rank = 0;                     // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
@@ -34,7 +34,7 @@ struct IslandReport {  // Of one island's answer.
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
-  /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not asked for.
+  /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not known.
   /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest; or
   /// the answer is no more than that of a neighbouring problem (Reason::kUncertain).
   double error_acceleration = 0, error_forces = 0;

@@ -16,6 +16,7 @@ enum class Reason {
   kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
   kSingularInertia,  // M is singular and the contacts do not hold what it lets go
   kSpringWithoutDirection,  // the ends of a spring coincide
+  kBadMomentLength,         // the scene's moment_length is not a finite number above 0
   kUncertain,               // rounding may change the answer by more than its size, by estimate_errors
 };
 std::string to_string(Reason reason);  // in words, for people

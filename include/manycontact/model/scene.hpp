@@ -119,8 +119,9 @@ struct Scene {  // Constant while it is solved; data.hpp says what may change be
   /// How exact lengths are [m], and over the largest lever angles [rad]: contact rows that depend on each other but for
   /// that are dependent, in accelerations, forces and derivatives. 0: exact to rounding.
   double tolerance = 0;
-  /// What a contact's moments count beside its forces, where contacts could share them otherwise (forces of least norm)
-  /// or contradict each other (least squares): a newton metre as a newton at this lever [m], above 0.
+  /// What contacts' moments count beside their forces where contacts could share both otherwise (forces of least norm),
+  /// and turns beside displacements where contacts contradict each other (least squares): a moment as the force that
+  /// makes it at this lever [m], above 0.
   double moment_length = 1;
   std::vector<Robot> robots;
   std::vector<Contact> contacts;

@@ -16,6 +16,7 @@ constexpr double kSlow = 0x1p-30;  // s
 void copy_what_may_change(const Scene& from, Scene& to) {
   to.damping = from.damping;
   to.tolerance = from.tolerance;
+  to.moment_length = from.moment_length;
   for (std::size_t r = 0; r < from.robots.size(); ++r) to.robots[r].base = from.robots[r].base;
   for (std::size_t c = 0; c < from.contacts.size(); ++c) {
     const Contact& contact = from.contacts[c];

@@ -643,7 +643,7 @@ typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
     if (!dependent_) continue;
     const S size = dependent_->row_size(k);
     out.left = larger(abs(dependent_->null_component(k)), out.left);
-    out.least_row = -larger(-size, -out.least_row);
+    out.least_row = select(size > S(0), -larger(-size, -out.least_row), out.least_row);  // of rows at all
     out.largest_row = larger(size, out.largest_row);
   }
   return out;

@@ -32,7 +32,7 @@ struct Known {
   double relative() const { return error == 0 ? 0 : error / size; }
   /// Beside what an error of it is felt as.
   double felt() const { return error == 0 ? 0 : error / std::max(size, acts); }
-  bool uncertain() const { return !(error < std::max(size, acts)) && error > 0; }
+  bool uncertain() const { return !(error < std::max(size, acts)) && error != 0; }
 };
 
 }  // namespace internal

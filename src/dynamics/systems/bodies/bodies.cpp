@@ -212,6 +212,7 @@ const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const At
 }  // namespace internal
 
 bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
+  drops = false;
   internal::BodyAnswer by_subtrees, whole;
   if (internal::solve_by_subtrees(scene, data, *this, by_subtrees)) {
     internal::report_answer(scene, by_subtrees, report);

@@ -70,7 +70,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     for (Eigen::Index k = 0; k < w.size(); ++k) in_order[m.K.pattern->iperm[k]] = w[k];
     const auto over = [](double error, double size) { return error == 0 ? 0 : error / size; };
     of_a = over(bound_of_solution(m, in_order, 0, island.nv), sizes.head(island.nv).maxCoeff());
-    if (island.nc == 0) return;
+    if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = derivatives.X.block(island.nv, first, island.nc, cols).cwiseAbs().maxCoeff();
     of_f = over(bound_of_solution(m, in_order, island.nv, island.nc) + projected * df, df);
   };

@@ -91,9 +91,7 @@ void place_at_solution(const Scene& scene, const SceneData& data, const Island& 
 namespace {
 
 void take_units(const Scene& scene, MatrixSystem& m) {
-  m.unit.clear();
   const Island& island = m.owner.island;
-  if (!has_row_units(scene, island)) return;
   for (int c : island.contacts)
     for (int i = 0; i < scene.contacts[c].rows(); ++i) m.unit.push_back(row_unit(scene, i));
   const int* slot = m.K.pattern->J_slot.data();
@@ -103,12 +101,11 @@ void take_units(const Scene& scene, MatrixSystem& m) {
       m.K.values[*slot++] *= m.unit[first + static_cast<int>(entry) % rows];
   }
   for (int k = 0; k < island.nc; ++k) m.v.b[m.K.pattern->iperm[island.nv + k]] *= m.unit[k];
-  m.K.row_scale *= std::max(1.0, scene.moment_length);
 }
 
 }  // namespace
 
-void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed, MatrixSystem& m) {
   const Workspace& w = *data.workspace;
   const IslandWork& d = m.owner;
   m.make_room(order);
@@ -131,7 +128,8 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
     const int* to = iperm + d.island.nv + d.island.row_offset[k];
     for (int i = 0; i < a0.size(); ++i) b[to[i]] = prescribed_in(data, c, i) - a0[i];
   }
-  take_units(scene, m);
+  m.unit.clear();
+  if (weighed && has_row_units(scene, d.island)) take_units(scene, m);
 }
 
 }  // namespace manycontact::internal

@@ -74,7 +74,7 @@ lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
   lanes::Contradiction of;
-  of.drift = drift;
+  of.drift = drift * (m.unit.empty() ? 1 : *std::max_element(m.unit.begin(), m.unit.end()));
   for (int k = p.nv; k < p.size(); ++k) {
     const int at = p.iperm[k];
     of.left = sparse::larger_or_nan(of.left, std::abs(v.null_component[at]));
@@ -82,6 +82,7 @@ lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const
     of.a0 = std::max(of.a0, std::abs(v.b[at]));
   }
   for (double size : sizes) {
+    if (size == 0) continue;  // no row
     of.least_row = std::min(of.least_row, size);
     of.largest_row = std::max(of.largest_row, size);
   }
@@ -97,7 +98,7 @@ bool all_finite(const std::vector<double>& x) {
 // whole.
 Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
                IslandReport& report) {
-  assemble(scene, data, by.order, by.damping, m);
+  assemble(scene, data, by.order, by.damping, by.kind != FactorKind::kChosen, m);
   m.state = data.workspace->state;
   Factor& factor = factor_of(m, by.kind);
   report.method = factor.method();

@@ -233,7 +233,8 @@ bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& m,
   remake(w.gradient, island.nv);
   w.gradient.setZero();
   if (m.contradiction) {  // G^T a = D(a)^T rho, a of K^+ [0; l's rows of the contacts]
-    for (int k = 0; k < island.size(); ++k) v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]];
+    for (int k = 0; k < island.size(); ++k)
+      v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]] / unit_of(m, k - island.nv);  // solve_product gave S times that
     believed = solve_vector(m, v);
     for (int k = 0; k < island.nv; ++k) w.dofs[k] = v.x[iperm[k]];
     take_contradiction(m, w.rows);

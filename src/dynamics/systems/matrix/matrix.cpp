@@ -100,8 +100,7 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
   if (!in_doubt(scene, m)) return;
   thread.spare_report = report;
   m.bound_errors(scene, data, thread.spare_report);
-  report.status = thread.spare_report.status;
-  report.reason = thread.spare_report.reason;
+  if (thread.spare_report.status != report.status) std::swap(report, thread.spare_report);
 }
 
 }  // namespace

@@ -74,19 +74,17 @@ class MatrixSystem final : public IslandSystem {
 };
 
 inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 1 : m.unit[row]; }
+
 namespace internal {
+
 /// Rows of contacts times S, of a panel in the island's order.
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-}  // namespace internal
-
-namespace internal {
-
 /// Bounds of the errors of a and f, and what they are beside (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, of f in newtons and newton metres;
-/// w and the columns in order of elimination, times 1 or more.
+/// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton
+/// metres, within a factor of three. w: a size per row of K, in order of elimination.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
 /// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
@@ -111,7 +109,8 @@ bool joint_space_fits(const IslandWork& d);
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
-void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed,
+              MatrixSystem& system);
 /// Factorizes and solves by the first way that gives a sound answer: v.x, factor and the report are that answer's.
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
