@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/analysis/errors.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -16,6 +17,7 @@
 #include "manycontact/simulation/switch.hpp"
 #include "support/folder.hpp"
 #include "support/methods.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
 
@@ -234,6 +236,42 @@ TEST(Bounds, CountShortLeversBesideTurns) {
       "<contact name=\"near\" type=\"3d\" frame=\"r/l2\" offset=\"-8.5e-5 -1.14e-4 -1.22e-4\"/>"
       "<contact name=\"turned\" type=\"6d\" frame=\"r/l4\" offset=\"1.45e-4 1.57e-4 2.21e-4\"/></scene>"));
   for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "short lever");
+}
+
+// A row along joints that hang from a held body moves nothing but by rounding of what its moment is a sum of.
+TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
+  const TemporaryFolder folder;
+  const std::string inertial =
+      "<inertial><mass value=\"1\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial>";
+  std::string urdf = "<robot name=\"r\"><link name=\"l0\">" + inertial + "</link>";
+  const char *origins[] = {"0.3 0 0", "0.04 -0.7 0.45", "0.3 0 0"}, *axes[] = {"1 0 0", "1 0 0", "0 1 0"};
+  for (int k = 0; k < 3; ++k) {
+    const std::string name = "l" + std::to_string(k + 1);
+    urdf += "<link name=\"" + name + "\">" + inertial + "</link><joint name=\"j" + name +
+            "\" type=\"continuous\"><parent link=\"l" + std::to_string(k) + "\"/><child link=\"" + name +
+            "\"/><origin xyz=\"" + origins[k] + "\"/><axis xyz=\"" + axes[k] + "\"/></joint>";
+  }
+  (void)folder.write("r.urdf", urdf + "</robot>");
+  SceneFile file = load_scene(folder.write(
+      "scene.xml",
+      "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"/><contact name=\"base\" type=\"6d\" frame=\"r/l0\"/>"
+      "<contact name=\"along\" type=\"2d\" frame=\"r/l3\"/></scene>"));
+  std::mt19937 rng(44);
+  for (int k = 0; k < 20; ++k) {
+    Eigen::VectorXd turned = random_vector(file.scene.nv, rng, 1);
+    turned[6] = turned[8] = 0;  // the last link stays along x
+    Eigen::VectorXd q(file.scene.nq);
+    integrate<double>(*file.scene.robots[0].model, file.q, turned, q);
+    SceneFile posed = file;
+    posed.q = q;
+    resolve_references(posed.scene, posed.q);
+    for (Method method : methods_for_dependent_rows()) {
+      const Solved s(posed, method);
+      EXPECT_EQ(s.report().rank, 7) << to_string(method);
+      EXPECT_LE(s.data.a.cwiseAbs().maxCoeff(), 1e3) << to_string(method);
+    }
+  }
 }
 
 // Six rows at the end of a lever hold a body whatever the lever's length: radians are not metres.

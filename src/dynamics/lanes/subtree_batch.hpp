@@ -143,13 +143,20 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   for (int row = 0; row < p_.nc; ++row) {
     Mask moves = S(0) < S(0);
     const auto climb = [&](int node, Vec6<S> G) {
+      Vec6<S> sizes = G.cwiseAbs();  // of what G is a sum of, while that is asked for
       for (; node != plan_->meeting[row]; node = p_.parent[node]) {
         for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
           const S J = dot(S_.col(j), G);
           K_[*slot++] = J;
           if (moves.all()) continue;
-          const S size = dot(S_.col(j).cwiseAbs(), G.cwiseAbs());
+          const S size = dot(S_.col(j).cwiseAbs(), sizes);
           moves.bits = moves.bits | ((abs(J) > S(tolerance::kPlainlyMoves) * size) & (size > S(0))).bits;
+        }
+        if (!moves.all()) {
+          const Vec3<S> f = sizes.template head<3>(), far = r_[node].cwiseAbs();
+          sizes[3] += far[1] * f[2] + far[2] * f[1];
+          sizes[4] += far[2] * f[0] + far[0] * f[2];
+          sizes[5] += far[0] * f[1] + far[1] * f[0];
         }
         G = force_from(G, r_[node]);
       }

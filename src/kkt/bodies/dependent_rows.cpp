@@ -35,6 +35,14 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
+// What a force seen from further up is a sum of: `size` with the moment of its force about r away.
+V6 sizes_from(V6 size, const Vec3<double>& r) {
+  const Vec3<double> f = size.head<3>(), far = r.cwiseAbs();
+  size.tail<3>() +=
+      Vec3<double>(far[1] * f[2] + far[2] * f[1], far[2] * f[0] + far[0] * f[2], far[0] * f[1] + far[1] * f[0]);
+  return size;
+}
+
 // Of a force on a body, how much moves any joint, beside its size.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
@@ -51,15 +59,20 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
   // the largest entry of J met first that is none tells, or many joints up how the body can move at all
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
-    for (int met = 0; node >= 0; G = pairs::force_from(G, s.r[node]), node = p.parent[node], ++met) {
+    V6 sizes = G.cwiseAbs();
+    for (int met = 0; node >= 0; ++met) {
       for (int k = p.first_dof[node]; k < p.first_dof[node] + p.ndof[node]; ++k) {
         largest = std::max(largest, std::abs(G.dot(s.S.col(k))));
-        size = std::max(size, G.cwiseAbs().dot(s.S.col(k).cwiseAbs()));
+        size = std::max(size, sizes.dot(s.S.col(k).cwiseAbs()));
         if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
       }
-      if (met < kMany) continue;
-      if (!known) find_bases(s, bases), known = true;
-      return largest > tolerance::kRank * size || moved_by(G, bases[node]) > tolerance::kRank;
+      if (met >= kMany) {
+        if (!known) find_bases(s, bases), known = true;
+        return largest > tolerance::kRank * size || moved_by(G, bases[node]) > tolerance::kRank;
+      }
+      sizes = sizes_from(sizes, s.r[node]);
+      G = pairs::force_from(G, s.r[node]);
+      node = p.parent[node];
     }
     return largest > tolerance::kRank * size;
   };
