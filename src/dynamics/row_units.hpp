@@ -7,7 +7,10 @@
 
 namespace manycontact::internal {
 
-inline double row_unit(const Scene& scene, int row_of_contact) { return row_of_contact < 3 ? 1 : scene.moment_length; }
+/// Of a contact's row; 1 of every row with damping, which makes all of them independent.
+inline double row_unit(const Scene& scene, int row_of_contact) {
+  return row_of_contact < 3 || scene.damping > 0 ? 1 : scene.moment_length;
+}
 
 /// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
 /// they may be (dependent rows, the oracle).

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/integrate.hpp"
@@ -211,25 +212,39 @@ TEST(Bounds, CountGains) {
   }
 }
 
+// A URDF of alike links l0, l1, ... on continuous joints.
+class LinksFile {
+ public:
+  LinksFile(double mass, double inertia) {
+    std::ostringstream of_link;
+    of_link << "<inertial><mass value=\"" << mass << "\"/><inertia ixx=\"" << inertia << "\" iyy=\"" << inertia
+            << "\" izz=\"" << inertia << "\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>";
+    inertial_ = of_link.str();
+    text_ = "<robot name=\"r\"><link name=\"l0\">" + inertial_;
+  }
+  void add(int parent, const std::string& origin, const std::string& axis) {
+    const std::string name = "l" + std::to_string(++last_);
+    text_ += "<link name=\"" + name + "\">" + inertial_ + "<joint name=\"j" + name +
+             "\" type=\"continuous\"><parent link=\"l" + std::to_string(parent) + "\"/><child link=\"" + name +
+             "\"/><origin " + origin + "/><axis xyz=\"" + axis + "\"/></joint>";
+  }
+  std::string text() const { return text_ + "</robot>"; }
+
+ private:
+  std::string inertial_, text_;
+  int last_ = 0;
+};
+
 // Forces of least norm on a point that joints move by a tenth of a millimetre, beside rows of radians: what orthogonal
 // elimination leaves of these in the point's columns is no null space.
 TEST(Bounds, CountShortLeversBesideTurns) {
   const TemporaryFolder folder;
-  const std::string inertial =
-      "<inertial><mass value=\"0.001\"/><inertia ixx=\"1e-10\" iyy=\"1e-10\" izz=\"1e-10\" ixy=\"0\" ixz=\"0\" "
-      "iyz=\"0\"/></inertial>";
-  std::string urdf = "<robot name=\"r\"><link name=\"l0\">" + inertial + "</link>";
-  const auto link = [&](int parent, int child, const std::string& origin, const std::string& axis) {
-    const std::string name = std::to_string(child);
-    urdf += "<link name=\"l" + name + "\">" + inertial + "</link><joint name=\"j" + name +
-            "\" type=\"continuous\"><parent link=\"l" + std::to_string(parent) + "\"/><child link=\"l" + name +
-            "\"/><origin " + origin + "/><axis xyz=\"" + axis + "\"/></joint>";
-  };
-  link(0, 1, "", "1 0 0");
-  link(1, 2, "rpy=\"-0.88 0.3 -1.72\"", "0 1 0");
-  link(0, 3, "", "0.834 0.0803 0.483");
-  link(3, 4, "xyz=\"3.3e-4 2.6e-4 8e-6\"", "0 1 0");
-  (void)folder.write("r.urdf", urdf + "</robot>");
+  LinksFile links(0.001, 1e-10);
+  links.add(0, "", "1 0 0");
+  links.add(1, "rpy=\"-0.88 0.3 -1.72\"", "0 1 0");
+  links.add(0, "", "0.834 0.0803 0.483");
+  links.add(3, "xyz=\"3.3e-4 2.6e-4 8e-6\"", "0 1 0");
+  (void)folder.write("r.urdf", links.text());
   const SceneFile file = load_scene(folder.write(
       "scene.xml",
       "<scene gravity=\"0 0 0\"><robot name=\"r\" urdf=\"r.urdf\" base=\"fixed\"><u>1e-9 1e-9 1e-9 1e-9</u></robot>"
@@ -241,18 +256,11 @@ TEST(Bounds, CountShortLeversBesideTurns) {
 // A row along joints that hang from a held body moves nothing but by rounding of what its moment is a sum of.
 TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   const TemporaryFolder folder;
-  const std::string inertial =
-      "<inertial><mass value=\"1\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" "
-      "iyz=\"0\"/></inertial>";
-  std::string urdf = "<robot name=\"r\"><link name=\"l0\">" + inertial + "</link>";
-  const char *origins[] = {"0.3 0 0", "0.04 -0.7 0.45", "0.3 0 0"}, *axes[] = {"1 0 0", "1 0 0", "0 1 0"};
-  for (int k = 0; k < 3; ++k) {
-    const std::string name = "l" + std::to_string(k + 1);
-    urdf += "<link name=\"" + name + "\">" + inertial + "</link><joint name=\"j" + name +
-            "\" type=\"continuous\"><parent link=\"l" + std::to_string(k) + "\"/><child link=\"" + name +
-            "\"/><origin xyz=\"" + origins[k] + "\"/><axis xyz=\"" + axes[k] + "\"/></joint>";
-  }
-  (void)folder.write("r.urdf", urdf + "</robot>");
+  LinksFile links(1, 0.1);
+  links.add(0, "xyz=\"0.3 0 0\"", "1 0 0");
+  links.add(1, "xyz=\"0.04 -0.7 0.45\"", "1 0 0");
+  links.add(2, "xyz=\"0.3 0 0\"", "0 1 0");
+  (void)folder.write("r.urdf", links.text());
   SceneFile file = load_scene(folder.write(
       "scene.xml",
       "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"/><contact name=\"base\" type=\"6d\" frame=\"r/l0\"/>"

@@ -501,18 +501,24 @@ TEST(Bodies, StraightChainsAgreeWithTheOracle) {
       }
 }
 
+// Links on a floating base, the last held in 6D and again in 1D, with another gain.
+Chain chain_held_twice(int links, double alpha) {
+  ChainOptions options;
+  options.links = options.held_every = links;
+  options.floating_base = true;
+  Chain c = make_chain(options);
+  Contact again = c.scene.contacts[0];
+  again.name = "again";
+  again.type = ContactType::k1D;
+  again.alpha = alpha;  // and the other has none
+  add_contact(c.scene, again);
+  return c;
+}
+
 // What rows contradict each other by counts beside their own terms: bodies' accelerations have gravity in them.
 TEST(Bodies, ContradictionsUnderLargeGravity) {
   for (const double gravity : {1.0, 4e8}) {
-    ChainOptions options;
-    options.links = options.held_every = 1;
-    options.floating_base = true;
-    Chain c = make_chain(options);
-    Contact again = c.scene.contacts[0];
-    again.name = "again";
-    again.type = ContactType::k1D;
-    again.alpha = 3;  // and the other has none
-    add_contact(c.scene, again);
+    Chain c = chain_held_twice(1, 3);
     c.scene.gravity = {0, 0, -gravity};
     Both x(c.scene, c.q, c.v, c.u);
     EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
@@ -524,15 +530,7 @@ TEST(Bodies, ContradictionsUnderLargeGravity) {
 // Accelerations that cancel in a row are its terms all the same, as the whole K has them: of a base that swings fast
 // about the body that is held twice, and the joint between them.
 TEST(Bodies, ContradictionsBesideAccelerationsThatCancel) {
-  ChainOptions options;
-  options.links = options.held_every = 2;
-  options.floating_base = true;
-  Chain c = make_chain(options);
-  Contact again = c.scene.contacts[0];
-  again.name = "again";
-  again.type = ContactType::k1D;
-  again.alpha = 0.1;
-  add_contact(c.scene, again);
+  Chain c = chain_held_twice(2, 0.1);
   c.v.setZero();
   for (const double gravity : {1.0, 4e8}) {
     c.scene.gravity = {0, 0, -gravity};

@@ -2,12 +2,12 @@
 // The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread; the
 // Scene stays constant and may be shared.
 //
-// Data belong to the scene they were made for. Under data in use may change: gravity, damping, tolerance, moment_length,
-// fixed bases' placements, of a contact B's placement, reference frame and gains, of pushes and springs all but their bodies. Robots and their
-// models, the number of contacts, and of a contact its type, A, B's body and axis may not, nor bodies that pushes and
-// springs are on: every function that takes both throws std::invalid_argument where these differ, and new data are
-// needed. (A copy of the scene without any pushes and springs may be solved with its data: nothing of that kind acts
-// then.)
+// Data belong to the scene they were made for. Under data in use may change: gravity, damping, tolerance,
+// moment_length, fixed bases' placements, of a contact B's placement, reference frame and gains, of pushes and springs
+// all but their bodies. Robots and their models, the number of contacts, and of a contact its type, A, B's body and
+// axis may not, nor bodies that pushes and springs are on: every function that takes both throws std::invalid_argument
+// where these differ, and new data are needed. (A copy of the scene without any pushes and springs may be solved with
+// its data: nothing of that kind acts then.)
 
 #include <cstdint>
 #include <memory>

@@ -152,12 +152,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
           const S size = dot(S_.col(j).cwiseAbs(), sizes);
           moves.bits = moves.bits | ((abs(J) > S(tolerance::kPlainlyMoves) * size) & (size > S(0))).bits;
         }
-        if (!moves.all()) {
-          const Vec3<S> f = sizes.template head<3>(), far = r_[node].cwiseAbs();
-          sizes[3] += far[1] * f[2] + far[2] * f[1];
-          sizes[4] += far[2] * f[0] + far[0] * f[2];
-          sizes[5] += far[0] * f[1] + far[1] * f[0];
-        }
+        if (!moves.all()) sizes.template tail<3>() += cross_sizes<S>(r_[node].cwiseAbs(), sizes.template head<3>());
         G = force_from(G, r_[node]);
       }
     };

@@ -35,6 +35,25 @@ struct Known {
   bool uncertain() const { return !(error < std::max(size, acts)) && error != 0; }
 };
 
+/// What acts on an island, beside which accelerations and forces that vanish are known to be little: gravity, torques
+/// and bias forces beside the inertia that they move, what contacts' rows are computed from beside their levers; and
+/// the forces of these at the longest lever.
+struct Acting {
+  double gravity = 0, load = 0, moved = 0, answered = 0, inertia = 0, lever = 0;
+  void add_coordinate(double torque, double its_inertia) {
+    load = std::max(load, torque);
+    inertia = std::max(inertia, its_inertia);
+    if (its_inertia > 0) moved = std::max(moved, torque / its_inertia);
+  }
+  void add_contact(double row_terms, double its_lever) {
+    if (!(its_lever > 0)) return;
+    lever = std::max(lever, its_lever);
+    answered = std::max(answered, row_terms / its_lever);
+  }
+  double acceleration() const { return std::max({gravity, moved, answered}); }
+  double force() const { return lever > 0 ? std::max(load, inertia * answered) / lever : 0; }
+};
+
 }  // namespace internal
 
 /// What jvp and vjp are given, and where the answers go, in the scene's coordinates. dtau, wtau: of torques on all

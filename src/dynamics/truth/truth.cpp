@@ -39,7 +39,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
       kkt.J.col(first_dof(island, contact.B) + i).segment(o, contact.rows()) = rows.J.col(j++);
     b2.block(o, 0, contact.rows(), 1) = -rows.a0;
     for (int i = 0; i < contact.rows(); ++i) {
-      const S unit = S(scene.damping > 0 ? 1 : row_unit(scene, i));
+      const S unit(row_unit(scene, i));
       kkt.row_scale[o + i] *= unit;
       kkt.J.row(o + i) *= unit;
       b2.row(o + i) *= unit;
@@ -56,8 +56,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int rows = scene.contacts[island.contacts[k]].rows();
     for (int i = 0; i < rows; ++i)
-      out.f[f_offset[island.contacts[k]] + i] =
-          f(island.row_offset[k] + i, 0) * S(scene.damping > 0 ? 1 : row_unit(scene, i));
+      out.f[f_offset[island.contacts[k]] + i] = f(island.row_offset[k] + i, 0) * S(row_unit(scene, i));
   }
 }
 

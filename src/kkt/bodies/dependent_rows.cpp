@@ -35,14 +35,6 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// What a force seen from further up is a sum of: `size` with the moment of its force about r away.
-V6 sizes_from(V6 size, const Vec3<double>& r) {
-  const Vec3<double> f = size.head<3>(), far = r.cwiseAbs();
-  size.tail<3>() +=
-      Vec3<double>(far[1] * f[2] + far[2] * f[1], far[2] * f[0] + far[0] * f[2], far[0] * f[1] + far[1] * f[0]);
-  return size;
-}
-
 // Of a force on a body, how much moves any joint, beside its size.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
@@ -70,7 +62,7 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
         if (!known) find_bases(s, bases), known = true;
         return largest > tolerance::kRank * size || moved_by(G, bases[node]) > tolerance::kRank;
       }
-      sizes = sizes_from(sizes, s.r[node]);
+      sizes.tail<3>() += cross_sizes<double>(s.r[node].cwiseAbs(), sizes.head<3>());
       G = pairs::force_from(G, s.r[node]);
       node = p.parent[node];
     }
@@ -320,11 +312,8 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();
     if (p.parent[i] >= 0) {
-      const V6& above = size[p.parent[i]];
-      const Vec3<double> r = s.r[i].cwiseAbs(), w = above.tail<3>();
-      size[i] = above;
-      size[i].head<3>() +=
-          Vec3<double>(w[1] * r[2] + w[2] * r[1], w[2] * r[0] + w[0] * r[2], w[0] * r[1] + w[1] * r[0]);
+      size[i] = size[p.parent[i]];
+      size[i].head<3>() += cross_sizes<double>(size[i].tail<3>(), s.r[i].cwiseAbs());
     }
     for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k)
       size[i] += s.S.col(k).cwiseAbs() * std::abs(v.x.joints[k]);

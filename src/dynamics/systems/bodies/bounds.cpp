@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../contact_drift.hpp"
 #include "../../internal.hpp"
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
@@ -21,12 +22,10 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// What a contact's a0 is computed from, but for the accelerations of bodies that move.
+// What a contact's a0 is computed from; a place in the world is as good as its own digits.
 double answered(const Contact& contact, const ContactData<double>& rows) {
-  const auto largest = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
-  const double v = std::max(largest(rows.vA), largest(rows.vB));
-  const double placed = 1 + largest(rows.aMA.p) + largest(rows.bMA.p) + largest(contact.B.placement.p);
-  return largest(rows.aA) + largest(rows.aB) + v * (v + std::abs(contact.beta)) + std::abs(contact.alpha) * placed;
+  const double place = contact.B.robot < 0 ? internal::largest_entry<double>(contact.B.placement.p) : 0;
+  return internal::row_terms<double>(contact, rows, place);
 }
 
 // In one vector: per body the equations of a and f, then those of the joints and the rows.
@@ -106,31 +105,22 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
 
 double largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
 
-// What acts: gravity, torques and what contacts' rows are computed from beside their levers; these, weights and bias
-// forces beside the largest row.
-std::pair<double, double> acting_sizes(const Scene& scene, const BodiesSystem& form) {
+// Bodies' weights and bias forces are loads, too.
+internal::Acting what_acts(const Scene& scene, const BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
   const BodyVectors& b = form.solution.b;
-  const double gravity = scene.gravity.cwiseAbs().maxCoeff();
-  double motion = gravity, load = largest(b.joints), inertia = 0, lever = 0;
+  internal::Acting acting{scene.gravity.cwiseAbs().maxCoeff()};
   for (int i = 0; i < p.nodes; ++i) {
-    load = std::max({load, s.Y[i].m * gravity, b.force[i].cwiseAbs().maxCoeff()});
-    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k) {
-      const double own = s.armature[k] + s.S.col(k).dot(s.Y[i] * V6(s.S.col(k)));
-      inertia = std::max(inertia, own);
-      if (own > 0) motion = std::max(motion, std::abs(b.joints[k]) / own);
-    }
+    acting.load = std::max({acting.load, s.Y[i].m * acting.gravity, b.force[i].cwiseAbs().maxCoeff()});
+    for (int k = p.first_dof[i]; k < p.first_dof[i] + p.ndof[i]; ++k)
+      acting.add_coordinate(std::abs(b.joints[k]), s.armature[k] + s.S.col(k).dot(s.Y[i] * V6(s.S.col(k))));
   }
   for (std::size_t k = 0; k < form.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[form.owner.island.contacts[k]];
-    const double size = motion_scale(contact, form.contacts[k]);
-    if (!(size > 0)) continue;
-    lever = std::max(lever, size);
-    motion = std::max(motion, answered(contact, form.contacts[k]) / size);
-    load = std::max(load, inertia * answered(contact, form.contacts[k]) / size);
+    acting.add_contact(answered(contact, form.contacts[k]), motion_scale(contact, form.contacts[k]));
   }
-  return {motion, lever > 0 ? load / lever : 0};
+  return acting;
 }
 
 }  // namespace
@@ -149,9 +139,10 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   each_force_block(scene, data.f_offset, owner.island, [&](int from, int to, int n) {
     df = std::max(df, (data.f.segment(from, n) + x.rows.segment(to, n)).cwiseAbs().maxCoeff());
   });
-  const auto [motion, load] = acting_sizes(scene, *this);
-  internal::report_bounds({largest(x.joints), bound(*this, w, false) + da, motion},
-                          {largest(x.rows), x.rows.size() == 0 ? 0 : bound(*this, w, true) + df, load}, report);
+  const internal::Acting acting = what_acts(scene, *this);
+  internal::report_bounds({largest(x.joints), bound(*this, w, false) + da, acting.acceleration()},
+                          {largest(x.rows), x.rows.size() == 0 ? 0 : bound(*this, w, true) + df, acting.force()},
+                          report);
   return true;
 }
 

@@ -164,6 +164,14 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
+// Of the island's rows first ... first+count-1, what of K's unknowns is a or f: 1, S of f.
+std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
+  std::vector<double> kept(m.owner.island.size(), 0.0);
+  for (int k = first; k < first + count; ++k)
+    kept[m.K.pattern->iperm[k]] = k < m.owner.island.nv ? 1 : unit_of(m, k - m.owner.island.nv);
+  return kept;
+}
+
 // Where rows depend on others, rounding of J turns the null space of J^T too, and the forces of least norm with it: by
 // P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
 // |P| |dJ| |y|, J y = f; dJ is what the rows were computed with in their own columns, and what orthogonal elimination
@@ -186,8 +194,6 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
     const int row = m.owner.island.row_offset[k];
     for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + row + i]] = of_row * unit_of(m, row + i);
   }
-  std::vector<double> kept(n, 1);
-  for (int k = 0; k < m.owner.island.nc; ++k) kept[iperm[m.owner.island.nv + k]] = unit_of(m, k);
   return bound(
       [&](double* x) {
         for (int k = 0; k < m.owner.island.nv; ++k) x[iperm[k]] = 0;
@@ -195,7 +201,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
         m.factor->project_out(x, part.data());
         std::copy(part.begin(), part.end(), x);
       },
-      w, kept);
+      w, kept_rows(m, 0, n));
 }
 
 // Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (the same
@@ -230,13 +236,6 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
-  std::vector<double> kept(m.owner.island.size(), 0.0);
-  for (int k = first; k < first + count; ++k)
-    kept[m.K.pattern->iperm[k]] = k < m.owner.island.nv ? 1 : unit_of(m, k - m.owner.island.nv);
-  return kept;
-}
-
 // Of the answer given, (a, f), the size, and by how much it differs from x = [a; -f], which the whole K gave since: the
 // bounds are x's.
 struct Given {
@@ -259,27 +258,16 @@ std::pair<Given, Given> given_answer(const SceneData& data, const Scene& scene, 
   return out;
 }
 
-// What acts: gravity, torques and bias forces beside the inertia that they move, what contacts' rows are computed from
-// beside their levers; and the forces of these.
-std::pair<double, double> acting_sizes(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+internal::Acting what_acts(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
-  double motion = scene.gravity.cwiseAbs().maxCoeff(), load = 0, M = 0, J = 0;
-  for (int k = 0; k < p.size(); ++k) {
-    if (p.perm[k] >= p.nv) continue;
-    const double acts = std::abs(m.v.b[k]), own = std::abs(m.K.values[p.K.p[k + 1] - 1]);
-    load = std::max(load, acts);
-    M = std::max(M, own);
-    if (own > 0) motion = std::max(motion, acts / own);
+  internal::Acting acting{scene.gravity.cwiseAbs().maxCoeff()};
+  for (int k = 0; k < p.nv; ++k) {
+    const int at = p.iperm[k];
+    acting.add_coordinate(std::abs(m.v.b[at]), std::abs(m.K.values[p.K.p[at + 1] - 1]));
   }
-  for (int c : m.owner.island.contacts) {
-    const double lever = motion_scale(scene.contacts[c], work.contacts[c]);
-    J = std::max(J, lever);
-    if (!(lever > 0)) continue;
-    const double answered = internal::row_terms(scene, work, c) / lever;
-    motion = std::max(motion, answered);
-    load = std::max(load, M * answered);
-  }
-  return {motion, J > 0 ? load / J : 0};
+  for (int c : m.owner.island.contacts)
+    acting.add_contact(internal::row_terms(scene, work, c), motion_scale(scene.contacts[c], work.contacts[c]));
+  return acting;
 }
 
 }  // namespace
@@ -305,9 +293,9 @@ std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, Matrix
   };
   double more = f.moved;
   if (m.deficient()) more += turned_forces(scene, *data.workspace, m) + projected_forces(m);
-  const auto [motion, load] = acting_sizes(scene, *data.workspace, m);
-  return {{a.size, error(0, m.owner.island.nv, a.moved), motion},
-          {f.size, error(m.owner.island.nv, m.owner.island.nc, more), load}};
+  const Acting acting = what_acts(scene, *data.workspace, m);
+  return {{a.size, error(0, m.owner.island.nv, a.moved), acting.acceleration()},
+          {f.size, error(m.owner.island.nv, m.owner.island.nc, more), acting.force()}};
 }
 
 }  // namespace internal

@@ -5,8 +5,6 @@
 // e the relative error of a and f, which R is computed from: every entry of R is a sum of terms that are linear in
 // them.
 
-#include <array>
-#include <cmath>
 #include <limits>
 
 #include "../../internal.hpp"
@@ -16,26 +14,6 @@
 
 namespace manycontact::internal {
 
-namespace {
-
-using Rows = Eigen::VectorXd;  // of K, in the island's order
-
-// |K| x
-Rows times_sizes(const KktMatrix& K, const Rows& x) {
-  const KktPattern& p = *K.pattern;
-  Rows out = Rows::Zero(x.size());
-  for (int j = 0; j < p.K.n; ++j)
-    for (int k = p.K.p[j]; k < p.K.p[j + 1]; ++k) {
-      const int row = p.perm[p.K.i[k]], column = p.perm[j];
-      const double size = std::abs(K.values[k]);
-      out[row] += size * x[column];
-      if (row != column) out[column] += size * x[row];
-    }
-  return out;
-}
-
-}  // namespace
-
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                        const IslandDerivatives& derivatives, DerivativeBounds& out) {
   const Island& island = m.owner.island;
@@ -43,10 +21,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   lay_out(scene, island, derivatives.request, R);
   {
     const AtSolution at(scene, data, island);
-    right_hand_sides(scene, data, m.owner, R);
-    scale_rows(m, R);
-    if (m.deficient() && m.contradiction && R.request.q && !add_contradiction(scene, data, m, R, thread.panel))
-      return false;
+    if (!weighed_right_hand_sides(scene, data, m, R, thread.panel)) return false;
   }
   const int ld = static_cast<int>(R.X.cols());
   if (ld == 0) return true;
@@ -59,20 +34,25 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   const double relative =
       tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() + std::max(a.felt(), f.felt());
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
+  const std::vector<double> none(island.size(), 0.0);
+  std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // in order of elimination
   const auto bound_block = [&](int first, int cols, double& of_a, double& of_f) {
     if (cols == 0) return;
-    const auto largest = [&](const AlignedPanel& X) -> Rows {
-      return X.middleCols(first, cols).cwiseAbs().rowwise().maxCoeff();
+    const auto largest = [&](const AlignedPanel& X, int row) {
+      return X.row(row).segment(first, cols).cwiseAbs().maxCoeff();
     };
-    const Rows sizes = largest(Y);
-    const Rows w = largest(left) + relative * (largest(R.X) + times_sizes(m.K, sizes));
-    std::vector<double> in_order(w.size());
-    for (Eigen::Index k = 0; k < w.size(); ++k) in_order[m.K.pattern->iperm[k]] = w[k];
-    const auto over = [](double error, double size) { return error == 0 ? 0 : error / size; };
-    of_a = over(bound_of_solution(m, in_order, 0, island.nv), sizes.head(island.nv).maxCoeff());
+    const KktPattern& p = *m.K.pattern;
+    for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = largest(Y, k);
+    sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
+    for (int k = 0; k < island.size(); ++k) {
+      double& of_row = w[p.iperm[k]];
+      of_row = largest(left, k) + relative * (largest(R.X, k) + of_row);
+    }
+    const double da = derivatives.X.block(0, first, island.nv, cols).cwiseAbs().maxCoeff();
+    of_a = Known{da, bound_of_solution(m, w, 0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = derivatives.X.block(island.nv, first, island.nc, cols).cwiseAbs().maxCoeff();
-    of_f = over(bound_of_solution(m, in_order, island.nv, island.nc) + projected * df, df);
+    of_f = Known{df, bound_of_solution(m, w, island.nv, island.nc) + projected * df}.relative();
   };
   const DerivativeRequest& request = derivatives.request;
   out = {};

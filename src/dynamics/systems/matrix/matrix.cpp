@@ -139,13 +139,10 @@ namespace {
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
-  internal::right_hand_sides(scene, data, m.owner, out);
-  internal::scale_rows(m, out);
-  const bool deficient = m.deficient() && out.request.q;
-  if (deficient && m.contradiction && !internal::add_contradiction(scene, data, m, out, thread.panel)) return false;
+  if (!internal::weighed_right_hand_sides(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
   out.X.bottomRows(out.nc) *= -1;  // [da; -df]
-  if (deficient && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
+  if (m.deficient() && out.request.q && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
   internal::scale_rows(m, out);
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
@@ -183,6 +180,13 @@ bool vjp_once(const Scene& scene, SceneData& data, KktVectors& v, MatrixSystem& 
 }
 
 }  // namespace
+
+bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& m, IslandDerivatives& out,
+                                        PanelWork& work) {
+  right_hand_sides(scene, data, m.owner, out);
+  scale_rows(m, out);
+  return !(m.deficient() && m.contradiction && out.request.q) || add_contradiction(scene, data, m, out, work);
+}
 
 bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
   return differentiate_once(scene, data, thread, *this, out) ||

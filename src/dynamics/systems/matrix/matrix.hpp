@@ -81,6 +81,10 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
+/// Right-hand sides of K's derivatives, with what contradicting contacts add. While AtSolution lives. False: that
+/// cannot be believed.
+bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
+                              PanelWork& work);
 /// Bounds of the errors of a and f, and what they are beside (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
 /// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton

@@ -27,6 +27,12 @@ Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   return out;
 }
 
+/// Of vectors whose entries are of sizes a and b, what the entries of their cross product are sums of.
+template <class S>
+Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
+  return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
+}
+
 /// Where a robot's bodies are and how they move, each in its body frame. Allocated once per robot.
 template <class S>
 struct BodyKinematics {
