@@ -17,8 +17,9 @@ bool DependentRows::accepted() const {
   return largest_residual <= tolerance::kRowLeft && largest_entry <= tolerance::kLargestEntry;
 }
 
-int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, double tolerance,
-                         const double* row_scale, LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
+int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
+                         double tolerance, const double* row_scale, LdlWorkspace& w, double* Lx, double* D,
+                         DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
   rows.turned.clear();
@@ -30,9 +31,10 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
     double size = 0;  // of J's row
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
       y[K.i[p]] = Kx[p];
-      if (K.i[p] < nv) size = std::max(size, std::abs(Kx[p]));
+      if (of_M[K.i[p]]) size = std::max(size, std::abs(Kx[p]));
     }
     double d = y[k], terms = std::abs(d), passed_on = 0;
+    const double own = y[k];
     y[k] = 0;
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
       const int j = s.Rj[p], end = s.Rk[p];
@@ -46,21 +48,22 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
       Lx[end] = l;
       d -= l * yj;
       terms += std::abs(l * yj);
-      passed_on += l * l * rows.noise[j];
+      if (!of_M[k] || !of_M[j]) passed_on += l * l * rows.noise[j];
     }
     // Rounding of its own terms, and of the pivots before it times what they are multiplied by here: a small pivot has
     // large multiples, and what it is wrong by may look like a pivot in a row that has none. (Not among rows of M,
-    // which is definite: there nothing grows, and down a long tree the sum would.)
-    rows.noise[k] = tolerance::kRowRounding * terms + (k < nv ? 0 : passed_on);
-    const bool moves = k < nv || (size > tolerance::kRank * row_scale[k] && std::abs(d) > rows.noise[k]);
-    const bool left = moves && std::abs(d) > tolerance * terms;
-    if (k >= nv && !left && std::isfinite(terms)) {
+    // which is definite: there nothing grows, and down a long tree the sum would.) A row of M after rows of J has what
+    // these add, too: where that buries M's own entry, they had no pivot from the rows of M before them.
+    rows.noise[k] = tolerance::kRowRounding * terms + passed_on;
+    const bool moves = of_M[k] ? own > tolerance * terms : size > tolerance::kRank * row_scale[k];
+    const bool left = moves && std::abs(d) > rows.noise[k] && std::abs(d) > tolerance * terms;
+    if (!of_M[k] && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
       rows.inverse[k] = rows.noise[k] = 0;
       continue;
     }
-    if (!left || !(k < nv ? d > 0 : d < 0) || !std::isfinite(d)) return k;
+    if (!left || !(of_M[k] ? d > 0 : d < 0) || !std::isfinite(d)) return k;
     D[k] = d;
     rows.inverse[k] = 1 / d;
   }
@@ -70,14 +73,16 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 namespace {
 
 // residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
-double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const double* row_scale,
+double dependence_residual(const UpperCsc& K, const double* Kx, std::span<const char> of_M, const double* row_scale,
                            const DependentRows& rows, std::vector<double>& residual) {
   std::fill(residual.begin(), residual.end(), 0.0);
   double size = 0;
   for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
-    size = std::max(size, std::abs(rows.Nx[p]) * row_scale[rows.Ni[p]]);
-    for (int q = K.p[rows.Ni[p]]; q < K.p[rows.Ni[p] + 1]; ++q)
-      if (K.i[q] < nv) residual[K.i[q]] += rows.Nx[p] * Kx[q];
+    const int k = rows.Ni[p];
+    size = std::max(size, std::abs(rows.Nx[p]) * row_scale[k]);
+    for (int q = K.p[k]; q < K.p[k + 1]; ++q)
+      if (of_M[K.i[q]]) residual[K.i[q]] += rows.Nx[p] * Kx[q];
+    for (int q = rows.Jp[k]; q < rows.Jp[k + 1]; q += 2) residual[rows.Ji[q + 1]] += rows.Nx[p] * Kx[rows.Ji[q]];
   }
   double largest = 0;
   for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
@@ -86,26 +91,56 @@ double dependence_residual(const UpperCsc& K, const double* Kx, int nv, const do
 
 bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
 
+// Where J's entries in rows of M after them stand.
+void take_later_entries(const UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
+  rows.Jp.assign(K.n + 1, 0);
+  const auto each = [&](auto&& use) {
+    bool any = false;  // rows of J so far
+    for (int k = 0; k < K.n; ++k) {
+      any = any || !of_M[k];
+      for (int p = K.p[k]; any && of_M[k] && p < K.p[k + 1]; ++p)
+        if (!of_M[K.i[p]]) use(K.i[p], p, k);
+    }
+  };
+  each([&](int row, int, int) { rows.Jp[row + 1] += 2; });
+  for (int k = 0; k < K.n; ++k) rows.Jp[k + 1] += rows.Jp[k];
+  rows.Ji.resize(rows.Jp.back());
+  each([&](int row, int slot, int column) {
+    int& next = rows.Jp[row];
+    rows.Ji[next++] = slot, rows.Ji[next++] = column;
+  });
+  for (int k = K.n; k > 0; --k) rows.Jp[k] = rows.Jp[k - 1];
+  rows.Jp[0] = 0;
+}
+
 // L^T z = l_k over the rows of J before k, and the column e_k - z of N.
-void null_column(const LdlSymbolic& s, int nv, const double* Lx, int k, DependentRows& rows) {
+void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k, DependentRows& rows) {
+  const bool M_first = rows.Ji.empty();
   double* x = rows.x.data();
   for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
-    if (s.Rj[p] >= nv) x[s.Rj[p]] = Lx[s.Rk[p]];
+    if (!of_M[s.Rj[p]]) x[s.Rj[p]] = Lx[s.Rk[p]];
   rows.Ni.push_back(k);
   rows.Nx.push_back(1);
-  for (int j = k - 1; j >= nv; --j) {
+  for (int j = k - 1; j >= 0; --j) {
+    if (of_M[j]) continue;
     const double xj = x[j];
     x[j] = 0;
     if (std::abs(xj) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-xj);
-    for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j] && s.Rj[p] >= nv; --p) x[s.Rj[p]] -= Lx[s.Rk[p]] * xj;
+    for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
+      if (!of_M[s.Rj[p]])
+        x[s.Rj[p]] -= Lx[s.Rk[p]] * xj;
+      else if (M_first)
+        break;
+    }
   }
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
 // z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or z is not known yet.
-void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double* D, DependentRows& rows) {
+void refine_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
+                   DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
   double* x = rows.x.data();
   std::copy(rows.residual.begin(), rows.residual.end(), x);
@@ -114,8 +149,8 @@ void refine_column(const LdlSymbolic& s, int nv, const double* Lx, const double*
   for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
   rows.Ni.resize(first + 1);
   rows.Nx.resize(first + 1);
-  for (int j = (is_turned(rows, k) ? s.n : k) - 1; j >= nv; --j) {
-    if (j == k || std::abs(x[j]) <= tolerance::kNullEntry) continue;
+  for (int j = (is_turned(rows, k) ? s.n : k) - 1; j >= 0; --j) {
+    if (of_M[j] || j == k || std::abs(x[j]) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-x[j]);
   }
@@ -320,28 +355,29 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, int nv, const double* row_scale,
-                     const double* Lx, const double* D, DependentRows& rows) {
+void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
+                     const double* row_scale, const double* Lx, const double* D, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
-  rows.residual.assign(nv, 0.0);
+  rows.residual.assign(s.n, 0.0);
+  take_later_entries(K, of_M, rows);
   rows.largest_residual = 0;
   for (int k : rows.dropped) {
     if (is_turned(rows, k)) {
       rows.Ni.push_back(k);
       rows.Nx.push_back(1);
       rows.Np.push_back(static_cast<int>(rows.Ni.size()));
-      (void)dependence_residual(K, Kx, nv, row_scale, rows, rows.residual);  // J_k
-      refine_column(s, nv, Lx, D, rows);
+      (void)dependence_residual(K, Kx, of_M, row_scale, rows, rows.residual);  // J_k
+      refine_column(s, of_M, Lx, D, rows);
     } else {
-      null_column(s, nv, Lx, k, rows);
+      null_column(s, of_M, Lx, k, rows);
     }
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
-        [&] { return dependence_residual(K, Kx, nv, row_scale, rows, rows.residual); },
-        [&] { refine_column(s, nv, Lx, D, rows); });
+        [&] { return dependence_residual(K, Kx, of_M, row_scale, rows, rows.residual); },
+        [&] { refine_column(s, of_M, Lx, D, rows); });
     rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
   make_projector(s.n, rows);
@@ -363,6 +399,16 @@ bool exchange_rows(DependentRows& rows) {
     if (exchange_in_cluster(rows, cluster)) exchanged = true;
   std::sort(rows.dropped.begin(), rows.dropped.end());
   return exchanged;
+}
+
+std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale) {
+  rows.x.assign(scale.begin(), scale.end());
+  for (std::size_t c = 0; c < rows.dropped.size(); ++c) {
+    double sum = 0;
+    for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) sum += std::abs(rows.Nx[p]) * scale[rows.Ni[p]];
+    rows.x[rows.Ni[rows.Np[c]]] = sum;
+  }
+  return rows.x;
 }
 
 void project_out(DependentRows& rows, double* y, double* null_component) {

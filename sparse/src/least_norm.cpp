@@ -65,10 +65,12 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   double size = 0;
   for (double x : Kx) size = std::max(size, std::abs(x));
   const std::vector<double> row_scale(K.n, size);
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), cols, tolerance::kPivotLeft, row_scale.data(), work, Lx.data(),
+  std::vector<char> of_M(K.n, 0);
+  std::fill_n(of_M.begin(), cols, 1);
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kPivotLeft, row_scale.data(), work, Lx.data(),
                            D.data(), dependent) != K.n)
     return std::nullopt;
-  find_null_space(K, symbolic, Kx.data(), cols, row_scale.data(), Lx.data(), D.data(), dependent);
+  find_null_space(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent);
   if (!dependent.accepted()) return std::nullopt;
 
   std::vector<double> rhs(K.n, 0.0);

@@ -140,7 +140,8 @@ void release(IslandWork& d) {
   else if (d.robots)
     d.robots->derivatives.reset();
   d.matrix.rows.reset();
-  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.safe.get(), d.matrix.dense.get()})
+  for (Factor* factor :
+       {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }
 

@@ -116,7 +116,8 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   if (postures.empty())  // the last one's legs are nearly straight
     for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
       postures.push_back(numbers_at(scene, island, support, mean, most, 3));
-  constexpr double kMostGrowth = 1e6;  // of K's entries: a third of the digits
+  // Of K's entries: a third of the digits. A hub sums up what all its contacts add, ten of them in the place of one.
+  const double most_growth = 1e6 * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
   const std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);  // once: without a schedule
@@ -125,7 +126,7 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
     std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
     for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
     assemble(M, J, 0, matrix);
-    return factor->factorize(matrix, scratch) == Reason::kNone && factor->growth() < kMostGrowth;
+    return factor->factorize(matrix, scratch) == Reason::kNone && factor->growth() < most_growth;
   });
 }
 
@@ -134,7 +135,7 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
+  constexpr double kSounder[] = {tolerance::kDistinct, 3e-3, 1e-2, 3e-2, 1e-1};  // the last one whatever comes of it
   const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);

@@ -1,7 +1,5 @@
 #include "manycontact/kkt/matrix.hpp"
 
-#include "manycontact/sparse/refine.hpp"
-
 namespace manycontact {
 
 void KktMatrix::reset(std::shared_ptr<const KktPattern> p) {
@@ -38,9 +36,8 @@ void KktVectors::resize(int n) {
   for (auto* v : {&b, &x, &r, &scale, &null_component}) v->resize(n);
 }
 
-double backward_error(const KktMatrix& K, KktVectors& v) {
+void residual(const KktMatrix& K, KktVectors& v) {
   sparse::residual(K.pattern->K, K.values.data(), v.x.data(), v.b.data(), v.r.data(), v.scale.data());
-  return sparse::componentwise_backward_error(v.r, v.scale);
 }
 
 }  // namespace manycontact

@@ -156,8 +156,7 @@ TEST_P(DependentInLanes, DerivativesByRequest) {
   for (const DerivativeRequest& request : {DerivativeRequest{.q = false}, DerivativeRequest{.v = false, .u = false},
                                            DerivativeRequest{.tau = true}, DerivativeRequest{.forces = false}}) {
     const auto X = derivatives(c, data, request), Y = derivatives(c, oracle, request);
-    for (std::size_t k = 0; k < X.size(); ++k)
-      EXPECT_LE((X[k] - Y[k]).norm(), 1e-9 * Y[k].norm()) << k;
+    for (std::size_t k = 0; k < X.size(); ++k) EXPECT_LE((X[k] - Y[k]).norm(), 1e-9 * Y[k].norm()) << k;
   }
 }
 
@@ -186,6 +185,40 @@ TEST_P(DependentInLanes, LeaveNothingBehind) {
       EXPECT_TRUE(x.of_tangent == y.of_tangent && x.of_adjoint == y.of_adjoint) << k;
       EXPECT_TRUE(derivatives(c, used) == derivatives(c, fresh)) << k;
     }
+  }
+}
+
+// At rest, bent in the sagittal plane alone: across it accelerations are next to nothing beside those that the same
+// contacts' other rows are of. The oracle is not asked.
+TEST_P(DependentInLanes, AtRestInAPlane) {
+  std::string robots, contacts;
+  for (int i = 0; i < 2; ++i) {
+    const std::string n = std::to_string(i);
+    robots += R"(<robot name="r)" + n + R"(" urdf="humanoid.urdf" base="floating" xyz="0 )" + n + R"( 1">)";
+    for (const char* side : {"left_", "right_"})
+      for (const auto& [joint, q] : {std::pair{"hip_pitch", "-0.6"},
+                                     {"knee", "1.2"},
+                                     {"ankle_pitch", "-0.6"},
+                                     {"elbow", "-1.5"},
+                                     {"shoulder_roll", "0.2"}})
+        robots += R"(<joint name=")" + std::string(side) + joint + R"(" q=")" + q + R"("/>)";
+    robots += "</robot>";
+    for (const char* side : {"left", "right"})
+      contacts +=
+          R"(<contact type="6d" name=")" + std::string(side) + n + R"(" frame="r)" + n + "/" + side + "_sole\"/>";
+  }
+  for (const char* at : {"0.1 0.05 0", "-0.1 0.05 0", "0.1 -0.05 0", "-0.1 -0.05 0"})
+    contacts +=
+        R"(<contact type="3d" name="corner )" + std::string(at) + R"(" frame="r0/left_sole" offset=")" + at + "\"/>";
+  for (const std::string tie : {"", R"(<contact name="hands" type="6d" frame="r0/left_hand" to="r1/right_hand"/>)"}) {
+    const SceneFile file = load_text("<scene name=\"rest\">" + robots + contacts + tie + "</scene>");
+    SceneData data(file.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(file.scene, {Method::kDense});
+    for (SceneData* d : {&data, &oracle}) (void)solve(file.scene, file.q, file.v, file.u, *d);
+    for (const IslandReport& island : data.report.islands) EXPECT_EQ(island.method, Method::kSparseLdl) << tie;
+    EXPECT_EQ(data.report.status, Status::kRedundant);
+    EXPECT_EQ(data.report.rank, oracle.report.rank);
+    EXPECT_LT(relative(data.a, oracle.a), 1e-11);
+    EXPECT_LT(relative(data.f, oracle.f), 1e-11);
   }
 }
 

@@ -274,7 +274,7 @@ TEST(ContactsEarly, RoundingMovesNothing) {
   EXPECT_EQ(make_ldl_factor(Method::kSparseLdl)->factorize(K, scratch), Reason::kNone);
 }
 
-TEST_P(Patterns, BackwardErrorSeesAWrongSolution) {
+TEST_P(Patterns, ResidualOfAnySolution) {
   const IslandNumbers& n = islands[0];
   System system = assembled(n, Order::kLeafToRoot, 0.1);
   const int size = system.K.size();
@@ -282,12 +282,10 @@ TEST_P(Patterns, BackwardErrorSeesAWrongSolution) {
   const VectorXd x = random_vector(size, rng), b = random_vector(size, rng);
   std::copy(x.begin(), x.end(), system.v.x.begin());
   std::copy(b.begin(), b.end(), system.v.b.begin());
-  const double error = backward_error(system.K, system.v);
+  residual(system.K, system.v);
   const VectorXd r = b - K * x, scale = b.cwiseAbs() + K.cwiseAbs() * x.cwiseAbs();
-  EXPECT_NEAR(error, r.cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LE(error_of(Eigen::Map<VectorXd>(system.v.r.data(), size), r), 64 * kEps);
-  system.v.x[size / 2] = NAN;
-  EXPECT_TRUE(std::isnan(backward_error(system.K, system.v)));
+  EXPECT_LE(error_of(Eigen::Map<VectorXd>(system.v.scale.data(), size), scale), 64 * kEps);
 }
 
 TEST_P(Patterns, AssembleAllocatesNothing) {

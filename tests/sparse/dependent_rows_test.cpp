@@ -20,6 +20,7 @@ using sparse::DependentRows;
 struct FactorOfRows {
   Symmetric K;
   int nv;
+  std::vector<char> of_M;
   std::vector<double> row_scale;
   sparse::LdlSymbolic symbolic;
   sparse::LdlWorkspace work;
@@ -28,15 +29,21 @@ struct FactorOfRows {
   int done = -1;
 
   explicit FactorOfRows(const SaddlePoint& s)
-      : K(s.dense()), nv(s.nv()), row_scale(K.n(), s.J_size()), symbolic(sparse::ldl_analyze(K.pattern)) {
+      : K(s.dense()),
+        nv(s.nv()),
+        of_M(K.n(), 0),
+        row_scale(K.n(), s.J_size()),
+        symbolic(sparse::ldl_analyze(K.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
     D.assign(K.n(), NAN);
+    std::fill_n(of_M.begin(), nv, 1);
     factor();
   }
   void factor() {
-    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), nv, tolerance::kPivotLeft, row_scale.data(),
+    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
                                         work, L.data(), D.data(), rows);
-    if (done == K.n()) find_null_space(K.pattern, symbolic, K.x.data(), nv, row_scale.data(), L.data(), D.data(), rows);
+    if (done == K.n())
+      find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
   // Without the rows that are to be dropped, whichever they are.
   void factor_others() {
@@ -44,7 +51,7 @@ struct FactorOfRows {
     for (int k : rows.dropped) x[K.pattern.p[k + 1] - 1] = -1e200;
     ASSERT_EQ(sparse::ldl_factor(K.pattern, symbolic, x.data(), work, L.data(), D.data()), K.n());
     for (int k : rows.dropped) D[k] = INFINITY;
-    find_null_space(K.pattern, symbolic, K.x.data(), nv, row_scale.data(), L.data(), D.data(), rows);
+    find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
   void solve(double* x) {
     project_out(rows, x);

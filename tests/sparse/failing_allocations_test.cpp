@@ -170,10 +170,12 @@ TEST_F(FailingAllocations, InDependentRows) {
     for (int k = 0; k < K.n(); ++k) row[k] = k;
     MatrixXd X(3, K.n());
     const std::vector<double> row_scale(K.n(), s.J_size());
+    std::vector<char> of_M(K.n(), 0);
+    std::fill_n(of_M.begin(), s.nv(), 1);
     const auto solve = [&] {
-      if (sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), s.nv(), tolerance::kPivotLeft, row_scale.data(),
+      if (sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
                                        work, L.data(), D.data(), rows) == K.n())
-        find_null_space(K.pattern, symbolic, K.x.data(), s.nv(), row_scale.data(), L.data(), D.data(), rows);
+        find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
       X.setOnes();
       project_out(rows, X.data());
       project_out_panel(rows, row.data(), X.data(), 3, 0, 3);

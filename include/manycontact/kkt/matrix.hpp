@@ -43,8 +43,7 @@ struct KktVectors {
   void resize(int n);
 };
 
-/// Componentwise backward error max |r_k| / scale_k of x, r and scale being updated. Rows whose scale is below eps
-/// times the largest count as if it were eps times the largest. NaN when x is not finite.
-double backward_error(const KktMatrix& K, KktVectors& v);
+/// r = b - K x and scale = |b| + |K| |x|.
+void residual(const KktMatrix& K, KktVectors& v);
 
 }  // namespace manycontact

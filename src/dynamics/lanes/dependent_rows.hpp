@@ -81,6 +81,16 @@ class DependentRows {
     return out;
   }
 
+  /// What residuals are judged beside (sparse::scale_of_dependent), of all rows, into `judged`.
+  void scale_of_dependent(const S* scale, S* judged) {
+    std::copy_n(scale, rows_, judged);
+    for (std::size_t c = 0; c < dropped_.size(); ++c) {
+      S sum(0);
+      for (int j : column(c)) sum = multiply_add(abs(N(c, j)), scale[j], sum);
+      judged[dropped_[c]] = sum;
+    }
+  }
+
   /// x -= P x, of the rows of J; P x into null_component where `keep`.
   void project_out(S* x, bool keep = false) {
     project_out<1>(as_scalar(x));

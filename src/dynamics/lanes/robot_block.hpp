@@ -139,6 +139,7 @@ class RobotBlock {
   Mask correct(Mask open);
   void residual_and_sizes();
   S residual();
+  S backward_error();
   S residual(Mask same_sizes);
   void refine();
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
@@ -520,10 +521,9 @@ void RobotBlock<S>::solve_by_factor(S* x) const {
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
-/// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 (I - P) x.
+/// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) {
-  if (dependent_) dependent_->project_out(x);
   solve_by_factor(x);
   if (dependent_) dependent_->project_out(x);
 }
@@ -544,11 +544,20 @@ typename S::Mask RobotBlock<S>::correct(Mask open) {
   return same_sizes;
 }
 
-/// r, scale, and the componentwise backward error (sparse/refine.hpp); NaN where any is.
+/// r, scale, and the backward error.
 template <class S>
 S RobotBlock<S>::residual() {
   residual_and_sizes();
-  return componentwise_error<S>(r_, scale_.data());
+  return backward_error();
+}
+
+/// The componentwise backward error of r, NaN where any is (Factor::backward_error).
+template <class S>
+S RobotBlock<S>::backward_error() {
+  const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
+  if (!dependent_) return componentwise_error<S>(r, scale_.data());
+  dependent_->scale_of_dependent(scale_.data(), n_.w);
+  return componentwise_error<S>(r, n_.w);
 }
 
 /// The same after `correct`, which says where scale need not be computed again.
@@ -561,7 +570,7 @@ S RobotBlock<S>::residual(Mask same_sizes) {
     residual_and_sizes();
     for (int k = 0; k < rows_; ++k) scale_[k] = select(same_sizes, n_.w[k], scale_[k]);
   }
-  return componentwise_error<S>(r_, scale_.data());
+  return backward_error();
 }
 
 /// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
@@ -790,7 +799,6 @@ template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
   std::fill_n(n_.w + rows_, plan_->border, S(0));
-  if (dependent_) dependent_->project_out(n_.w);
   if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
   store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
 }
@@ -826,8 +834,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   (void)check_residual(robots, prefetch_of(memory));
 }
 
-/// r = b - K x, scale = |b| + |K| |x|, and what is reported of them; returns the robots' componentwise backward error
-/// (sparse/refine.hpp).
+/// r = b - K x, scale = |b| + |K| |x|, and what is reported of them; returns the robots' backward error.
 template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
@@ -837,7 +844,7 @@ S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   const std::span<const int> eliminated(pattern_.iperm.data(), rows_);
   const Largest<S> largest[] = {{0, eliminated.first(pattern_.nv), r_.data(), scale_.data()},
                                 {0, eliminated.subspan(pattern_.nv), r_.data(), scale_.data()}};
-  const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows_)}, scale_.data());
+  const S error = backward_error();
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     for (int row : {0, 1}) {
@@ -854,8 +861,12 @@ void RobotBlock<S>::finish(Robots robots, Memory memory) {
   use(memory.at);
   for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
   (void)check_residual(robots, prefetch_of(memory));
+  const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows_)}, scale_.data());
   const Contradicted of = contradicted();
-  for (std::size_t l = 0; l < robots.size(); ++l) robots[l].contradiction = of[static_cast<int>(l)];
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    robots[l].contradiction = of[static_cast<int>(l)];
+    robots[l].error = error[static_cast<int>(l)];
+  }
 }
 
 template <class S>

@@ -42,6 +42,14 @@ class DependentRowsFactor final : public Factor {
     sparse::project_out(dependence_, x);
   }
 
+  void correct(double* r) override {
+    ldl_.solve(r);
+    sparse::project_out(dependence_, r);
+  }
+  double backward_error(std::span<const double> r, std::span<const double> scale) override {
+    return sparse::componentwise_backward_error(r, sparse::scale_of_dependent(dependence_, scale));
+  }
+
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
     const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
@@ -80,6 +88,8 @@ class DependentRowsFactor final : public Factor {
     greedy_.clear();
     penalised_.resize(pattern->K.nonzeros());
     row_size_.assign(pattern->size(), 0.0);
+    of_M_.resize(pattern->size());
+    for (int k = 0; k < pattern->size(); ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
     ldl_.take(pattern, true);
   }
 
@@ -102,14 +112,16 @@ class DependentRowsFactor final : public Factor {
   }
 
   // Other rows in the place of those, where rows kept are much smaller than those dropped. False where these are not
-  // plainly independent, the others do not plainly depend on them, or entries grow so much that panels would be judged
-  // by the norms of their columns, beside which small numbers are lost.
+  // plainly independent, the others do not plainly depend on them, or K's entries now grow so much that panels would be
+  // judged by the norms of their columns, beside which small numbers are lost.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
     if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
+    constexpr double kEps = std::numeric_limits<double>::epsilon();
+    const double most = std::max(growth_, tolerance::kConverged / kEps);
     factorize_kept(K, scratch);
     if (!kept_are_sound(K, scratch.scale, 1)) return false;
     growth_ = growth(K, scratch.scale);
-    if (!(growth_ * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
+    if (!(growth_ <= most)) return false;
     find_null_space(K);
     return dependence_.accepted();
   }
@@ -117,10 +129,10 @@ class DependentRowsFactor final : public Factor {
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const int done =
-        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), p.nv, tolerance::kPivotLeft, row_size_.data(),
+        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, tolerance::kPivotLeft, row_size_.data(),
                                      scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
     if (done == p.size()) return Reason::kNone;
-    return done < p.nv ? Reason::kSingularInertia : Reason::kWrongInertia;
+    return of_M_[done] ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
 
   // The factor without the rows dropped: as if they were damped beyond all numbers, which leaves the others as they are
@@ -168,7 +180,7 @@ class DependentRowsFactor final : public Factor {
         ++dropped;
         continue;
       }
-      const bool of_M = k < ldl_.pattern->nv;
+      const bool of_M = of_M_[k];
       const double d = ldl_.D[k];
       if (passed_on.next(of_M, std::abs(d) / (margin * scale[k]))) return false;
       if (!std::isfinite(scale[k]) || !is_left(K, k, d, scale[k], margin) || (d > 0) != of_M) return false;
@@ -178,11 +190,13 @@ class DependentRowsFactor final : public Factor {
   // Whether more is left of row k than rounding, `margin` times over: d of its pivot's terms, and its own entries.
   bool is_left(const KktMatrix& K, int k, double d, double terms, double margin) const {
     const sparse::UpperCsc& A = ldl_.pattern->K;
-    const bool of_M = k < ldl_.pattern->nv;
+    const bool of_M = of_M_[k];
     double size = 0;
     for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
-      if (A.i[p] < ldl_.pattern->nv) size = std::max(size, std::abs(K.values[p]));
-    const bool moves = of_M || size > margin * tolerance::kRank * row_size_[k];
+      if (of_M_[A.i[p]]) size = std::max(size, std::abs(K.values[p]));
+    const double own = K.values[A.p[k + 1] - 1];  // of M beside what rows of J before it add
+    const bool moves =
+        of_M ? own > margin * tolerance::kPivotLeft * terms : size > margin * tolerance::kRank * row_size_[k];
     return moves && std::abs(d) > margin * tolerance::kPivotLeft * terms;
   }
   // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
@@ -198,7 +212,7 @@ class DependentRowsFactor final : public Factor {
   }
   void find_null_space(const KktMatrix& K) {
     const KktPattern& p = *ldl_.pattern;
-    sparse::find_null_space(p.K, p.ldl, K.values.data(), p.nv, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
+    sparse::find_null_space(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
                             dependence_);
   }
 
@@ -213,6 +227,7 @@ class DependentRowsFactor final : public Factor {
   }
 
   internal::LdlNumbers ldl_;
+  std::vector<char> of_M_;         // of K's rows, in its order
   std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // in K's order; of M's rows nothing

@@ -57,9 +57,13 @@ sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors&
   v.x = v.b;
   factor.solve(v.x.data());
   const sparse::Refinement refinement = sparse::refine(
-      max_steps, tolerance::kRefined, [&] { return backward_error(K, v); },
+      max_steps, tolerance::kRefined,
       [&] {
-        factor.solve(v.r.data());
+        residual(K, v);
+        return factor.backward_error(v.r, v.scale);
+      },
+      [&] {
+        factor.correct(v.r.data());
         for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
       });
   if (dependent) restore(*K.pattern, v);

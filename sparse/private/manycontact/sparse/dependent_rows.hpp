@@ -1,16 +1,19 @@
 #pragma once
 // L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may depend on each other: rows with nothing left of
 // their pivot are dropped, and the null space of J^T tells how they depend on the rows kept. Everything in K's order of
-// elimination, in which the rows of M come first.
+// elimination, of which flags of_M say which rows are M's: all first, or some after rows of J, where these must have
+// their pivots from the rows of M before them.
 //
 // For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the rows kept: L^T z = l_k, of which
-// the part of M vanishes, so only the rows of J are solved for. The columns n_k = e_k - z of N span the null space of
-// J^T. With the orthogonal projector P = N (N^T N)^-1 N^T on it,
+// the part of M vanishes, so only the rows of J before k are solved for. The columns n_k = e_k - z of N span the null
+// space of J^T. With the orthogonal projector P = N (N^T N)^-1 N^T on it,
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
 // solves M a + J^T y = b1 with a least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of
 // least norm: the answer that rank-revealing dense methods give, in a few more operations than a sparse solve.
+
+#include <span>
 
 #include "manycontact/sparse/ldl.hpp"
 
@@ -49,20 +52,21 @@ struct DependentRows {
   // scratch
   std::vector<double> inverse, noise, x, residual, panel, t;
   std::vector<int> owner;
+  std::vector<int> Jp, Ji;  // of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
 };
 
-/// Factorizes K (n rows, the first nv of M). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
+/// Factorizes K (n rows). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
 /// of J is dropped when less than `tolerance` of its pivot is left, or no more than the rounding that small pivots
 /// before it passed on, or when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never.
 /// Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
-[[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv,
-                                       double tolerance, const double* row_scale, LdlWorkspace& work, double* Lx,
-                                       double* D, DependentRows& rows);
+[[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx,
+                                       std::span<const char> of_M, double tolerance, const double* row_scale,
+                                       LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
 /// N and its projector, after ldl_factor_dependent; row_scale: as there. Sets largest_residual, which is rounding
 /// when the dropped rows depend on the others in truth, and largest_entry.
-void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, int nv, const double* row_scale,
-                     const double* Lx, const double* D, DependentRows& rows);
+void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, std::span<const char> of_M,
+                     const double* row_scale, const double* Lx, const double* D, DependentRows& rows);
 
 /// The clusters and their projectors, of N of n rows.
 void make_projector(int n, DependentRows& rows);
@@ -71,6 +75,10 @@ void make_projector(int n, DependentRows& rows);
 /// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
 /// False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
+
+/// Of scale |b| + |K| |x| (n), what residuals are judged beside: of a row that was dropped, |N|^T scale, since rows
+/// kept leave z_j times what they leave themselves. In memory of `rows`.
+std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
 /// unused.

@@ -7,6 +7,7 @@
 
 #include "../../internal.hpp"
 #include "manycontact/contact/row_scale.hpp"
+#include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "row_terms.hpp"
@@ -23,12 +24,13 @@ struct Attempt {
   double damping;
 };
 
-Factor& factor_of(MatrixSystem& m, FactorKind kind) {
+Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   const auto made = [](std::unique_ptr<Factor>& factor, auto&& make) -> Factor& {
     if (!factor) factor = make();
     return *factor;
   };
-  if (kind == FactorKind::kDependentRows) return made(m.safe, make_dependent_rows_factor);
+  if (kind == FactorKind::kDependentRows)
+    return made(order == Order::kLeafToRoot ? m.safe : m.safe_in_order, make_dependent_rows_factor);
   if (kind == FactorKind::kDense) return made(m.dense, make_dense_factor);
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
@@ -90,6 +92,39 @@ lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const
   return of;
 }
 
+// The backward error where rows are judged beside what they are computed from as well, however small the products are
+// that this enters: entries of M are rounded beside sqrt(M_jj M_kk), of J beside row_size, and two digits less are not
+// believed. At rest, or falling, whole rows are such rounding. (Not where rows were dropped: those kept are judged
+// strictly, since what rounding is may be what they were told apart by.)
+double backward_error_of_data(const MatrixSystem& m, const std::vector<double>& row_size) {
+  constexpr double kPart = 0.01;
+  const KktPattern& p = *m.K.pattern;
+  const KktVectors& v = m.v;
+  double error = 0;
+  const auto judge = [&](int k, double size) {
+    const int at = p.iperm[k];
+    const double left = std::abs(v.r[at]);
+    if (left != 0) error = sparse::larger_or_nan(error, left / std::max(v.scale[at], kPart * size));
+  };
+  const auto a = [&](int k) { return std::abs(v.x[p.iperm[k]]); };
+  const auto root = [&](int k) { return std::sqrt(m.K.values[p.K.p[p.iperm[k] + 1] - 1]); };
+  const Island& island = m.owner.island;
+  for (std::size_t r = 0; r < island.robots.size(); ++r) {
+    const int first = island.dof_offset[r], end = r + 1 < island.robots.size() ? island.dof_offset[r + 1] : island.nv;
+    double sum = 0;
+    for (int k = first; k < end; ++k) sum += root(k) * a(k);
+    for (int k = first; k < end; ++k) judge(k, root(k) * sum);
+  }
+  const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    double sum = 0;
+    for (int k : columns[c]) sum += a(k);
+    const int end = c + 1 < island.contacts.size() ? island.row_offset[c + 1] : island.nc;
+    for (int row = island.row_offset[c]; row < end; ++row) judge(island.nv + row, row_size[row] * sum);
+  }
+  return error;
+}
+
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
 }
@@ -100,7 +135,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
                IslandReport& report) {
   assemble(scene, data, by.order, by.damping, by.kind != FactorKind::kChosen, m);
   m.state = data.workspace->state;
-  Factor& factor = factor_of(m, by.kind);
+  Factor& factor = factor_of(m, by.kind, by.order);
   report.method = factor.method();
   report.order = by.order;
   row_scales(scene, *data.workspace, m.owner.island, scratch.row_scale);
@@ -110,16 +145,20 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   ++m.owner.factorizations;
   if (const Reason reason = factor.factorize(m.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
-  const sparse::Refinement refinement = solve_refined(factor, m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
+  sparse::Refinement refinement = solve_refined(factor, m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
   report.factor_nonzeros = factor.nonzeros();
   report.refinement_steps = own + refinement.steps;
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
   // the oracle's answer is the best there is
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
-  if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
-
   m.factor = &factor;
+  if (!(refinement.backward_error <= most) && !m.deficient())
+    refinement.backward_error = backward_error_of_data(m, scratch.row_scale);
+  if (!(refinement.backward_error <= most)) {
+    m.factor = nullptr;
+    return Reason::kLargeResidual;
+  }
   m.first_error = refinement.first;
   m.last_error = refinement.backward_error;
   report.rank = factor.rank();
@@ -140,49 +179,66 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return Reason::kNone;
 }
 
-// From the chosen way down: the same method in leaf-to-root order, which is sound unless rows depend on each other (of
-// CHOLMOD only where damping makes them independent: it allocates); that order dropping rows that depend on others; the
-// oracle.
-struct Attempts {
-  std::array<Attempt, 4> list;
-  int count = 0;
-  void add(const Attempt& attempt) { list[count++] = attempt; }
-};
-Attempts fallbacks_of(const Choice& choice, double damping) {
-  Attempts out;
-  const auto [method, order] = choice;
-  if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
-  if (method == Method::kDenseSchur) return out;  // the baseline stands alone
-  if (order != Order::kLeafToRoot &&
-      (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
-    out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && damping == 0) out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
-  out.add({FactorKind::kDense, order, damping});
-  return out;
+// Whether rows that depend are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which
+// eliminates all of M first (a hub that many robots hold then joins all their rows). Robots in lanes drop
+// leaf-to-root's.
+bool drops_in_chosen_order(const MatrixSystem& m) {
+  constexpr double kFarCheaper = 0.5;
+  const auto [method, order] = m.owner.choice;
+  if (method != Method::kSparseLdl || order == Order::kLeafToRoot || m.owner.robots || m.owner.alone.group)
+    return false;
+  const auto cost = [&m](Order by) { return predicted_cost_ldl(m.owner.island.size(), m.owner.shape->counts(by)); };
+  return cost(order) < kFarCheaper * cost(Order::kLeafToRoot);
 }
 
 constexpr Attempt kByDependentRows{FactorKind::kDependentRows, Order::kLeafToRoot, 0};
+
+// From the chosen way down: its order, dropping rows that depend on others, where leaf-to-root is far more work; the
+// same method in leaf-to-root order, which is sound unless rows depend on each other (of CHOLMOD only where damping
+// makes them independent: it allocates); that order dropping rows; the oracle.
+struct Attempts {
+  std::array<Attempt, 5> list;
+  int count = 0;
+  void add(const Attempt& attempt) { list[count++] = attempt; }
+};
+Attempts fallbacks_of(const MatrixSystem& m, double damping) {
+  Attempts out;
+  const auto [method, order] = m.owner.choice;
+  if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
+  if (method == Method::kDenseSchur) return out;  // the baseline stands alone
+  if (damping == 0 && drops_in_chosen_order(m)) out.add({FactorKind::kDependentRows, order, 0});
+  if (order != Order::kLeafToRoot &&
+      (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
+    out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
+  if (method != Method::kDense && damping == 0) out.add(kByDependentRows);
+  out.add({FactorKind::kDense, order, damping});
+  return out;
+}
 
 }  // namespace
 
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                              IslandReport& report) {
-  if (scene.damping > 0 || attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone ||
-      !m.deficient()) {
-    m.factor = nullptr;
-    m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
-    report.status = Status::kOk;
-    return false;
-  }
-  report.changed_order = m.owner.choice.order != kByDependentRows.order;
-  report.reason = Reason::kSmallPivot;
-  return true;
+  const auto solve_in = [&](Order order) {
+    if (attempt(scene, data, scratch, {FactorKind::kDependentRows, order, 0}, m, report) != Reason::kNone) return false;
+    report.changed_order = m.owner.choice.order != order;
+    report.reason = Reason::kSmallPivot;
+    return true;
+  };
+  if (scene.damping == 0 &&
+      ((drops_in_chosen_order(m) && solve_in(m.owner.choice.order)) || solve_in(Order::kLeafToRoot)) && m.deficient())
+    return true;
+  m.factor = nullptr;
+  m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
+  report.status = Status::kOk;
+  report.reason = Reason::kNone;
+  return false;
 }
 
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                         IslandReport& report) {
   const auto [method, order] = m.owner.choice;
-  const Attempts attempts = fallbacks_of(m.owner.choice, scene.damping);
+  const Attempts attempts = fallbacks_of(m, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   m.factor = nullptr;
   for (int k = 0; k < attempts.count; ++k) {

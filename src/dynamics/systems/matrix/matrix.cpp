@@ -23,9 +23,7 @@ void MatrixSystem::make_room(Order order) {
 
 bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }
 
-bool MatrixSystem::dropped_rows() const {
-  return owner.answered_by(this) && factor == safe.get() && deficient() && tolerated == 0;
-}
+bool MatrixSystem::dropped_rows() const { return owner.answered_by(this) && by_dependent_rows() && tolerated == 0; }
 
 namespace {
 
@@ -107,7 +105,7 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
 
 bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
   const bool answered = solve_at_state(scene, data, thread, *this, report);
-  was_dependent = answered && scene.damping == 0 && factor == safe.get() && deficient();
+  was_dependent = answered && scene.damping == 0 && by_dependent_rows();
   if (answered) take_judged_answer(scene, data, thread, *this, report);
   return answered;
 }

@@ -53,19 +53,22 @@ class MatrixSystem final : public IslandSystem {
   void make_room(Order order);
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
-  /// Whether that is why the factor which drops such rows answered.
+  /// Whether that is why a factor which drops such rows answered.
   bool dropped_rows() const;
+  bool by_dependent_rows() const { return deficient() && (factor == safe.get() || factor == safe_in_order.get()); }
 
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
   std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
-  KktVectors v;                                 // x: the answer
-  std::vector<double> unit;                     // nc, or empty where all are 1: S of row_units.hpp, of K and v
-  std::unique_ptr<Factor> chosen, safe, dense;  // made when first needed: the choice's, the two it falls back to
-  Factor* factor = nullptr;                     // the one that answered; nullptr: none did
-  double first_error = 0, last_error = 0;       // backward error before and after refinement
-  bool contradiction = false;                   // the contacts contradict each other: least squares
+  KktVectors v;              // x: the answer
+  std::vector<double> unit;  // nc, or empty where all are 1: S of row_units.hpp, of K and v
+  // Made when first needed: the choice's, and those it falls back to, without dependent rows in the chosen order and
+  // leaf-to-root, and dense.
+  std::unique_ptr<Factor> chosen, safe_in_order, safe, dense;
+  Factor* factor = nullptr;                // the one that answered; nullptr: none did
+  double first_error = 0, last_error = 0;  // backward error before and after refinement
+  bool contradiction = false;              // the contacts contradict each other: least squares
   WithinTolerance within;
   double tolerated = 0;        // what rows made dependent may contradict each other by, relative to their terms
   bool was_dependent = false;  // the last solve found rows dependent
@@ -119,7 +122,7 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// The factor that drops dependent rows, alone. False where it is not sound, or finds none.
+/// The factors that drop dependent rows, alone. False where none is sound, or it finds none.
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                              IslandReport& report);
 /// The oracle, alone, where another factor does not serve for derivatives. False where it would take too long or was

@@ -36,6 +36,7 @@ struct WithinTolerance::Work {
   // by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
+  std::vector<char> of_M;
   sparse::DependentRows rows;
   Eigen::VectorXd left;
 };
@@ -119,11 +120,13 @@ void factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / tolerance::kRank;
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
   w.rows.dropped.clear();
-  if (sparse::ldl_factor_dependent(p.K, p.ldl, w.K.data(), p.nv, left, w.row_scale.data(), w.ldl, w.L.data(),
+  w.of_M.assign(p.size(), 0);
+  std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
+  if (sparse::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, left, w.row_scale.data(), w.ldl, w.L.data(),
                                    w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  sparse::find_null_space(p.K, p.ldl, w.K.data(), p.nv, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  sparse::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
 }
 
 // Whether column n of N leaves no more than the tolerance.

@@ -8,6 +8,7 @@
 #include "manycontact/kkt/matrix.hpp"
 #include "manycontact/kkt/reason.hpp"
 #include "manycontact/kkt/shape.hpp"
+#include "manycontact/sparse/refine.hpp"
 
 namespace manycontact {
 
@@ -31,7 +32,15 @@ class Factor {  // one island's factor, whatever the method
   /// x <- K^-1 x, in K's order of elimination. With dependent rows (damping 0) the generalised inverse that gives
   /// least-squares accelerations and least-norm forces.
   virtual void solve(double* x) = 0;
-  /// The same for columns first ... first+cols-1 of a row-major panel with row stride ld, rows in the island's order.
+  /// The same of what an answer leaves, b - K x, where b has no part P b (project_out): of dependent rows those kept
+  /// alone. What rounding leaves of J x in the others no correction of x takes away.
+  virtual void correct(double* r) { solve(r); }
+  /// The componentwise backward error of that (sparse/refine.hpp). Of dependent rows those dropped, sums of z_j times
+  /// rows kept, are judged beside |z_j| times these rows' scale.
+  virtual double backward_error(std::span<const double> r, std::span<const double> scale) {
+    return sparse::componentwise_backward_error(r, scale);
+  }
+  /// solve for columns first ... first+cols-1 of a row-major panel with row stride ld, rows in the island's order.
   /// nonzero: a flag per row of K, in order of elimination, set where a row of X is not zero in these columns;
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;

@@ -16,6 +16,7 @@ struct PanelWork {
   std::vector<double> R;  // residuals, where they are judged
   std::vector<double> sums;
   std::vector<char> nonzero;  // a flag per row of K, at least
+  KktVectors column;          // one of them
 };
 
 /// Factor::solve_panel, refined once, by any factor: X + K^-1 (B - K X) where that gives X = K^-1 B. work.nonzero: its
