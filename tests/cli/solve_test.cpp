@@ -200,15 +200,18 @@ TEST_F(Solve, SummaryNamesTheLargestDerivatives) {
   const Outcome outcome = run({"solve", path, "--derivatives"});
   EXPECT_EQ(outcome.status, 0);
   const Model& humanoid = *file.scene.robots[0].model;
-  const auto line_of = [&](const char* name, const Eigen::MatrixXd& block, bool forces) {
+  const DerivativeBounds error = estimate_derivative_errors(file.scene, data).front();
+  const auto line_of = [&](const char* name, const Eigen::MatrixXd& block, double bound, bool forces) {
     Eigen::Index row = 0, column = 0;
     block.cwiseAbs().maxCoeff(&row, &column);
-    char value[32];
+    char value[32], within[32];
     std::snprintf(value, sizeof value, "%.4g", block(row, column));
+    std::snprintf(within, sizeof within, "%.2g", bound);
     const std::string of =
         forces ? row_name(file.scene.contacts.at(static_cast<std::size_t>(row / 6)), static_cast<int>(row % 6))
                : "humanoid/" + dof_name(humanoid, static_cast<int>(row));
-    return std::vector<std::string>{name, value, of, "humanoid/" + dof_name(humanoid, static_cast<int>(column))};
+    return std::vector<std::string>{name, value, within, of,
+                                    "humanoid/" + dof_name(humanoid, static_cast<int>(column))};
   };
   std::vector<std::vector<std::string>> found;
   std::istringstream lines(outcome.out);
@@ -216,8 +219,21 @@ TEST_F(Solve, SummaryNamesTheLargestDerivatives) {
     std::istringstream words(line);
     found.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
   }
-  for (const auto& line : {line_of("da/dq", d.da_dq, false), line_of("df/dq", d.dforces_dq, true)})
+  for (const auto& line :
+       {line_of("da/dq", d.da_dq, error.da_dq, false), line_of("df/dq", d.dforces_dq, error.dforces_dq, true)})
     EXPECT_NE(std::find(found.begin(), found.end(), line), found.end()) << line[0] << ' ' << line[1] << ' ' << line[2];
+}
+
+// Two contacts a nanometre apart: the values are told, and that their derivatives may be nothing but rounding.
+TEST_F(Solve, DerivativesThatAreRoundingAreTold) {
+  const std::string path = scene(R"(<robot name="a" urdf="box.urdf" base="floating" xyz="0 0 1"/>
+    <contact type="3d" name="one" frame="a/crate" offset="0.1 0.1 0"/>
+    <contact type="3d" name="two" frame="a/crate" offset="0.1 0.1 1e-9"/>)");
+  EXPECT_NE(run({"solve", path, "--derivatives"}).out.find("da/dq, df/dq of some island may be all rounding"),
+            std::string::npos);
+  const nlohmann::json errors = solve({path, "--derivatives"})["derivative_errors"];
+  EXPECT_GE(errors["da_dq"], 1);
+  EXPECT_EQ(errors.size(), 6U);
 }
 
 TEST_F(Solve, SummariesFitTheScreen) {

@@ -1,4 +1,4 @@
-// The derivatives in the summary: how long they took, and the largest entry of each matrix.
+// The derivatives in the summary: how long they took, and of each matrix the largest entry and the error bound.
 
 #include <cmath>
 
@@ -28,12 +28,14 @@ Names names_of(const Scene& scene, const Island& island) {
 }
 
 struct Largest {
-  double value = 0;
+  double value = 0, error = 0;  // that entry; the largest error bound of an island's
   std::string row, column;
 
   template <class Block>
-  void look(const Block& block, const std::vector<std::string>& rows, const std::vector<std::string>& columns) {
+  void look(const Block& block, double bound, const std::vector<std::string>& rows,
+            const std::vector<std::string>& columns) {
     if (block.size() == 0) return;
+    error = std::max(error, bound);
     Eigen::Index i, j;
     const double largest = block.cwiseAbs().maxCoeff(&i, &j);
     if (!(largest > std::abs(value))) return;
@@ -56,27 +58,38 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     if (s.data.report.islands[i].status == Status::kFailed) continue;
     const Names n = names_of(s.file.scene, island_of(s.data, i));
     const IslandDerivatives& d = dd.islands[i];
+    const DerivativeBounds& of = s.derivative_errors[i];
     if (d.X.hasNaN()) {
       ++unknown;
       continue;
     }
-    a[0].look(d.da_dq(), n.v, n.v);
-    a[1].look(d.da_dv(), n.v, n.v);
-    a[2].look(d.da_du(), n.v, n.u);
-    f[0].look(d.dforces_dq(), n.f, n.v);
-    f[1].look(d.dforces_dv(), n.f, n.v);
-    f[2].look(d.dforces_du(), n.f, n.u);
+    a[0].look(d.da_dq(), of.da_dq, n.v, n.v);
+    a[1].look(d.da_dv(), of.da_dv, n.v, n.v);
+    a[2].look(d.da_du(), of.da_du, n.v, n.u);
+    f[0].look(d.dforces_dq(), of.dforces_dq, n.f, n.v);
+    f[1].look(d.dforces_dv(), of.dforces_dv, n.f, n.v);
+    f[2].look(d.dforces_du(), of.dforces_du, n.f, n.u);
   }
-  Table table({{"of", Table::kLeft}, {"entry"}, {"row", Table::kLeft, 36}, {"column", Table::kLeft, 36}});
+  Table table(
+      {{"of", Table::kLeft}, {"entry"}, {"relative error"}, {"row", Table::kLeft, 36}, {"column", Table::kLeft, 36}});
   const char* by[] = {"dq", "dv", "du"};
-  for (int k = 0; k < 3; ++k)
-    if (!a[k].row.empty()) table.add({std::string("da/") + by[k], number(a[k].value, 4), a[k].row, a[k].column});
-  for (int k = 0; k < 3; ++k)
-    if (!f[k].row.empty()) table.add({std::string("df/") + by[k], number(f[k].value, 4), f[k].row, f[k].column});
+  std::string rounding;
+  const auto add = [&](const char* of, const Largest& x, const char* by) {
+    const std::string name = std::string(of) + by;
+    if (x.row.empty()) return;
+    table.add({name, number(x.value, 4), std::isfinite(x.error) ? number(x.error, 2) : "-", x.row, x.column});
+    if (x.error >= 1 && std::isfinite(x.error)) rounding += (rounding.empty() ? "" : ", ") + name;
+  };
+  for (int k = 0; k < 3; ++k) add("da/", a[k], by[k]);
+  for (int k = 0; k < 3; ++k) add("df/", f[k], by[k]);
   if (!table.empty())
     table.print(out);
   else if (unknown == 0)
     out << "  none: every island failed\n";
+  if (!rounding.empty())
+    wrap(out,
+         rounding + " of some island may be all rounding: K is too near singular for them (error bounds of 1 or more)",
+         2);
   const auto& changes = s.findings.rank_changes;
   for (std::size_t k = 0; k < changes.size() && k < 2; ++k)
     wrap(out,

@@ -81,6 +81,20 @@ Json report(const SolvedScene& s) {
           {"island_list", list}};
 }
 
+// Of all islands; null: not known.
+Json largest_of(const std::vector<DerivativeBounds>& errors) {
+  DerivativeBounds most;
+  Json out;
+  const auto add = [&](const char* name, double DerivativeBounds::*of) {
+    for (const DerivativeBounds& x : errors) most.*of = std::max(most.*of, x.*of);
+    out[name] = std::isfinite(most.*of) ? Json(most.*of) : Json(nullptr);
+  };
+  add("da_dq", &DerivativeBounds::da_dq), add("da_dv", &DerivativeBounds::da_dv);
+  add("da_du", &DerivativeBounds::da_du), add("dforces_dq", &DerivativeBounds::dforces_dq);
+  add("dforces_dv", &DerivativeBounds::dforces_dv), add("dforces_du", &DerivativeBounds::dforces_du);
+  return out;
+}
+
 Json document(const SolvedScene& s) {
   Json json = {{"scene", s.file.scene.name},
                {"velocity_names", velocity_names(s.file.scene)},
@@ -97,6 +111,7 @@ Json document(const SolvedScene& s) {
     json["dforces_dq"] = matrix(d.dforces_dq);
     json["dforces_dv"] = matrix(d.dforces_dv);
     json["dforces_du"] = matrix(d.dforces_du);
+    json["derivative_errors"] = largest_of(s.derivative_errors);
     if (!s.file.scene.pushes.empty()) {
       json["push_names"] = push_names(s.file.scene);
       json["da_dw"] = matrix(d.da_dw);

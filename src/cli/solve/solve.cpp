@@ -125,6 +125,7 @@ SolvedScene solve_scene(const SceneFile& file, const Options& options, int repea
     const auto again = [&] { (void)differentiate(scene, s.data, request); };
     again();
     time.derivatives = median_time(repeat, again);
+    s.derivative_errors = estimate_derivative_errors(scene, s.data);
   }
   s.time = time;
   estimate_condition(scene, s.data);

@@ -24,7 +24,8 @@ struct SolvedScene {
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
-  bool derivatives = false;  // derivatives(data) are there
+  bool derivatives = false;                              // derivatives(data) are there
+  std::vector<DerivativeBounds> derivative_errors = {};  // ... and of each island, or empty
   Findings findings = {};
   std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
   bool compare = false;           // against the dense oracle, however long it takes
