@@ -310,6 +310,40 @@ TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   }
 }
 
+// The same along a limb, where rows on one body are found to depend: those kept on the next are judged beside what the
+// small pivot is wrong by.
+TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
+  const TemporaryFolder folder;
+  LinksFile links(1, 0.1);
+  links.add(0, "xyz=\"0.3 0 0\"", "1 0 0");
+  links.add(1, "xyz=\"0.04 -0.7 0.45\"", "0 1 0");
+  links.add(2, "xyz=\"0.3 0.1 0\"", "0.6 0 0.8");
+  links.add(3, "xyz=\"0.2 0 0.3\"", "0 0.6 0.8");
+  (void)folder.write("r.urdf", links.text());
+  const auto up = [](const char* name, const char* at) {
+    return "<contact name=\"" + std::string(name) +
+           "\" type=\"1d\" axis=\"0 0 1\" reference_frame=\"world\" frame=\"r/" + at + "/>";
+  };
+  SceneFile file = load_scene(
+      folder.write("scene.xml",
+                   "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"/>"
+                   "<contact name=\"a\" type=\"5d\" axis=\"1 0 0\" frame=\"r/l3\" offset=\"-0.2 -0.3 0.07\"/>"
+                   "<contact name=\"b\" type=\"5d\" axis=\"1 0 0\" frame=\"r/l3\" offset=\"-0.2 -0.30001 0.07\"/>" +
+                       up("c", "l4\" offset=\"-0.3 -0.04 0.2\"") + up("d", "l4\" offset=\"-0.3 -0.04 0.2001\"") +
+                       up("e", "l3\"") + "</scene>"));
+  std::mt19937 rng(45);
+  for (int k = 0; k < 20; ++k) {
+    Eigen::VectorXd q(file.scene.nq);
+    integrate<double>(*file.scene.robots[0].model, file.q, random_vector(file.scene.nv, rng, 1), q);
+    SceneFile posed = file;
+    posed.q = q;
+    resolve_references(posed.scene, posed.q);
+    const int rank = Solved(posed, Method::kDense).report().rank;
+    for (Method method : methods_for_dependent_rows())
+      EXPECT_EQ(Solved(posed, method).report().rank, rank) << to_string(method);
+  }
+}
+
 // Millimetres beside metres: what a short lever leaves of a row is as good as a long one's.
 TEST(Rank, DoesNotDependOnUnits) {
   for (const char* y : {"1", "1e-3", "1e-5"}) {

@@ -19,6 +19,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   Dinv.resize(s.D_first.back());
   count.resize(s.nodes);
   eliminated.resize(s.nodes);
+  least_kept.resize(s.nodes);
   row_first.resize(s.nodes);
   joint_first.resize(s.nodes);
   square_first.resize(s.nodes);
@@ -197,9 +198,14 @@ double compliance(const V6& G, const V6& inverse) {
 
 // Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
 // rounding of what they took away grows with its square; what joints gave the row, with the spread of their inertias.
-double least_left(const BodyLdl& d, int row) {
+// Where rows are dropped those kept must be plainly apart from them: what a small pivot is wrong by is as much larger
+// in those after it (kkt/factor/pivots.hpp); least: the smallest part left of those before. (Elsewhere loops along a
+// chain leave less and less, and are right.)
+double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
-  return std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft, 1e-5);
+  const double own =
+      std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft, 1e-5);
+  return d.found.empty() ? own : std::max(own, tolerance::kRowRounding / least);
 }
 
 // Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
@@ -213,13 +219,14 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (d.dropped[at.row[k]] || !s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > least_left(d, at.row[k]) * d.pivot_sum[at.row[k]];
+      const bool left = E > least_left(d, at.row[k], d.least_kept[i]) * d.pivot_sum[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0 || (most < tolerance::kRowMoves && complete <= kMostOpen)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
+    d.least_kept[i] = std::min(d.least_kept[i], at.e(best, best) / d.pivot_sum[at.row[best]]);
     exchange(at, s.ndof[i], done, best);
     const double inverse = 1 / at.e(done, done);
     const V6 H = at.H[done];
@@ -256,12 +263,15 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   }
   for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
   d.base_row.resize(at.m);
+  double least = 1;
+  for (int i = 0; i < s.nodes; i = s.end[i]) least = std::min(least, d.least_kept[i]);
   for (int done = 0; done < at.m; ++done) {
     int best = done;
     double most = -1;
     for (int k = done; k < at.m; ++k)
       if (const double ratio = at.e(k, k) / d.pivot_sum[at.row[k]]; ratio > most) most = ratio, best = k;
-    if (!(most > least_left(d, at.row[best]))) return false;
+    if (!(most > least_left(d, at.row[best], least))) return false;
+    least = std::min(least, most);
     std::swap(at.row[done], at.row[best]);
     for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
     for (int k = 0; k < at.m; ++k) std::swap(at.e(k, done), at.e(k, best));
@@ -282,7 +292,7 @@ template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
   if (!s.complete(row, i) || (s.A[row] >= 0 && s.B[row] >= 0)) return false;
-  if (at.e(k, k) > least_left(d, row) * d.pivot_sum[row]) return false;
+  if (at.e(k, k) > least_left(d, row, d.least_kept[i]) * d.pivot_sum[row]) return false;
   const V6& G = at.G[k];
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
@@ -341,7 +351,9 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
   for (int i = s.nodes - 1; i >= 0; --i) {
     if (s.end[i] == i + 1) set(system.Y[i], d.P[i]);
     V6 size = diagonal_of(system.Y[i]);
+    d.least_kept[i] = 1;
     for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
+      d.least_kept[i] = std::min(d.least_kept[i], d.least_kept[child]);
       const M6& C = d.P[child];
       const double lever = system.r[child].squaredNorm() * C.diagonal().head<3>().sum();
       size.head<3>() += C.diagonal().head<3>();
