@@ -142,6 +142,7 @@ class RobotBlock {
   S backward_error();
   S residual(Mask same_sizes);
   void refine();
+  Mask plainly_damped(double damping) const;
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
   // of rows that depend on each other
   void size_rows(const Scene& scene, Robots robots);
@@ -595,7 +596,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   const Mask safe =
       growth.terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * growth.diagonal;
   const S factor = select(growth.diagonal > S(0), growth.terms / growth.diagonal, S(1));
-  const Mask sound = usable_ & (factor <= S(std::numeric_limits<double>::max()));
+  const Mask sound = usable_ & (factor <= S(std::numeric_limits<double>::max())) & plainly_damped(job.scene.damping);
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
@@ -609,6 +610,20 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
     answer.residual_contact = contact.ratio(lane);
     scatter(job.scene, job.f_offset, robots[l], lane, job.a, job.f);
   }
+}
+
+/// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads.
+template <class S>
+typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
+  if (!(damping > 0)) return all();
+  S scale(0), force(0);
+  for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    if (i >= pattern_.nv) scale = larger(scale_[k], scale);
+    force = larger(i < pattern_.nv ? S(1e-3) * abs(n_.b[k]) : abs(n_.x[k]), force);
+  }
+  constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
+  return S(kRounding) * scale <= S(tolerance::kInDoubt * damping) * force;
 }
 
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------

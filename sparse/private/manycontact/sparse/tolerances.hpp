@@ -141,6 +141,11 @@ inline constexpr double kNormEstimate = 3;
 /// Used by: estimate_errors.
 inline constexpr int kBoundRounding = 12;
 
+/// Of an answer: what rounding of the terms of one equation (kBoundRounding eps), over its own inertia or damping, may
+/// change before its bounds are looked at.
+/// Used by: solves of the whole K, and of damped islands in lanes, which leave the looking to it.
+inline constexpr double kInDoubt = 0.01;
+
 // ---- choosing -------------------------------------------------------------------------------------------------
 
 /// Another order is taken when its predicted cost is below this part of the present one's: predictions are no better,

@@ -148,9 +148,19 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
 
 bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, IslandReport& report) {
   if (!make_current(scene, data)) return false;
-  report.condition =
-      sparse::inverse_norm_1(owner.island.size(), [&](double* x) { internal::multiply_bodies(factor.system, x); }) *
-      internal::inverse_norm(owner.island.size(), [this](double* x) { factor.solve(x); });
+  const int n = owner.island.size();
+  const auto multiply = [&](double* x) { internal::multiply_bodies(factor.system, x); };
+  std::vector<double> b(n), r(n);
+  const auto solve = [&](double* x) {  // refined once, as MatrixSystem's
+    std::copy_n(x, n, b.data());
+    factor.solve(x);
+    std::copy_n(x, n, r.data());
+    multiply(r.data());
+    for (int k = 0; k < n; ++k) r[k] = b[k] - r[k];
+    factor.solve(r.data());
+    for (int k = 0; k < n; ++k) x[k] += r[k];
+  };
+  report.condition = sparse::inverse_norm_1(n, multiply) * internal::inverse_norm(n, solve);
   return true;
 }
 

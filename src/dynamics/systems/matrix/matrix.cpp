@@ -75,10 +75,10 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether rounding of the terms of one equation alone may change its own unknown by a hundredth of what acts: an
-// inertia or a damping next to nothing beside terms that cancel. Few are; their bounds tell.
+// Whether rounding of the terms of one equation alone may change its own unknown by a part of what acts: an inertia or
+// a damping next to nothing beside terms that cancel. Few are; their bounds tell.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
-  constexpr double kPart = 0.01 / (tolerance::kBoundRounding * std::numeric_limits<double>::epsilon());
+  constexpr double kPart = tolerance::kInDoubt / (tolerance::kBoundRounding * std::numeric_limits<double>::epsilon());
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
   for (int k = 0; k < p.size(); ++k) {

@@ -81,9 +81,10 @@ bool grows_too_much(const Factor& factor) {
 // |r| beside |K|_1 |x| + |b|, as refine_panel has it of a column. Overwrites v.scale.
 double normwise_error(const MatrixSystem& m, KktVectors& v) {
   const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
+  const bool dependent = m.deficient();  // then r has in it what least squares leave
   double r = 0, x = 0, b = 0;
   for (std::size_t k = 0; k < v.x.size(); ++k) {
-    r = sparse::larger_or_nan(r, std::abs(v.r[k]));
+    r = sparse::larger_or_nan(r, std::abs(dependent ? v.r[k] - v.null_component[k] : v.r[k]));
     x = std::max(x, std::abs(v.x[k]));
     b = std::max(b, std::abs(v.b[k]));
   }
@@ -103,16 +104,16 @@ bool needs_no_refinement(MatrixSystem& m) {
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// Where rows depend and entries grow, norms hide what is lost in small entries: columns one by one, each row of them
-// judged. False where one cannot be believed.
+// Where rows depend and entries grow, norms hide what is lost in small entries: columns one by one, refined until each
+// of their rows is as good as the solve's, or no better. False where one cannot be believed.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());
   for (int c = 0; c < ld; ++c) {
     for (int k = 0; k < p.size(); ++k) v.b[k] = X[static_cast<std::ptrdiff_t>(p.perm[k]) * ld + c];
     if (std::all_of(v.b.begin(), v.b.end(), [](double b) { return b == 0; })) continue;
-    if (!(solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps).backward_error <= tolerance::kConverged))
-      return false;
+    (void)solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
+    if (!(normwise_error(m, v) <= tolerance::kConverged)) return false;
     for (int k = 0; k < p.size(); ++k) X[static_cast<std::ptrdiff_t>(p.perm[k]) * ld + c] = v.x[k];
   }
   return true;
@@ -127,7 +128,9 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, size);
   reserve(work.R, size);
-  if (m.deficient() && m.factor->own_refinements() == 0 && grows_too_much(*m.factor))
+  constexpr int kFewRows = 400;  // of K: beyond, so many solves would take many times as long as a panel
+  if (m.deficient() && m.factor->own_refinements() == 0 && grows_too_much(*m.factor) &&
+      m.owner.island.size() < kFewRows)
     return solve_one_by_one(m, X, ld, work.column);
   if (m.factor->panel_is_like_solve() && !grows_too_much(*m.factor)) {
     solve(!needs_no_refinement(m));
@@ -156,10 +159,9 @@ bool solve_columns(MatrixSystem& m, double* X, int ld, PanelWork& work) {
 
 bool solve_vector(MatrixSystem& m, KktVectors& v) {
   const bool judged = m.factor->own_refinements() == 0 && grows_too_much(*m.factor);
-  const bool each_row = judged && m.deficient();  // as solve_one_by_one
-  const int steps = each_row ? tolerance::kRefinementSteps : judged ? tolerance::kPanelSteps - 1 : 1;
-  const sparse::Refinement refinement = solve_refined(*m.factor, m.K, v, steps);
-  if (!judged || (each_row ? refinement.backward_error : normwise_error(m, v)) <= tolerance::kConverged) return true;
+  const int steps = !judged ? 1 : m.deficient() ? tolerance::kRefinementSteps : tolerance::kPanelSteps - 1;
+  (void)solve_refined(*m.factor, m.K, v, steps);
+  if (!judged || normwise_error(m, v) <= tolerance::kConverged) return true;
   std::fill(v.x.begin(), v.x.end(), std::numeric_limits<double>::quiet_NaN());
   return false;
 }

@@ -237,6 +237,18 @@ void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
     for (int i = 0; i < coupling.rows; ++i) job.f[job.f_offset[coupling.contact] + i] = -s.y[coupling.row + i];
 }
 
+// As RobotBlock::plainly_damped.
+bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSystem& s) {
+  if (scene.damping == 0) return true;
+  double force = 0;
+  each_force_block(scene, data.f_offset, s.owner.island, [&](int first, int, int n) {
+    force = std::max(force, data.f.segment(first, n).cwiseAbs().maxCoeff());
+  });
+  for (const Member& m : s.members) force = std::max(force, 1e-3 * m.scale[0]);
+  constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
+  return kRounding * largest_of(s).scale[1] <= tolerance::kInDoubt * scene.damping * force;
+}
+
 // x = K^-1 b, refined.
 sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, RobotsSystem& s) {
   std::fill(s.y.begin(), s.y.end(), 0.0);
@@ -381,6 +393,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
   if (!sound) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);
+  if (!internal::plainly_damped(scene, data, *this)) return sound = false;
   if (drops)
     internal::each_batch(
         w, *this, [](internal::Kernel& kernel, std::span<Robot> of_batch, internal::Memory memory_of, ThreadWork&) {
