@@ -73,19 +73,26 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
 namespace {
 
 // residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
+// Entries are zero but for those touched.
 double dependence_residual(const UpperCsc& K, const double* Kx, std::span<const char> of_M, const double* row_scale,
-                           const DependentRows& rows, std::vector<double>& residual) {
-  std::fill(residual.begin(), residual.end(), 0.0);
+                           DependentRows& rows) {
+  std::vector<double>& residual = rows.residual;
+  for (int i : rows.touched) residual[i] = 0;
+  rows.touched.clear();
   double size = 0;
   for (int p = rows.Np[rows.Np.size() - 2]; p < rows.Np.back(); ++p) {
     const int k = rows.Ni[p];
+    const auto add = [&](int column, double entry) {
+      residual[column] += rows.Nx[p] * entry;
+      rows.touched.push_back(column);
+    };
     size = std::max(size, std::abs(rows.Nx[p]) * row_scale[k]);
     for (int q = K.p[k]; q < K.p[k + 1]; ++q)
-      if (of_M[K.i[q]]) residual[K.i[q]] += rows.Nx[p] * Kx[q];
-    for (int q = rows.Jp[k]; q < rows.Jp[k + 1]; q += 2) residual[rows.Ji[q + 1]] += rows.Nx[p] * Kx[rows.Ji[q]];
+      if (of_M[K.i[q]]) add(K.i[q], Kx[q]);
+    for (int q = rows.Jp[k]; q < rows.Jp[k + 1]; q += 2) add(rows.Ji[q + 1], Kx[rows.Ji[q]]);
   }
   double largest = 0;
-  for (double r : residual) largest = larger_or_nan(largest, std::abs(r));
+  for (int i : rows.touched) largest = larger_or_nan(largest, std::abs(residual[i]));
   return largest == 0 ? 0 : largest / size;
 }
 
@@ -117,12 +124,23 @@ void take_later_entries(const UpperCsc& K, std::span<const char> of_M, Dependent
 void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k, DependentRows& rows) {
   const bool M_first = rows.Ji.empty();
   double* x = rows.x.data();
+  std::vector<int>& open = rows.open;  // a heap of the rows that x has entries in: the last comes first
+  const auto add = [&](int j, double entry) {
+    x[j] += entry;
+    if (rows.is_open[j]) return;
+    rows.is_open[j] = 1;
+    open.push_back(j);
+    std::push_heap(open.begin(), open.end());
+  };
   for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
-    if (!of_M[s.Rj[p]]) x[s.Rj[p]] = Lx[s.Rk[p]];
+    if (!of_M[s.Rj[p]]) add(s.Rj[p], Lx[s.Rk[p]]);
   rows.Ni.push_back(k);
   rows.Nx.push_back(1);
-  for (int j = k - 1; j >= 0; --j) {
-    if (of_M[j]) continue;
+  while (!open.empty()) {
+    std::pop_heap(open.begin(), open.end());
+    const int j = open.back();
+    open.pop_back();
+    rows.is_open[j] = 0;
     const double xj = x[j];
     x[j] = 0;
     if (std::abs(xj) <= tolerance::kNullEntry) continue;
@@ -130,7 +148,7 @@ void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double*
     rows.Nx.push_back(-xj);
     for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
       if (!of_M[s.Rj[p]])
-        x[s.Rj[p]] -= Lx[s.Rk[p]] * xj;
+        add(s.Rj[p], -Lx[s.Rk[p]] * xj);
       else if (M_first)
         break;
     }
@@ -362,6 +380,10 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.Nx.clear();
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(s.n, 0.0);
+  rows.touched.clear();
+  rows.touched.reserve(K.nonzeros());  // what is used varies with rounding, and memory must not
+  rows.open.reserve(s.n);
+  rows.is_open.assign(s.n, 0);
   take_later_entries(K, of_M, rows);
   rows.largest_residual = 0;
   for (int k : rows.dropped) {
@@ -369,14 +391,14 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
       rows.Ni.push_back(k);
       rows.Nx.push_back(1);
       rows.Np.push_back(static_cast<int>(rows.Ni.size()));
-      (void)dependence_residual(K, Kx, of_M, row_scale, rows, rows.residual);  // J_k
+      (void)dependence_residual(K, Kx, of_M, row_scale, rows);  // J_k
       refine_column(s, of_M, Lx, D, rows);
     } else {
       null_column(s, of_M, Lx, k, rows);
     }
     const Refinement refinement = refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
-        [&] { return dependence_residual(K, Kx, of_M, row_scale, rows, rows.residual); },
+        [&] { return dependence_residual(K, Kx, of_M, row_scale, rows); },
         [&] { refine_column(s, of_M, Lx, D, rows); });
     rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
   }

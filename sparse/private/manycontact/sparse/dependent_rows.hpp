@@ -51,7 +51,8 @@ struct DependentRows {
 
   // scratch
   std::vector<double> inverse, noise, x, residual, panel, t;
-  std::vector<int> owner;
+  std::vector<int> owner, touched, open;
+  std::vector<char> is_open;
   std::vector<int> Jp, Ji;  // of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
 };
 

@@ -57,7 +57,7 @@ template <class Solve>
 bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
                           Solve&& solve) {
   const bool answered = solve();
-  const int depend = m.factor ? report.nc - report.rank : 0;
+  const int depend = m.factor ? m.owner.island.nc - m.factor->rank() : 0;
   if (depend >= m.owner.depended || m.tolerated > 0) return answered;
   m.tolerated = m.within.make_dependent(scene, *data.workspace, m.owner);
   if (m.tolerated == 0) return answered;
