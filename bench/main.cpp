@@ -107,7 +107,8 @@ std::map<std::string, std::string> machine() {
 
 // Google Benchmark's options, ours before those of the command line, which win.
 void initialize(int argc, char** argv) {
-  std::vector<std::string> words = {argv[0], "--benchmark_repetitions=3", "--benchmark_min_time=0.1"};
+  static std::vector<std::string> words;  // Google Benchmark writes argv[0] into its files, later
+  words = {argv[0], "--benchmark_repetitions=3", "--benchmark_min_time=0.1"};
   if (settings().quick)
     words = {argv[0], "--benchmark_repetitions=2", "--benchmark_min_time=0.03",
              "--benchmark_filter=^(parts|sweep|lanes/[a-z0-9]+/256)/"};

@@ -116,8 +116,8 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   if (postures.empty())  // the last one's legs are nearly straight
     for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
       postures.push_back(numbers_at(scene, island, support, mean, most, 3));
-  // Of K's entries: a third of the digits. A hub sums up what all its contacts add, ten of them in the place of one.
-  const double most_growth = 1e6 * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
+  // A hub sums up what all its contacts add, ten of them in the place of one.
+  const double most_growth = tolerance::kMostGrowth * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
   const std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);  // once: without a schedule
@@ -135,7 +135,9 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  constexpr double kSounder[] = {tolerance::kDistinct, 3e-3, 1e-2, 3e-2, 1e-1};  // the last one whatever comes of it
+  // The last one whatever comes of it. Of many contacts few are in the way, and all would wait for the next.
+  constexpr double kSounder[] = {tolerance::kDistinct, 3e-3, 1e-2, 3e-2, 1e-1};
+  const bool many = island.contacts.size() > 100;
   const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
@@ -150,6 +152,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   std::vector<Numbers> postures;  // made when first asked for
   std::vector<int> perm;
   for (const double distinct : kSounder) {
+    if (!many && distinct > kSounder[0] && distinct < kSounder[3]) continue;
     perm = with_contacts(scene, island, support, J, robots, distinct);
     double least = cost(K, perm);
     if (by_degree != robots) {

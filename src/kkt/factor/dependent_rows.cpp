@@ -116,8 +116,8 @@ class DependentRowsFactor final : public Factor {
   // judged by the norms of their columns, beside which small numbers are lost.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
     if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
-    constexpr double kEps = std::numeric_limits<double>::epsilon(), kMostGrowth = 1e6;  // of a hub of many contacts
-    const double most = std::max(std::min(growth_, kMostGrowth), tolerance::kConverged / kEps);
+    constexpr double kEps = std::numeric_limits<double>::epsilon();
+    const double most = std::max(std::min(growth_, tolerance::kMostGrowth), tolerance::kConverged / kEps);
     factorize_kept(K, scratch);
     if (!kept_are_sound(K, scratch.scale, 1)) return false;
     growth_ = growth(K, scratch.scale);

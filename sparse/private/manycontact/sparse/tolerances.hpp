@@ -95,6 +95,11 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 /// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
 inline constexpr double kConverged = 1e-12;
 
+/// Growth of K's entries, a third of the digits: one refinement brings its square, which is below eps. Beyond, orders
+/// and factors are not taken, panels are judged by their own residuals.
+/// Used by: contacts-early, rows exchanged, solve_panel.
+inline constexpr double kMostGrowth = 1e6;
+
 /// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that
 /// is more, the bound that the factor gives for every column: derivatives are allowed 1000 eps cond(K) = 2.2e-13
 /// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, lanes.

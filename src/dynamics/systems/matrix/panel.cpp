@@ -136,6 +136,10 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
     solve(!needs_no_refinement(m));
     return true;
   }
+  if (m.factor->panel_is_like_solve() && !m.deficient() && m.factor->growth() <= tolerance::kMostGrowth) {
+    solve(true);
+    return true;
+  }
   std::copy_n(X, size, work.B.data());
   solve(false);
   return m.factor->own_refinements() > 0 || refine_panel(*m.factor, m.K, X, ld, work) <= tolerance::kConverged;

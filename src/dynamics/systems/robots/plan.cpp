@@ -202,6 +202,25 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   return out;
 }
 
+// The same leaf-to-root where contacts-early was chosen: that costs a little more, but lets entries grow so much less
+// that derivatives robot by robot are sound, which take a quarter of the whole K's. Where no robot is joined by more
+// rows than it has coordinates: of hubs they are not cheaper.
+std::unique_ptr<RobotsSystem> join_leaf_to_root(Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> robots) {
+  if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;
+  for (std::size_t k = 0; k < robots->robots.size(); ++k)
+    if (static_cast<int>(robots->interface->robots[k].interface_rows.size()) > d.shape->scene().robots[k].model->nv)
+      return robots;
+  const double most = tolerance::kCheaper * cost_of_choice(d);
+  d.choice.order = Order::kLeafToRoot;
+  std::unique_ptr<RobotsSystem> other = join_robots(w, d);
+  if (other && cost_joined(*other, w.lanes.level->width) < most) {
+    other->solves = true;
+    return other;
+  }
+  d.choice.order = Order::kContactsEarly;
+  return robots;
+}
+
 void take_memory(RobotsSystem& system) {
   const std::size_t rows = system.interface->row.size(), robots = system.robots.size();
   system.Sx.resize(system.interface->S.nonzeros());
@@ -290,7 +309,7 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     if (!d.planned) {
       if (alone) d.alone.group = group_of_alone(w, d);
       if (!alone && may_be_cheaper(d)) {
-        std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
+        std::unique_ptr<RobotsSystem> robots = join_leaf_to_root(w, d, join_robots(w, d));
         if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
       }
       d.planned = true;
