@@ -251,6 +251,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   });
   double error = 0;
   for (const OfRobot& r : by.robots) error = sparse::larger_or_nan(error, r.error);
+  sample.robots_error = error;
   for (std::size_t s = 0; s < sample.column.size(); ++s) {
     for (std::size_t k = 0; k < by.robots.size(); ++k)
       std::copy_n(by.robots[k].left.data() + 2 * s * by.robots[k].join.size(), 2 * by.robots[k].join.size(),
@@ -348,7 +349,9 @@ bool RobotsSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
   if (!make_current(scene, data, *this)) return false;
   if (!(growth() * std::numeric_limits<double>::epsilon() <= tolerance::kConverged)) return false;
   const bool refined = first_error > tolerance::kRefinePanel;
-  if (!solve_robots(scene, data, *this, refined, out) && (refined || !solve_robots(scene, data, *this, true, out)))
+  if (!solve_robots(scene, data, *this, refined, out) &&
+      (refined || derivatives->sample.robots_error <= tolerance::kPanelRefined ||
+       !solve_robots(scene, data, *this, true, out)))
     return false;
 
   AlignedPanel& X = out.X;

@@ -64,7 +64,8 @@ struct RobotsDerivatives {
   struct Sample {               // a column of each robot's, to be judged with the island's K
     std::vector<int> column;    // of X
     AlignedPanel X;
-    std::vector<double> b;  // of the interface rows, column after column
+    std::vector<double> b;    // of the interface rows, column after column
+    double robots_error = 0;  // of the robots' rows; those of the interface are not refined
   } sample;
   struct Buffers {              // of a thread
     std::vector<double> work;   // of a solve with S
