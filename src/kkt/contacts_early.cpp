@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/integrate.hpp"
@@ -120,13 +121,18 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   const double most_growth = tolerance::kMostGrowth * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  const std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);  // once: without a schedule
+  // Once: without a schedule. Rows that depend on others in the first posture do so anywhere, and are dropped.
+  std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
+  bool first = true;
   return std::all_of(postures.begin(), postures.end(), [&](const Numbers& numbers) {
     std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
     for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
     assemble(M, J, 0, matrix);
-    return factor->factorize(matrix, scratch) == Reason::kNone && factor->growth() < most_growth;
+    Reason reason = factor->factorize(matrix, scratch);
+    if (std::exchange(first, false) && reason != Reason::kNone)
+      factor = make_dependent_rows_factor(), reason = factor->factorize(matrix, scratch);
+    return reason == Reason::kNone && factor->growth() < most_growth;
   });
 }
 

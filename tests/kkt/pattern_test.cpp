@@ -245,6 +245,17 @@ TEST(ContactsEarly, AHubGoesLastWhereverItStands) {
   EXPECT_LE(twice.flops, 2.2 * first.flops);
 }
 
+// Legs enough for one to be in a poor posture wherever one looks, and for what all add to the hub: few contacts wait.
+TEST(ContactsEarly, HundredsHoldAHub) {
+  const auto counts = [](int robots) {
+    const RandomScene s = star(robots, true);
+    const std::vector<Island> islands = find_islands(s.scene, active_flags(s.scene));
+    IslandShape shape(s.scene, islands[0]);
+    return shape.counts(Order::kContactsEarly);
+  };
+  EXPECT_LE(counts(320).nonzeros, 8.5 * counts(40).nonzeros);
+}
+
 // A contact at the origin of the last joint, which does not move it but for rounding.
 TEST(ContactsEarly, RoundingMovesNothing) {
   std::mt19937 rng(8);
