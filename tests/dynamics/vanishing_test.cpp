@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -12,7 +11,6 @@
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
-#include "support/scenes.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -236,27 +234,6 @@ TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
   EXPECT_NE(report.reason, Reason::kNone);
   EXPECT_EQ(early.a, last.a);
   EXPECT_EQ(early.f, last.f);
-}
-
-// Boxes joined by hinges fall: across gravity all accelerations and forces are rounding, beside which nothing is to be
-// right. The oracle is not asked.
-TEST(Vanishing, WhatFallsIsJudgedBesideGravity) {
-  SceneFile file = load_text(R"(<scene name="falling">
-    <robot name="b" urdf="box.urdf" base="floating" xyz="0 0 1" copies="60" arrange="line" spacing="0.5"/>
-    <contact name="hinge" type="5d" frame="b/crate" to="b+1/crate" offset="0.25 0 0"/></scene>)");
-  SceneData data(file.scene, {Method::kSparseLdl, {}});
-  for (int step = 0; step < 6; ++step) {
-    (void)solve(file.scene, file.q, file.v, file.u, data);
-    ASSERT_EQ(data.report.islands.size(), 1U);
-    EXPECT_EQ(data.report.status, Status::kOk) << step;
-    EXPECT_EQ(data.report.islands[0].method, Method::kSparseLdl) << step;
-    EXPECT_LE(data.report.backward_error, 1e-12) << step;
-    for (int k = 0; k < file.scene.nv; k += 6) EXPECT_NEAR(data.a[k + 2], -9.81, 1e-12) << step;
-    file.v += 1e-4 * data.a;
-    Eigen::VectorXd q(file.scene.nq);
-    integrate(file.scene, file.q, 1e-4 * file.v, q);
-    file.q = q;
-  }
 }
 
 TEST(Vanishing, ARobotWithoutJointsIsSolvedAndDifferentiated) {
