@@ -69,9 +69,11 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
 }
 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
-// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows.
+// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in postures in
+// all of which that must hold.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
-                               const std::vector<Eigen::MatrixXd>& J, const std::vector<int>& robots, double distinct) {
+                               const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
+                               double distinct) {
   const int ncontacts = static_cast<int>(island.contacts.size());
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
   for (int c = 0; c < ncontacts; ++c)
@@ -91,12 +93,17 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       std::vector<int> available;  // columns of J
       for (std::size_t k = 0; k < support.columns[c].size(); ++k)
         if (eliminated[support.columns[c][k]] && !used[support.columns[c][k]]) available.push_back(static_cast<int>(k));
-      const Eigen::Index rows = J[c].rows();
+      const Eigen::Index rows = J.front()[c].rows();
       if (static_cast<Eigen::Index>(available.size()) < rows) continue;
-      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J[c](Eigen::all, available));
-      if (!(std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct)) continue;
-      for (Eigen::Index k = 0; k < rows; ++k)
-        used[support.columns[c][available[qr.colsPermutation().indices()[k]]]] = 1;
+      std::vector<int> best;
+      const bool ready = std::all_of(J.begin(), J.end(), [&](const std::vector<Eigen::MatrixXd>& of_posture) {
+        const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_posture[c](Eigen::all, available));
+        for (Eigen::Index k = 0; best.size() < static_cast<std::size_t>(rows); ++k)
+          best.push_back(support.columns[c][available[qr.colsPermutation().indices()[k]]]);
+        return std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct;
+      });
+      if (!ready) continue;
+      for (int column : best) used[column] = 1;
       place(c);
     }
   };
@@ -111,12 +118,18 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
+// Of the last one legs are nearly straight.
+std::vector<Numbers> some_postures(const Scene& scene, const Island& island, const IslandSupport& support) {
+  std::vector<Numbers> out;
+  for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
+    out.push_back(numbers_at(scene, island, support, mean, most, 3));
+  return out;
+}
+
 // Whether the pivots can be believed, by far, in some postures.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
            const std::vector<int>& perm, std::vector<Numbers>& postures) {
-  if (postures.empty())  // the last one's legs are nearly straight
-    for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
-      postures.push_back(numbers_at(scene, island, support, mean, most, 3));
+  if (postures.empty()) postures = some_postures(scene, island, support);
   // A hub sums up what all its contacts add, ten of them in the place of one.
   const double most_growth = tolerance::kMostGrowth * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
@@ -141,10 +154,14 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  // The last one whatever comes of it. Of many contacts few are in the way, and all would wait for the next.
-  constexpr double kSounder[] = {tolerance::kDistinct, 3e-3, 1e-2, 3e-2, 1e-1};
-  const bool many = island.contacts.size() > 100;
-  const std::vector<Eigen::MatrixXd> J = of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J);
+  constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
+  constexpr std::size_t kMany = 100;
+  std::vector<Numbers> postures;  // made when first asked for
+  std::vector<std::vector<Eigen::MatrixXd>> J{of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J)};
+  if (island.contacts.size() > kMany) {  // some are in a poor posture wherever one looks: these wait, and not all
+    postures = some_postures(scene, island, support);
+    for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
+  }
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
@@ -155,10 +172,8 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   std::iota(natural.begin(), natural.end(), 0);
   const double most =
       tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(island, K)));
-  std::vector<Numbers> postures;  // made when first asked for
   std::vector<int> perm;
   for (const double distinct : kSounder) {
-    if (!many && distinct > kSounder[0] && distinct < kSounder[3]) continue;
     perm = with_contacts(scene, island, support, J, robots, distinct);
     double least = cost(K, perm);
     if (by_degree != robots) {

@@ -119,7 +119,7 @@ class DependentRowsFactor final : public Factor {
     constexpr double kEps = std::numeric_limits<double>::epsilon();
     const double most = std::max(std::min(growth_, tolerance::kMostGrowth), tolerance::kConverged / kEps);
     factorize_kept(K, scratch);
-    if (!kept_are_sound(K, scratch.scale, 1)) return false;
+    if (!kept_are_sound(K, scratch, 1)) return false;
     growth_ = growth(K, scratch.scale);
     if (!(growth_ <= most)) return false;
     find_null_space(K);
@@ -157,32 +157,34 @@ class DependentRowsFactor final : public Factor {
   bool drop_again(const KktMatrix& K, FactorScratch& scratch) {
     if (!ldl_.schedule || dependence_.dropped.empty()) return false;
     factorize_kept(K, scratch);
-    if (!drops_the_same(K, scratch.scale)) return false;
+    if (!drops_the_same(K, scratch)) return false;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
     find_null_space(K);
     return true;
   }
   // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
   // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
-  bool drops_the_same(const KktMatrix& K, const std::vector<double>& scale) const {
+  bool drops_the_same(const KktMatrix& K, FactorScratch& scratch) const {
     constexpr double kMargin = 10;
-    return kept_are_sound(K, scale, kMargin) &&
+    return kept_are_sound(K, scratch, kMargin) &&
            std::all_of(dependence_.dropped.begin(), dependence_.dropped.end(), [&](int k) {
              const auto [d, terms] = pivot_of(k, K.values[ldl_.pattern->K.p[k + 1] - 1]);
              return std::isfinite(terms) && !is_left(K, k, d, terms, 1 / kMargin);
            });
   }
-  bool kept_are_sound(const KktMatrix& K, const std::vector<double>& scale, double margin) const {
+  bool kept_are_sound(const KktMatrix& K, FactorScratch& scratch, double margin) const {
+    const std::vector<double>& scale = scratch.scale;
     auto dropped = dependence_.dropped.begin();
-    internal::PassedOn passed_on;
+    internal::PassedOnInTree passed_on(ldl_.pattern->ldl, scratch);
     for (int k = 0; k < K.size(); ++k) {
       if (dropped != dependence_.dropped.end() && *dropped == k) {
         ++dropped;
+        passed_on.skip(k);
         continue;
       }
       const bool of_M = of_M_[k];
       const double d = ldl_.D[k];
-      if (passed_on.next(of_M, std::abs(d) / (margin * scale[k]))) return false;
+      if (passed_on.next(k, of_M, std::abs(d) / (margin * scale[k]))) return false;
       if (!std::isfinite(scale[k]) || !is_left(K, k, d, scale[k], margin) || (d > 0) != of_M) return false;
     }
     return true;

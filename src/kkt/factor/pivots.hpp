@@ -9,31 +9,43 @@
 
 namespace manycontact::internal {
 
-/// Rows of J, damping 0: what a small pivot is wrong by is as much larger in those after it, where it may look like a
-/// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding
-/// of either. Of M's pivots alone, which small masses make small, nothing is told.
-struct PassedOn {
-  double least = 1, least_of_J = 1;  // parts left, so far
-  /// Whether the next pivot may be that.
-  bool next(bool of_M, double left) {
-    const bool lost = left * (of_M ? least_of_J : least) < tolerance::kRowRounding;
-    least = std::min(least, left);
-    if (!of_M) least_of_J = std::min(least_of_J, left);
+/// The same along an elimination tree: what a pivot is wrong by reaches its ancestors, and no others.
+class PassedOnInTree {
+ public:
+  PassedOnInTree(const sparse::LdlSymbolic& symbolic, FactorScratch& scratch)
+      : symbolic_(symbolic), at_(scratch.passed_on) {
+    at_.assign(symbolic.n, {});
+  }
+  bool next(int k, bool of_M, double left) {
+    const bool lost = at_[k].next(of_M, left);
+    skip(k);
     return lost;
   }
+  /// A row that has no pivot.
+  void skip(int k) {
+    const int parent = symbolic_.parent[k];
+    if (parent < 0) return;
+    at_[parent].least = std::min(at_[parent].least, at_[k].least);
+    at_[parent].least_of_J = std::min(at_[parent].least_of_J, at_[k].least_of_J);
+  }
+
+ private:
+  const sparse::LdlSymbolic& symbolic_;
+  std::vector<PassedOn>& at_;
 };
 
 /// K's inertia must be (nv, nc, 0), and no pivot lost in cancellation; nor M_kk beside what contact rows eliminated
-/// before it add: such a row hardly moved the joints below it, so its pivot was rounding. ratio, scale:
+/// before it add: such a row hardly moved the joints below it, so its pivot was rounding. ratio, scratch.scale:
 /// sparse::smallest_pivot_ratio, and what it leaves.
-inline Reason judge_pivots(const KktMatrix& K, const double* D, double ratio, const double* scale) {
+inline Reason judge_pivots(const KktMatrix& K, const double* D, double ratio, FactorScratch& scratch) {
+  const std::vector<double>& scale = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
   int positive = 0;
   bool lost = ratio < tolerance::kPivotLeft || (K.damping == 0 && K.nc() > K.nv());
-  PassedOn passed_on;
+  PassedOnInTree passed_on(K.pattern->ldl, scratch);
   for (int k = 0; k < A.n; ++k) {
     if (!std::isfinite(D[k]) || D[k] == 0) return Reason::kZeroPivot;
-    if (K.damping == 0 && passed_on.next(D[k] > 0, std::abs(D[k]) / scale[k])) lost = true;
+    if (K.damping == 0 && passed_on.next(k, D[k] > 0, std::abs(D[k]) / scale[k])) lost = true;
     if (!(D[k] > 0)) continue;
     ++positive;
     lost = lost || K.values[A.p[k + 1] - 1] < tolerance::kPivotLeft * scale[k];
