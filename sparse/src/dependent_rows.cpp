@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "manycontact/sparse/largest.hpp"
@@ -101,6 +102,7 @@ bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() &
 // Where J's entries in rows of M after them stand.
 void take_later_entries(const UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
+  rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
   const auto each = [&](auto&& use) {
     bool any = false;  // rows of J so far
     for (int k = 0; k < K.n; ++k) {
@@ -122,7 +124,6 @@ void take_later_entries(const UpperCsc& K, std::span<const char> of_M, Dependent
 
 // L^T z = l_k over the rows of J before k, and the column e_k - z of N.
 void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k, DependentRows& rows) {
-  const bool M_first = rows.Ji.empty();
   double* x = rows.x.data();
   std::vector<int>& open = rows.open;  // a heap of the rows that x has entries in: the last comes first
   const auto add = [&](int j, double entry) {
@@ -149,7 +150,7 @@ void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double*
     for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
       if (!of_M[s.Rj[p]])
         add(s.Rj[p], -Lx[s.Rk[p]] * xj);
-      else if (M_first)
+      else if (rows.M_first)
         break;
     }
   }
@@ -382,6 +383,7 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
   rows.residual.assign(s.n, 0.0);
   rows.touched.clear();
   rows.touched.reserve(K.nonzeros());  // what is used varies with rounding, and memory must not
+  rows.open.clear();
   rows.open.reserve(s.n);
   rows.is_open.assign(s.n, 0);
   take_later_entries(K, of_M, rows);

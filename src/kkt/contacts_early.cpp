@@ -134,7 +134,7 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   const double most_growth = tolerance::kMostGrowth * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // Once: without a schedule. Rows that depend on others in the first posture do so anywhere, and are dropped.
+  // Once: by the factor that compiles no schedule. Rows that depend on others in the first posture are dropped.
   std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
   bool first = true;
@@ -142,6 +142,9 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
     std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
     for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
     assemble(M, J, 0, matrix);
+    matrix.row_scale = 0;
+    for (const Eigen::MatrixXd& rows : numbers.J)
+      if (rows.size() > 0) matrix.row_scale = std::max(matrix.row_scale, rows.cwiseAbs().maxCoeff());
     Reason reason = factor->factorize(matrix, scratch);
     if (std::exchange(first, false) && reason != Reason::kNone)
       factor = make_dependent_rows_factor(), reason = factor->factorize(matrix, scratch);

@@ -344,6 +344,23 @@ TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   }
 }
 
+// Two pairs of rows in one point, in other axes each: three of the four count, however light the body.
+TEST(Rank, OfRowsOnOneBodyDoesNotDependOnItsMass) {
+  for (const double mass : {1.0, 1e-6, 1e-12}) {
+    SceneFile file =
+        box("<contact name=\"a\" type=\"2d\" frame=\"r/crate\" offset=\"0.1 0.2 0.1\" reference_frame=\"local\"/>"
+            "<contact name=\"b\" type=\"2d\" frame=\"r/crate\" offset=\"0.1 0.2 0.1\" "
+            "reference_frame=\"local_world_aligned\"/>");
+    Model model = *file.scene.robots[0].model;
+    model.joints[0].inertia = Inertia<double>::from_com(mass, {0, 0, 0}, 0.1 * mass * Mat3<double>::Identity());
+    file.scene.robots[0].model = std::make_shared<const Model>(std::move(model));
+    std::mt19937 rng(47);
+    disturb(file, rng, 0.5);
+    for (Method method : methods_for_dependent_rows())
+      EXPECT_EQ(Solved(file, method).report().rank, 3) << mass << " " << to_string(method);
+  }
+}
+
 // Millimetres beside metres: what a short lever leaves of a row is as good as a long one's.
 TEST(Rank, DoesNotDependOnUnits) {
   for (const char* y : {"1", "1e-3", "1e-5"}) {

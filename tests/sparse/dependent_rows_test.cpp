@@ -439,5 +439,48 @@ TEST(DependentRows, WhatIsNotANumberIsReturned) {
     }
 }
 
+// Two bodies, each followed by its own rows, then rows that join them: rows of M after rows of J. One row of the first
+// body depends on its others, one that joins them on both bodies' rows, one on another that joins them.
+TEST(DependentRows, AmongRowsOfMAfterThem) {
+  std::mt19937 rng(8);
+  const int m = 4;
+  MatrixXd J1 = random_matrix(3, m, rng), J2 = random_matrix(2, m, rng);
+  J1.row(2) = J1.row(0) - 0.5 * J1.row(1);
+  MatrixXd G = random_matrix(3, 2 * m, rng);
+  G.row(1) << 0.5 * J1.row(1), J2.row(0) - J2.row(1);
+  G.row(2) = 0.5 * G.row(0) + 0.25 * G.row(1);
+  // M1, J1, M2, J2, G
+  const int first[] = {0, m, m + 3, 2 * m + 3, 2 * m + 5}, n = 2 * m + 8;
+  MatrixXd A = MatrixXd::Zero(n, n);
+  std::vector<char> of_M(n, 0);
+  for (int at : {first[0], first[2]}) {
+    A.block(at, at, m, m) = random_positive(m, 0.4, rng);
+    std::fill_n(of_M.begin() + at, m, 1);
+  }
+  MatrixXd J = MatrixXd::Zero(8, 2 * m);  // rows of J, columns of M
+  J.topLeftCorner(3, m) = J1, J.block(3, m, 2, m) = J2, J.bottomRows(3) = G;
+  std::vector<int> rows, columns;
+  for (int k = 0; k < n; ++k) (of_M[k] ? columns : rows).push_back(k);
+  for (int r = 0; r < 8; ++r)
+    for (int c = 0; c < 2 * m; ++c) A(rows[r], columns[c]) = A(columns[c], rows[r]) = J(r, c);
+  const Symmetric K(A);
+  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K.pattern);
+  std::vector<double> L(symbolic.nonzeros()), D(n), row_scale(n, J.cwiseAbs().maxCoeff());
+  sparse::LdlWorkspace work;
+  DependentRows found;
+  ASSERT_EQ(sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
+                                         work, L.data(), D.data(), found),
+            n);
+  EXPECT_EQ(found.dropped, (std::vector<int>{first[1] + 2, first[4] + 1, first[4] + 2}));
+  find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), found);
+  EXPECT_TRUE(found.accepted());
+  EXPECT_FALSE(found.M_first);
+  MatrixXd N = MatrixXd::Zero(n, 3);
+  for (int c = 0; c < 3; ++c)
+    for (int p = found.Np[c]; p < found.Np[c + 1]; ++p) N(found.Ni[p], c) = found.Nx[p];
+  EXPECT_LE((J.transpose() * N(rows, Eigen::all)).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(N(columns, Eigen::all).cwiseAbs().maxCoeff(), 0);
+}
+
 }  // namespace
 }  // namespace manycontact::test

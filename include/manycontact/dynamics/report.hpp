@@ -32,7 +32,8 @@ struct IslandReport {  // Of one island's answer.
   int refinement_steps = 0;
   double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
-  double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly
+  double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly; of a
+                                 // fallback rows that are all rounding are judged beside what they are rounded from
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
   /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not known.
   /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest; or

@@ -49,7 +49,8 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// As check_pivots (kkt/factor/pivots.hpp). terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
+/// As judge_pivots (kkt/factor/pivots.hpp), but of any two pivots, whether one reaches the other or not: stricter.
+/// terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
 template <class S, class Diagonal>
 typename S::Mask accept_pivots(int nv, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
   const S largest(std::numeric_limits<double>::max()), one(1);

@@ -141,7 +141,8 @@ class DependentRows {
     return size;
   }
 
-  /// As DependentRowsFactor::drops_the_same (kkt/factor/dependent_rows.cpp) has it, which says why.
+  /// As DependentRowsFactor::drops_the_same (kkt/factor/dependent_rows.cpp) has it, which says why, but of any two
+  /// pivots: stricter.
   Mask same_rows(const S* K, const S* L, const S* D, const S* pivot_terms) const {
     constexpr double kMargin = 10;
     const S largest(std::numeric_limits<double>::max()), zero(0), one(1);

@@ -612,7 +612,8 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads.
+/// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads'
+/// terms.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
@@ -620,7 +621,7 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
     if (i >= pattern_.nv) scale = larger(scale_[k], scale);
-    force = larger(i < pattern_.nv ? S(1e-3) * abs(n_.b[k]) : abs(n_.x[k]), force);
+    force = larger(i < pattern_.nv ? S(1e-3) * scale_[k] : abs(n_.x[k]), force);
   }
   constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
   return S(kRounding) * scale <= S(tolerance::kInDoubt * damping) * force;

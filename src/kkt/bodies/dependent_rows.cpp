@@ -230,27 +230,31 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Rows on one body that others on it say, the largest kept first.
-void drop_rows_of_one_body(const BodySystem& s, BodyLdl& d, std::vector<BodyDependence::OnBody>& rows) {
+// Of the rows between node i and what stands still those that others on it say, the largest kept first.
+void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
-  for (int i = p.nodes - 1; i >= 0; --i) {
-    rows.clear();
-    for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q) {
-      const int row = p.at[q];
-      if (!stands(p, row) || d.dropped[row]) continue;
-      const V6 F = p.A[row] == i ? s.GA.col(row) : s.GB.col(row);
-      rows.push_back({row, F, F.norm()});
-    }
-    while (!rows.empty()) {
-      const auto best =
-          std::max_element(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return share(a) < share(b); });
-      if (!(share(*best) > tolerance::kRank)) break;
-      const V6 direction = best->F.normalized();
-      std::swap(*best, rows.back());
-      rows.pop_back();
-      for (BodyDependence::OnBody& r : rows) r.F -= direction * direction.dot(r.F);
-    }
+  rows.clear();
+  for (int q = p.at_first[i]; q < p.at_first[i + 1]; ++q) {
+    const int row = p.at[q];
+    if (!stands(p, row) || d.dropped[row]) continue;
+    const V6 F = p.A[row] == i ? s.GA.col(row) : s.GB.col(row);
+    rows.push_back({row, F, F.norm()});
+  }
+  while (!rows.empty()) {
+    const auto best =
+        std::max_element(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return share(a) < share(b); });
+    if (!(share(*best) > tolerance::kRank)) break;
+    const V6 direction = best->F.normalized();
+    std::swap(*best, rows.back());
+    rows.pop_back();
+    for (BodyDependence::OnBody& r : rows) r.F -= direction * direction.dot(r.F);
+  }
+}
+
+void drop_rows_of_one_body(const BodySystem& s, BodyLdl& d, std::vector<BodyDependence::OnBody>& rows) {
+  for (int i = s.pattern->nodes - 1; i >= 0; --i) {
+    find_rows_others_say(s, d, i, rows);
     std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
     for (const BodyDependence::OnBody& r : rows) d.dropped[r.row] = 1, d.found.push_back({r.row, i});
   }
@@ -262,6 +266,16 @@ bool has_vanishing_row(const BodySystem& s, BodyDependence& work) {
   bool any = false;
   each_vanishing_row(s, work.bases, [&](int) { return any = true, false; });
   return any;
+}
+
+bool has_repeated_row(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
+  const BodyPattern& p = *s.pattern;
+  for (int i = 0; s.delta == 0 && i < p.nodes; ++i) {
+    if (p.at_first[i + 1] - p.at_first[i] < 2) continue;
+    find_rows_others_say(s, d, i, work.on_body);
+    if (!work.on_body.empty()) return true;
+  }
+  return false;
 }
 
 void forget_dropped(BodyLdl& d) {

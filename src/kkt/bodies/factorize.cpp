@@ -20,6 +20,7 @@ void BodyLdl::resize(const BodyPattern& s) {
   count.resize(s.nodes);
   eliminated.resize(s.nodes);
   least_kept.resize(s.nodes);
+  drops_below.resize(s.nodes);
   row_first.resize(s.nodes);
   joint_first.resize(s.nodes);
   square_first.resize(s.nodes);
@@ -198,15 +199,17 @@ double compliance(const V6& G, const V6& inverse) {
 
 // Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
 // rounding of what they took away grows with its square; what joints gave the row, with the spread of their inertias.
-// Where rows are dropped those kept must be plainly apart from them: what a small pivot is wrong by is as much larger
-// in those after it (kkt/factor/pivots.hpp); least: the smallest part left of those before. (Elsewhere loops along a
-// chain leave less and less, and are right.)
+// Where rows below are dropped, those kept after must be plainly apart from them: what a small pivot is wrong by is as
+// much larger in those (kkt/factor/pivots.hpp); least: the smallest part left of the pivots below, 1 where none is
+// dropped. (Loops along a chain leave less and less, and are right.)
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own =
       std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft, 1e-5);
-  return d.found.empty() ? own : std::max(own, tolerance::kRowRounding / least);
+  return std::max(own, tolerance::kRowRounding / least);
 }
+
+double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
 // Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
@@ -219,7 +222,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (d.dropped[at.row[k]] || !s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > least_left(d, at.row[k], d.least_kept[i]) * d.pivot_sum[at.row[k]];
+      const bool left = E > least_left(d, at.row[k], least_below(d, i)) * d.pivot_sum[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
@@ -264,14 +267,14 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   for (int k = 0; k < at.m; ++k) d.place[at.row[k]] = -1;
   d.base_row.resize(at.m);
   double least = 1;
-  for (int i = 0; i < s.nodes; i = s.end[i]) least = std::min(least, d.least_kept[i]);
+  for (int i = 0; i < s.nodes; i = s.end[i]) least = std::min(least, least_below(d, i));
   for (int done = 0; done < at.m; ++done) {
     int best = done;
     double most = -1;
     for (int k = done; k < at.m; ++k)
       if (const double ratio = at.e(k, k) / d.pivot_sum[at.row[k]]; ratio > most) most = ratio, best = k;
     if (!(most > least_left(d, at.row[best], least))) return false;
-    least = std::min(least, most);
+    if (!d.found.empty()) least = std::min(least, most);
     std::swap(at.row[done], at.row[best]);
     for (int k = 0; k < at.m; ++k) std::swap(at.e(done, k), at.e(best, k));
     for (int k = 0; k < at.m; ++k) std::swap(at.e(k, done), at.e(k, best));
@@ -292,7 +295,7 @@ template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
   if (!s.complete(row, i) || (s.A[row] >= 0 && s.B[row] >= 0)) return false;
-  if (at.e(k, k) > least_left(d, row, d.least_kept[i]) * d.pivot_sum[row]) return false;
+  if (at.e(k, k) > least_left(d, row, least_below(d, i)) * d.pivot_sum[row]) return false;
   const V6& G = at.G[k];
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
@@ -311,6 +314,7 @@ void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
     if (drop && says_nothing_new(s, d, i, at, k, Q)) {
       d.dropped[at.row[k]] = 1;
       d.found.push_back({at.row[k], i});
+      d.drops_below[i] = 1;
     }
     if (m == 6)
       at.G[k].setZero();
@@ -348,12 +352,16 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
   d.growth = 1;
   std::fill(d.least_inertia.begin(), d.least_inertia.end(), std::numeric_limits<double>::infinity());
   std::fill(d.most_inertia.begin(), d.most_inertia.end(), 0.0);
+  std::fill(d.drops_below.begin(), d.drops_below.end(), 0);
+  for (const BodyLdl::Drop& drop : d.found)
+    if (drop.node < s.nodes) d.drops_below[drop.node] = 1;
   for (int i = s.nodes - 1; i >= 0; --i) {
     if (s.end[i] == i + 1) set(system.Y[i], d.P[i]);
     V6 size = diagonal_of(system.Y[i]);
     d.least_kept[i] = 1;
     for (int child = i + 1; child < s.end[i]; child = s.end[child]) {
       d.least_kept[i] = std::min(d.least_kept[i], d.least_kept[child]);
+      d.drops_below[i] |= d.drops_below[child];
       const M6& C = d.P[child];
       const double lever = system.r[child].squaredNorm() * C.diagonal().head<3>().sum();
       size.head<3>() += C.diagonal().head<3>();

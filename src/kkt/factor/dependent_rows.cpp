@@ -112,8 +112,8 @@ class DependentRowsFactor final : public Factor {
   }
 
   // Other rows in the place of those, where rows kept are much smaller than those dropped. False where these are not
-  // plainly independent, the others do not plainly depend on them, or K's entries now grow so much that panels would be
-  // judged by the norms of their columns, beside which small numbers are lost.
+  // plainly independent, the others do not plainly depend on them, or K's entries now grow more than they did and so
+  // much that panels would be judged by the norms of their columns.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
     if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
     constexpr double kEps = std::numeric_limits<double>::epsilon();

@@ -9,7 +9,7 @@
 
 namespace manycontact::internal {
 
-/// The same along an elimination tree: what a pivot is wrong by reaches its ancestors, and no others.
+/// PassedOn (factor.hpp) along an elimination tree: what a pivot is wrong by reaches its ancestors, and no others.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, FactorScratch& scratch)

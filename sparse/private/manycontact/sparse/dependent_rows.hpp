@@ -54,12 +54,13 @@ struct DependentRows {
   std::vector<int> owner, touched, open;
   std::vector<char> is_open;
   std::vector<int> Jp, Ji;  // of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
+  bool M_first = true;      // no row of M comes after one of J
 };
 
-/// Factorizes K (n rows). D of dropped rows is infinite, so that ldl_solve gives zero there. A row
-/// of J is dropped when less than `tolerance` of its pivot is left, or no more than the rounding that small pivots
-/// before it passed on, or when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never.
-/// Returns n, or the row whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
+/// Factorizes K (n rows). D of dropped rows is infinite, so that ldl_solve gives zero there. A row of J is dropped when
+/// less than `tolerance` of its pivot is left, or no more than the rounding that small pivots before it passed on, or
+/// when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never. Returns n, or the row
+/// whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
 [[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx,
                                        std::span<const char> of_M, double tolerance, const double* row_scale,
                                        LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);

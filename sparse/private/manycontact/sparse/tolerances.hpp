@@ -17,7 +17,7 @@ inline constexpr double kPivotLeft = 1e-11;
 /// Of a row of J, beside the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
 /// smaller rows, or parts of rows orthogonal to the others, are rounding. The same margin over rounding as kPivotLeft,
 /// and for the same reason; here lengths are compared, not squares.
-/// Used by: the dense oracle's rank; rows of J that vanish; `nothing` of ldl_factor_dependent; least_norm_solution;
+/// Used by: the dense oracle's rank; rows of J that vanish; ldl_factor_dependent; least_norm_solution;
 /// analysis/ranks.
 inline constexpr double kRank = 1e-11;
 
@@ -39,7 +39,8 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding of such a pivot beside all that joints gave it, times what makes it grow (factorize_bodies): 450 eps.
 /// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same; and of what small
-/// pivots pass on, by pivots.hpp, schur.cpp and lanes/judge.hpp.
+/// pivots pass on, by PassedOn of all factors, and in lanes (checks.hpp,
+/// dependent_rows.hpp).
 inline constexpr double kRowRounding = 1e-13;
 
 /// Of an entry of J, beside the sizes of the products it is a sum of: more, and its row plainly moves that coordinate;
@@ -95,9 +96,10 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 /// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
 inline constexpr double kConverged = 1e-12;
 
-/// Growth of K's entries, a third of the digits: one refinement brings its square, which is below eps. Beyond, orders
-/// and factors are not taken, panels are judged by their own residuals.
-/// Used by: contacts-early, rows exchanged, solve_panel.
+/// Growth of K's entries, a third of the digits: one refinement brings its square, which is below eps. Beyond, panels
+/// are judged by their own residuals, exchanged rows are not taken, and contacts-early is given up for contacts that
+/// wait for more (of a hub: ten of them count as one).
+/// Used by: solve_panel, DependentRowsFactor, contacts_early_order.
 inline constexpr double kMostGrowth = 1e6;
 
 /// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that

@@ -173,8 +173,8 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
 
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement) {
-  if (has_vanishing_row(system, work)) return Reason::kSmallPivot;
   forget_dropped(ldl);
+  if (has_vanishing_row(system, work) || has_repeated_row(system, ldl, work)) return Reason::kSmallPivot;
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
   refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);

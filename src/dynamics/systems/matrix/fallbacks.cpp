@@ -185,8 +185,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
 bool drops_in_chosen_order(const MatrixSystem& m) {
   constexpr double kFarCheaper = 0.5;
   const auto [method, order] = m.owner.choice;
-  if (method != Method::kSparseLdl || order == Order::kLeafToRoot || m.owner.robots || m.owner.alone.group)
-    return false;
+  if (method != Method::kSparseLdl || order == Order::kLeafToRoot || m.owner.stands_in_lanes()) return false;
   const auto cost = [&m](Order by) { return predicted_cost_ldl(m.owner.island.size(), m.owner.shape->counts(by)); };
   return cost(order) < kFarCheaper * cost(Order::kLeafToRoot);
 }
@@ -231,7 +230,6 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
   m.factor = nullptr;
   m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
   report.status = Status::kOk;
-  report.reason = Reason::kNone;
   return false;
 }
 

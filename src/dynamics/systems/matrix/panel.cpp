@@ -129,6 +129,7 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
   reserve(work.B, size);
   reserve(work.R, size);
   constexpr int kFewRows = 400;  // of K: beyond, so many solves would take many times as long as a panel
+  if (m.owner.island.size() < kFewRows) work.column.resize(m.owner.island.size());
   if (m.deficient() && m.factor->own_refinements() == 0 && grows_too_much(*m.factor) &&
       m.owner.island.size() < kFewRows)
     return solve_one_by_one(m, X, ld, work.column);

@@ -288,6 +288,7 @@ bool factor_interface_again(double damping, RobotsSystem& system) {
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
+  by.sample.robots_error = std::numeric_limits<double>::infinity();  // not known
   clear_rhs(*system.interface, by, by.buffers.front().nonzero, out.X);
   const auto job_of = [&](const OfRobot& r) {
     return lanes::DerivativeJob{scene,         data.serial,   w.q.data(),  data.v.data(), data.a.data(),

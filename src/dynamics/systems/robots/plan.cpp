@@ -176,18 +176,18 @@ bool may_be_cheaper(const IslandWork& d) {
 }
 
 // nullptr: an island's robots or interface rows have no place in lanes.
-std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
+std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order order) {
   if (!can_be_joined(d, w.options)) return nullptr;
   auto out = std::make_unique<RobotsSystem>(d);
+  out->within = order;
   out->interface = std::make_shared<const Interface>(*d.shape);
   const Interface& interface = *out->interface;
   bool fits = interface.schedule.compiled;
   for (std::size_t k = 0; k < d.island.robots.size() && fits; ++k) {
     const Interface::OfRobot& r = interface.robots[k];
     const std::shared_ptr<const KktPattern> inner =
-        w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(d.choice.order);
-    BlockGroup& group =
-        group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, d.choice.order);
+        w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(order);
+    BlockGroup& group = group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, order);
     fits =
         group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargestInLanes;
     out->robots.push_back({&group, &group});
@@ -202,23 +202,18 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   return out;
 }
 
-// The same leaf-to-root where contacts-early was chosen: that costs a little more, but lets entries grow so much less
+// As chosen, but each robot leaf-to-root where contacts-early costs hardly less: that lets entries grow so much less
 // that derivatives robot by robot are sound, which take a quarter of the whole K's. Where no robot is joined by more
 // rows than it has coordinates: of hubs they are not cheaper.
-std::unique_ptr<RobotsSystem> join_leaf_to_root(Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> robots) {
+std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
+  std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;
   for (std::size_t k = 0; k < robots->robots.size(); ++k)
     if (static_cast<int>(robots->interface->robots[k].interface_rows.size()) > d.shape->scene().robots[k].model->nv)
       return robots;
-  const double most = tolerance::kCheaper * cost_of_choice(d);
-  d.choice.order = Order::kLeafToRoot;
-  std::unique_ptr<RobotsSystem> other = join_robots(w, d);
-  if (other && cost_joined(*other, w.lanes.level->width) < most) {
-    other->solves = true;
-    return other;
-  }
-  d.choice.order = Order::kContactsEarly;
-  return robots;
+  std::unique_ptr<RobotsSystem> other = join_robots(w, d, Order::kLeafToRoot);
+  d.joinable = true;
+  return other && other->solves ? std::move(other) : std::move(robots);
 }
 
 void take_memory(RobotsSystem& system) {
@@ -309,7 +304,7 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     if (!d.planned) {
       if (alone) d.alone.group = group_of_alone(w, d);
       if (!alone && may_be_cheaper(d)) {
-        std::unique_ptr<RobotsSystem> robots = join_leaf_to_root(w, d, join_robots(w, d));
+        std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
         if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
       }
       d.planned = true;

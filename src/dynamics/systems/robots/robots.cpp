@@ -195,7 +195,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
                    IslandReport& report) {
   reset(report, s.owner.island);
   report.method = Method::kSparseLdl;
-  report.order = s.owner.choice.order;
+  report.order = s.within;
   report.factor_nonzeros = s.interface->nonzeros + s.owner.island.size();
   for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
   report.refinement_steps = refinement.steps;

@@ -129,9 +129,10 @@ class RobotsSystem final : public IslandSystem {
   };
 
   std::shared_ptr<const Interface> interface;
-  bool solves = false;     // it is the island's first way: predicted to be cheaper than its factor
-  double seconds = 0;      // predicted, of a solve
-  std::vector<int> order;  // robots of the island, group by group
+  bool solves = false;                // it is the island's first way: predicted to be cheaper than its factor
+  double seconds = 0;                 // predicted, of a solve
+  Order within = Order::kLeafToRoot;  // in which each robot is eliminated
+  std::vector<int> order;             // robots of the island, group by group
   std::vector<OfRobot> robots;
   std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
   bool drops = false;          // robots' groups are those without them

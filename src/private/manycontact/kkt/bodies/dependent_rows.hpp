@@ -37,6 +37,9 @@ struct BodyDependence {
 /// Whether a row moves no coordinate by more than rounding: its pivot is noise, and has nothing to cancel with. Never
 /// where rows are damped.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
+/// Whether rows between a body and what stands still say what others on it do. A pivot tells too, unless a massless
+/// limb's rounding hides that. ldl: without rows dropped.
+bool has_repeated_row(const BodySystem& system, const BodyLdl& ldl, BodyDependence& work);
 
 /// All rows take part again, in factors to come.
 void forget_dropped(BodyLdl& ldl);

@@ -60,6 +60,7 @@ struct BodyLdl {  // block LDL from leaves to root
   std::vector<BodyHold> hold;      // per hold of the pattern
   double growth = 1;               // of P
   std::vector<double> least_kept;  // per node: of the rows eliminated there and below, what is left of the least
+  std::vector<char> drops_below;   // per node: rows there or below were dropped
   std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, rows held before included
 
   // rows that others say (dependent_rows.hpp): they have no part in the factor, and y of them is zero
