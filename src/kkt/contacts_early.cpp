@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "manycontact/algorithm/crba.hpp"
@@ -128,10 +129,8 @@ std::vector<Numbers> some_postures(const Scene& scene, const Island& island, con
 
 // Whether the pivots can be believed, by far, in some postures.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
-           const std::vector<int>& perm, std::vector<Numbers>& postures) {
+           const std::vector<int>& perm, double most_growth, std::vector<Numbers>& postures) {
   if (postures.empty()) postures = some_postures(scene, island, support);
-  // A hub sums up what all its contacts add, ten of them in the place of one.
-  const double most_growth = tolerance::kMostGrowth * std::max(1.0, static_cast<double>(island.contacts.size()) / 10);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
   // Once: by the factor that compiles no schedule. Rows that depend on others in the first posture are dropped.
@@ -158,13 +157,8 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
   constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
-  constexpr std::size_t kMany = 100;
-  std::vector<Numbers> postures;  // made when first asked for
+  std::vector<Numbers> postures;                                     // made when first asked for
   std::vector<std::vector<Eigen::MatrixXd>> J{of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J)};
-  if (island.contacts.size() > kMany) {  // some are in a poor posture wherever one looks: these wait, and not all
-    postures = some_postures(scene, island, support);
-    for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
-  }
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
@@ -175,18 +169,31 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   std::iota(natural.begin(), natural.end(), 0);
   const double most =
       tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(island, K)));
-  std::vector<int> perm;
-  for (const double distinct : kSounder) {
-    perm = with_contacts(scene, island, support, J, robots, distinct);
+  const auto order_by = [&](double distinct) {
+    std::vector<int> perm = with_contacts(scene, island, support, J, robots, distinct);
     double least = cost(K, perm);
     if (by_degree != robots) {
       std::vector<int> other = with_contacts(scene, island, support, J, by_degree, distinct);
       if (const double of_other = cost(K, other); of_other < tolerance::kCheaper * least)
         perm = std::move(other), least = of_other;
     }
-    if (least < most ? holds(scene, island, support, K, perm, postures) : alone) break;
+    return std::pair(std::move(perm), least);
+  };
+  std::vector<int> perm;
+  double least = 0;
+  for (const double distinct : kSounder) {
+    std::tie(perm, least) = order_by(distinct);
+    if (least < most ? holds(scene, island, support, K, perm, tolerance::kMostGrowth, postures) : alone) break;
   }
-  return perm;
+  constexpr std::size_t kMany = 100;
+  if (island.contacts.size() < kMany || postures.empty()) return perm;
+  // Of many contacts that hold a hub some are in a poor posture wherever one looks, for which all were to wait for
+  // more; and what they add to the hub sums up, ten in the place of one. If these alone wait, that may be far cheaper.
+  for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
+  auto [other, of_other] = order_by(3 * tolerance::kDistinct);
+  const double most_growth = tolerance::kMostGrowth * static_cast<double>(island.contacts.size()) / 10;
+  const bool better = of_other < 0.5 * least && holds(scene, island, support, K, other, most_growth, postures);
+  return better ? std::move(other) : std::move(perm);
 }
 
 }  // namespace manycontact
