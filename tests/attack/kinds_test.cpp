@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/analysis/errors.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -253,6 +252,14 @@ TEST(Bounds, CountShortLeversBesideTurns) {
   for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "short lever");
 }
 
+// The state `step` away, where the contacts hold.
+SceneFile moved(const SceneFile& file, const Eigen::VectorXd& step) {
+  SceneFile out = file;
+  out.q = integrate(file.scene, file.q, step);
+  resolve_references(out.scene, out.q);
+  return out;
+}
+
 // A row along joints that hang from a held body moves nothing but by rounding of what its moment is a sum of.
 TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   const TemporaryFolder folder;
@@ -261,7 +268,7 @@ TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   links.add(1, "xyz=\"0.04 -0.7 0.45\"", "1 0 0");
   links.add(2, "xyz=\"0.3 0 0\"", "0 1 0");
   (void)folder.write("r.urdf", links.text());
-  SceneFile file = load_scene(folder.write(
+  const SceneFile file = load_scene(folder.write(
       "scene.xml",
       "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"/><contact name=\"base\" type=\"6d\" frame=\"r/l0\"/>"
       "<contact name=\"along\" type=\"2d\" frame=\"r/l3\"/></scene>"));
@@ -269,11 +276,7 @@ TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   for (int k = 0; k < 20; ++k) {
     Eigen::VectorXd turned = random_vector(file.scene.nv, rng, 1);
     turned[6] = turned[8] = 0;  // the last link stays along x
-    Eigen::VectorXd q(file.scene.nq);
-    integrate<double>(*file.scene.robots[0].model, file.q, turned, q);
-    SceneFile posed = file;
-    posed.q = q;
-    resolve_references(posed.scene, posed.q);
+    const SceneFile posed = moved(file, turned);
     for (Method method : methods_for_dependent_rows()) {
       const Solved s(posed, method);
       EXPECT_EQ(s.report().rank, 7) << to_string(method);
@@ -324,7 +327,7 @@ TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
     return "<contact name=\"" + std::string(name) +
            "\" type=\"1d\" axis=\"0 0 1\" reference_frame=\"world\" frame=\"r/" + at + "/>";
   };
-  SceneFile file = load_scene(
+  const SceneFile file = load_scene(
       folder.write("scene.xml",
                    "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"/>"
                    "<contact name=\"a\" type=\"5d\" axis=\"1 0 0\" frame=\"r/l3\" offset=\"-0.2 -0.3 0.07\"/>"
@@ -333,11 +336,7 @@ TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
                        up("e", "l3\"") + "</scene>"));
   std::mt19937 rng(45);
   for (int k = 0; k < 20; ++k) {
-    Eigen::VectorXd q(file.scene.nq);
-    integrate<double>(*file.scene.robots[0].model, file.q, random_vector(file.scene.nv, rng, 1), q);
-    SceneFile posed = file;
-    posed.q = q;
-    resolve_references(posed.scene, posed.q);
+    const SceneFile posed = moved(file, random_vector(file.scene.nv, rng, 1));
     const int rank = Solved(posed, Method::kDense).report().rank;
     for (Method method : methods_for_dependent_rows())
       EXPECT_EQ(Solved(posed, method).report().rank, rank) << to_string(method);

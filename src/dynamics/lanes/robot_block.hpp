@@ -623,8 +623,7 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
     if (i >= pattern_.nv) scale = larger(scale_[k], scale);
     force = larger(i < pattern_.nv ? S(1e-3) * scale_[k] : abs(n_.x[k]), force);
   }
-  constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
-  return S(kRounding) * scale <= S(tolerance::kInDoubt * damping) * force;
+  return scale <= S(tolerance::kInDoubt * damping) * force;
 }
 
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------

@@ -179,7 +179,7 @@ class DependentRowsFactor final : public Factor {
     for (int k = 0; k < K.size(); ++k) {
       if (dropped != dependence_.dropped.end() && *dropped == k) {
         ++dropped;
-        passed_on.skip(k);
+        passed_on.pass_up(k);
         continue;
       }
       const bool of_M = of_M_[k];

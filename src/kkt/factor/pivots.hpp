@@ -18,11 +18,11 @@ class PassedOnInTree {
   }
   bool next(int k, bool of_M, double left) {
     const bool lost = at_[k].next(of_M, left);
-    skip(k);
+    pass_up(k);
     return lost;
   }
-  /// A row that has no pivot.
-  void skip(int k) {
+  /// Of a row without pivot in place of `next`.
+  void pass_up(int k) {
     const int parent = symbolic_.parent[k];
     if (parent < 0) return;
     at_[parent].least = std::min(at_[parent].least, at_[k].least);

@@ -2,6 +2,8 @@
 // Every numeric threshold of the floors sparse, kkt, contact and dynamics. All are relative, so without unit, unless
 // said; eps = 2.2e-16. "Used by" names the functions that compare with it.
 
+#include <limits>
+
 namespace manycontact::tolerance {
 
 // ---- pivots and rank ------------------------------------------------------------------------------------------
@@ -39,8 +41,7 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding of such a pivot beside all that joints gave it, times what makes it grow (factorize_bodies): 450 eps.
 /// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same; and of what small
-/// pivots pass on, by PassedOn of all factors, and in lanes (checks.hpp,
-/// dependent_rows.hpp).
+/// pivots pass on, by PassedOn of all factors, and in lanes (checks.hpp, dependent_rows.hpp).
 inline constexpr double kRowRounding = 1e-13;
 
 /// Of an entry of J, beside the sizes of the products it is a sum of: more, and its row plainly moves that coordinate;
@@ -148,10 +149,10 @@ inline constexpr double kNormEstimate = 3;
 /// Used by: estimate_errors.
 inline constexpr int kBoundRounding = 12;
 
-/// Of an answer: what rounding of the terms of one equation (kBoundRounding eps), over its own inertia or damping, may
-/// change before its bounds are looked at.
+/// Of the terms of one equation beside its own inertia or damping times the answer: where they are more, their rounding
+/// (kBoundRounding eps) may change a hundredth of it, and its bounds are looked at.
 /// Used by: solves of the whole K, and of damped islands in lanes, which leave the looking to it.
-inline constexpr double kInDoubt = 0.01;
+inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 

@@ -96,7 +96,7 @@ lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const
 // that this enters: entries of M are rounded beside sqrt(M_jj M_kk), of J beside row_size, and two digits less are not
 // believed. At rest, or falling, whole rows are such rounding. (Not where rows were dropped: those kept are judged
 // strictly, since what rounding is may be what they were told apart by.)
-double backward_error_of_data(const MatrixSystem& m, const std::vector<double>& row_size) {
+double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size) {
   constexpr double kPart = 0.01;
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
@@ -110,7 +110,7 @@ double backward_error_of_data(const MatrixSystem& m, const std::vector<double>& 
   const auto root = [&](int k) { return std::sqrt(m.K.values[p.K.p[p.iperm[k] + 1] - 1]); };
   const Island& island = m.owner.island;
   for (std::size_t r = 0; r < island.robots.size(); ++r) {
-    const int first = island.dof_offset[r], end = r + 1 < island.robots.size() ? island.dof_offset[r + 1] : island.nv;
+    const int first = island.dof_offset[r], end = first + scene.robots[island.robots[r]].model->nv;
     double sum = 0;
     for (int k = first; k < end; ++k) sum += root(k) * a(k);
     for (int k = first; k < end; ++k) judge(k, root(k) * sum);
@@ -119,8 +119,8 @@ double backward_error_of_data(const MatrixSystem& m, const std::vector<double>& 
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     double sum = 0;
     for (int k : columns[c]) sum += a(k);
-    const int end = c + 1 < island.contacts.size() ? island.row_offset[c + 1] : island.nc;
-    for (int row = island.row_offset[c]; row < end; ++row) judge(island.nv + row, row_size[row] * sum);
+    for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
+      judge(island.nv + row, row_size[row] * sum);
   }
   return error;
 }
@@ -154,7 +154,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (!(refinement.backward_error <= most) && !m.deficient())
-    refinement.backward_error = backward_error_of_data(m, scratch.row_scale);
+    refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale);
   if (!(refinement.backward_error <= most)) {
     m.factor = nullptr;
     return Reason::kLargeResidual;

@@ -78,7 +78,6 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
 // Whether rounding of the terms of one equation alone may change its own unknown by a part of what acts: an inertia or
 // a damping next to nothing beside terms that cancel. Few are; their bounds tell.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
-  constexpr double kPart = tolerance::kInDoubt / (tolerance::kBoundRounding * std::numeric_limits<double>::epsilon());
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
   for (int k = 0; k < p.size(); ++k) {
@@ -89,7 +88,7 @@ bool in_doubt(const Scene& scene, const MatrixSystem& m) {
     if (!row) size[row] = std::max(size[row], std::abs(m.v.b[k]) / own);
     change[row] = std::max(change[row], m.v.scale[k] / own);
   }
-  return change[0] > kPart * size[0] || change[1] > kPart * size[1];
+  return change[0] > tolerance::kInDoubt * size[0] || change[1] > tolerance::kInDoubt * size[1];
 }
 
 void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,

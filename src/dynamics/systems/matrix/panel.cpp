@@ -129,16 +129,12 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
   reserve(work.B, size);
   reserve(work.R, size);
   constexpr int kFewRows = 400;  // of K: beyond, so many solves would take many times as long as a panel
-  if (m.owner.island.size() < kFewRows) work.column.resize(m.owner.island.size());
-  if (m.deficient() && m.factor->own_refinements() == 0 && grows_too_much(*m.factor) &&
-      m.owner.island.size() < kFewRows)
-    return solve_one_by_one(m, X, ld, work.column);
-  if (m.factor->panel_is_like_solve() && !grows_too_much(*m.factor)) {
-    solve(!needs_no_refinement(m));
-    return true;
-  }
-  if (m.factor->panel_is_like_solve() && !m.deficient() && m.factor->growth() <= tolerance::kMostGrowth) {
-    solve(true);
+  const bool few = m.owner.island.size() < kFewRows, grows = grows_too_much(*m.factor);
+  if (few) work.column.resize(m.owner.island.size());
+  if (few && grows && m.deficient() && m.factor->own_refinements() == 0) return solve_one_by_one(m, X, ld, work.column);
+  const bool once_is_enough = !grows || (!m.deficient() && m.factor->growth() <= tolerance::kMostGrowth);
+  if (m.factor->panel_is_like_solve() && once_is_enough) {
+    solve(grows || !needs_no_refinement(m));
     return true;
   }
   std::copy_n(X, size, work.B.data());

@@ -245,8 +245,7 @@ bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSyste
     force = std::max(force, data.f.segment(first, n).cwiseAbs().maxCoeff());
   });
   for (const Member& m : s.members) force = std::max(force, 1e-3 * m.scale[0]);
-  constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
-  return kRounding * largest_of(s).scale[1] <= tolerance::kInDoubt * scene.damping * force;
+  return largest_of(s).scale[1] <= tolerance::kInDoubt * scene.damping * force;
 }
 
 // x = K^-1 b, refined.
