@@ -32,42 +32,80 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   return off ? largest_entry<S>(kin.origins[tree].p) : S(0);
 }
 
-/// The sizes of all terms that a contact's a0 is computed from [m/s^2, rad/s^2]: accelerations (gravity in them),
-/// products of velocities, and what gains answer. Their error is a difference of placements, as good as these are.
-/// origin: how far the bodies' origins are off, in units of rounding.
+/// The largest terms that a contact's a0 is computed from: of a point's motion [m/s^2], its first three rows, and of
+/// turning [rad/s^2], the others. Where lengths are in micrometres either says nothing of the other.
 template <class S>
-S row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
+struct RowTerms {
+  S linear = S(0), angular = S(0);
+  const S& of_row(int i) const { return i < 3 ? linear : angular; }
+};
+
+/// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
+/// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. Of all rows j that is no
+/// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k), t the terms that a0 is computed from.
+template <class S>
+struct PassedRounding {
+  S by_lever = S(0), by_force = S(0);
+  void add(const S& size, const S& terms) {
+    by_lever = larger(select(size > S(0), S(terms / size), S(0)), by_lever);
+    by_force = larger(S(terms * size), by_force);
+  }
+  /// The terms that what is left of a row is judged beside: its own, and what it has from others.
+  S terms(const S& size, const S& own) const {
+    const S passed = select(size > S(0), -larger(S(-size * by_lever), S(-by_force / size)), S(0));
+    return larger(own, passed);
+  }
+};
+
+/// The sizes of all terms: accelerations (gravity in them), products of velocities, and what gains answer. Their error
+/// is a difference of placements, as good as these are. origin: how far the bodies' origins are off, in units of
+/// rounding.
+template <class S>
+RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
-  const S v = larger(largest(data.vA), largest(data.vB));
-  return largest(data.aA) + largest(data.aB) + v * v + S(std::abs(contact.beta)) * v +
-         S(std::abs(contact.alpha)) * (S(1) + largest(data.aMA.p) + largest(data.bMA.p) + origin + largest(data.on_B));
+  const auto of_both = [&](const Vec6<S>& A, const Vec6<S>& B, int first) {
+    return larger(largest(A.template segment<3>(first)), largest(B.template segment<3>(first)));
+  };
+  const S v = of_both(data.vA, data.vB, 0), w = of_both(data.vA, data.vB, 3);
+  const S alpha(std::abs(contact.alpha)), beta(std::abs(contact.beta));
+  const auto accelerations = [&](int first) {
+    return largest(data.aA.template segment<3>(first)) + largest(data.aB.template segment<3>(first));
+  };
+  return {accelerations(0) + w * v + beta * v +
+              alpha * (largest(data.aMA.p) + largest(data.bMA.p) + origin + largest(data.on_B)),
+          accelerations(3) + w * w + beta * w + alpha};
 }
 
 /// The same where the bodies are placed from the world on. kinA, kinB: of the robots of A and B; of a B that does not
 /// move unused.
 template <class S>
-S row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
-            const Model& B, const Kinematics<S>& kinB) {
+RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
+                      const Model& B, const Kinematics<S>& kinB) {
   S origin(0);
   if (moves(contact.A)) origin += origin_rounding<S>(A, kinA, contact.A.joint);
   if (moves(contact.B)) origin += origin_rounding<S>(B, kinB, contact.B.joint);
   return row_terms<S>(contact, data, origin);
 }
 
-/// The largest term that a contact's a0 is computed from. Of the bodies' velocities and accelerations as the tree has
+/// The largest terms that a contact's a0 is computed from. Of the bodies' velocities and accelerations as the tree has
 /// them, about its base: at the contact they may cancel. place: B's in the world [m].
 template <class S>
-S contact_drift(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
-                const Model& B, const Kinematics<S>& kinB, const Vec3<S>& place) {
-  S most = row_terms<S>(contact, data, A, kinA, B, kinB);
-  const auto add_body = [&](const Attachment& at, const Kinematics<S>& kin) {
+RowTerms<S> contact_drift(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
+                          const Model& B, const Kinematics<S>& kinB, const Vec3<S>& place) {
+  RowTerms<S> most = row_terms<S>(contact, data, A, kinA, B, kinB);
+  const auto add_body = [&](const Attachment& at, const Kinematics<S>& kin, const Vec3<S>& p) {
     if (!moves(at)) return;
-    const S v = largest_entry<S>(kin.v[at.joint]);
-    most = larger(larger(largest_entry<S>(kin.a[at.joint]), S(v * v)), most);
+    const Vec6<S>&v = kin.v[at.joint], &a = kin.a[at.joint];
+    const S lever = largest_entry<S>(p), turning = largest_entry<S>(v.template tail<3>());
+    const S moved = larger(largest_entry<S>(v.template head<3>()), S(turning * lever));
+    const S turned = larger(largest_entry<S>(a.template tail<3>()), S(turning * turning));
+    const S largest = larger(largest_entry<S>(a.template head<3>()), S(turning * moved));
+    most.angular = larger(turned, most.angular);
+    most.linear = larger(larger(largest, S(turned * lever)), most.linear);
   };
-  add_body(contact.A, kinA), add_body(contact.B, kinB);
+  add_body(contact.A, kinA, data.aMA.p), add_body(contact.B, kinB, data.bMA.p);
   // A place in the world that was left out, or computed, is as good as its own digits, however far away it is.
-  if (contact.B.robot < 0) most = larger(S(std::abs(contact.alpha)) * largest_entry<S>(place), most);
+  if (contact.B.robot < 0) most.linear = larger(S(S(std::abs(contact.alpha)) * largest_entry<S>(place)), most.linear);
   return most;
 }
 

@@ -71,7 +71,7 @@ struct BlockPlan {
   }
   std::size_t dependence_size() const {
     const auto of_J = static_cast<std::size_t>(rows() - pattern->nv), count = dropped.size();
-    return count == 0 ? 0 : 1 + (2 + count) * of_J + count * count + count * (of_J + 1) / 2 + 1;
+    return count == 0 ? 0 : (3 + count) * of_J + count * count + count * (of_J + 1) / 2 + 1;
   }
   int rows() const { return pattern->size() - border; }            // that are eliminated
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // of L, without its diagonal

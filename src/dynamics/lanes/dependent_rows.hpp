@@ -32,8 +32,8 @@ class DependentRows {
   /// Where the numbers of the robots at hand are: BlockPlan::dependence_size of each.
   void use(double* memory) {
     const std::size_t rows = rows_ - nv_, count = dropped_.size();
-    drift_ = reinterpret_cast<S*>(memory);
-    row_size_ = drift_ + 1 - nv_;
+    row_terms_ = reinterpret_cast<S*>(memory) - nv_;
+    row_size_ = row_terms_ + rows;
     null_component_ = row_size_ + rows;
     N_ = null_component_ + rows;
     gram_ = N_ + nv_ + count * rows;
@@ -41,8 +41,8 @@ class DependentRows {
   }
   /// What row k of J, in K's order, is judged beside (contact/row_scale.hpp); to be set before `hold`.
   S& row_size(int k) const { return row_size_[k]; }
-  /// The largest term that a0 is computed from (contact_drift), which they are judged beside.
-  S& drift() const { return *drift_; }
+  /// The largest term that its a0 is computed from (contact_drift), which its contradiction is judged beside.
+  S& row_terms(int k) const { return row_terms_[k]; }
   /// Of row k, what project_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 
@@ -275,7 +275,7 @@ class DependentRows {
   const KktPattern& pattern_;
   const std::vector<int>& dropped_;
   int nv_, rows_;
-  S* drift_;
+  S* row_terms_;
   S *row_size_, *null_component_;  // per row of K, from nv on
   S *N_, *gram_;                   // N by columns, as these; of the factor of N^T N
   int* columns_;

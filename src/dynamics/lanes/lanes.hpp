@@ -3,6 +3,7 @@
 // instructions. The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's
 // numbers do not depend on its lane, nor on who stands beside it.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "block.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
@@ -62,19 +64,23 @@ struct ProductJob {
 };
 
 /// What rows that depend on each other contradict each other by (fallbacks.cpp): the largest entries of what is left of
-/// J a + a0, of J a and of a0, and the largest term that a0 is computed from.
+/// J a + a0, of J a and of a0, and how much of the terms that a row's a0 is computed from is left of it, at most.
 struct Contradiction {
-  double left = 0, Ja = 0, a0 = 0, drift = 0;
+  double left = 0, Ja = 0, a0 = 0, of_terms = 0;
   double least_row = std::numeric_limits<double>::infinity(),
          largest_row = 0;  // of the sizes that rows are judged beside (contact/row_scale.hpp)
-  /// Whether it is above rounding, and more than that part of J a and a0.
-  bool exceeds(double of_rows) const {
-    return !(left <= of_rows * (Ja + a0)) && !(left <= tolerance::kDriftRounding * drift);
+  /// What is left of a row, and the largest term that its a0 is computed from.
+  void add(double of_row, double terms) {
+    of_row = std::abs(of_row);
+    left = sparse::larger_or_nan(of_row, left);
+    if (of_row != 0) of_terms = sparse::larger_or_nan(of_row / terms, of_terms);
   }
+  /// Whether derivatives take note of it.
+  bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
+  /// Whether it is more than J a and a0 allow for.
+  bool contradicts() const { return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0)); }
   /// Least squares of rows of very different size, turns beside micrometres: the oracle sorts them.
-  bool needs_oracle() const {
-    return least_row < tolerance::kGradedRows * largest_row && exceeds(tolerance::kContradiction);
-  }
+  bool needs_oracle() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
 
 /// Of one island. Where it is not sound, nothing else is known: another way has to answer.

@@ -103,10 +103,10 @@ class RobotBlock {
     int stride;
   };
   struct Contradicted {  // lanes::Contradiction
-    S left = S(0), Ja = S(0), a0 = S(0), drift = S(0);
+    S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
     S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
     Contradiction operator[](int lane) const {
-      return {left[lane], Ja[lane], a0[lane], drift[lane], least_row[lane], largest_row[lane]};
+      return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
     }
   };
   struct Slot {
@@ -631,14 +631,17 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
 /// What rows of J are judged beside, and what their contradictions are.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
-  S& drift = dependent_->drift() = S(0);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const S moved = row_scale<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_scale<S>(c, contacts_[k], 3) : moved;
-    for (int i = 0; i < c.rows(); ++i) dependent_->row_size(rows_of(k)[i]) = i < 3 ? moved : turned;
     const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
     const auto& kin = robot_.kin;
-    drift = larger(internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place), drift);
+    const auto terms = internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
+    for (int i = 0; i < c.rows(); ++i) {
+      const int row = rows_of(k)[i];
+      dependent_->row_size(row) = i < 3 ? moved : turned;
+      dependent_->row_terms(row) = terms.of_row(i);
+    }
   }
 }
 
@@ -659,14 +662,20 @@ void RobotBlock<S>::restore_contradiction() {
 template <class S>
 typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
   Contradicted out;
-  if (dependent_) out.drift = dependent_->drift();
+  internal::PassedRounding<S> passed;
+  for (int i = pattern_.nv; dependent_ && i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    passed.add(dependent_->row_size(k), dependent_->row_terms(k));
+  }
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
     out.Ja = larger(scale_[k] - abs(n_.b[k]), out.Ja);
     out.a0 = larger(abs(n_.b[k]), out.a0);
     if (!dependent_) continue;
-    const S size = dependent_->row_size(k);
-    out.left = larger(abs(dependent_->null_component(k)), out.left);
+    const S size = dependent_->row_size(k), left = abs(dependent_->null_component(k));
+    out.left = larger(left, out.left);
+    out.of_terms =
+        larger(select(left > S(0), S(left / passed.terms(size, dependent_->row_terms(k))), S(0)), out.of_terms);
     out.least_row = select(size > S(0), -larger(-size, -out.least_row), out.least_row);  // of rows at all
     out.largest_row = larger(size, out.largest_row);
   }
@@ -679,7 +688,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
   for (std::size_t l = 0; l < robots.size(); ++l) {
     answers[l].contradiction = of[static_cast<int>(l)];
     if (answers[l].contradiction.needs_oracle()) answers[l].sound = false;
-    if (answers[l].contradiction.exceeds(tolerance::kDriftRounding))  // the whole K has the term of what is left
+    if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
       answers[l].panel_is_safe = answers[l].products_are_safe = false;
   }
 }

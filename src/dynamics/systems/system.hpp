@@ -15,6 +15,8 @@
 
 #include <algorithm>
 
+#include "../contact_drift.hpp"
+#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
 
@@ -45,10 +47,14 @@ struct Acting {
     inertia = std::max(inertia, its_inertia);
     if (its_inertia > 0) moved = std::max(moved, torque / its_inertia);
   }
-  void add_contact(double row_terms, double its_lever) {
-    if (!(its_lever > 0)) return;
-    lever = std::max(lever, its_lever);
-    answered = std::max(answered, row_terms / its_lever);
+  void add_contact(const Contact &contact, const ContactData<double> &data, const RowTerms<double> &terms) {
+    for (int row : {0, 3}) {  // one of a motion, one of turning
+      if (row >= contact.rows()) continue;
+      const double its_lever = row_scale(contact, data, row);
+      if (!(its_lever > 0)) continue;
+      lever = std::max(lever, its_lever);
+      answered = std::max(answered, terms.of_row(row) / its_lever);
+    }
   }
   double acceleration() const { return std::max({gravity, moved, answered}); }
   double force() const { return lever > 0 ? std::max(load, inertia * answered) / lever : 0; }

@@ -128,9 +128,11 @@ inline constexpr int kTruthSteps = 60;
 /// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
-/// ... unless all of it is rounding of the largest term a0 is computed from (drift_size [m/s^2 or 1/s^2]): 500 eps,
-/// of chains of up to hundreds of joints.
+/// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
+/// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
+/// Derivatives have the term of what is left sooner, from 20 eps on: of rounding it is rounding, too.
+inline constexpr double kDriftNoise = 4e-15;
 
 /// Rows that contradict each other by least squares, the smallest beside the largest: normal equations of the rows kept
 /// square that, and lose eight digits.

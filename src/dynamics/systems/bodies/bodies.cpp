@@ -104,23 +104,55 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp).
-lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
-  BodySolve& v = bodies.solution;
-  lanes::Contradiction of;
-  of.left = bodies.dependence.null_component.cwiseAbs().maxCoeff();
-  std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, v);
-  for (int c : bodies.owner.island.contacts) {
-    const Contact& contact = scene.contacts[c];
-    double origin = 0;
-    for (const Attachment* at : {&contact.A, &contact.B})
-      if (const BodyKinematics<double>* kin = kinematics_at(bodies, *at))
-        origin += kin->p[at->joint].cwiseAbs().maxCoeff();
-    of.drift = std::max(of.drift, row_terms<double>(contact, work.contacts[c], origin));
+// What accelerations of the bodies are computed from, and how long their levers are.
+RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodies, double& lever) {
+  RowTerms<double> out;
+  for (const V6& c : bodies.solution.b.motion) {
+    out.linear = std::max(out.linear, c.head<3>().cwiseAbs().maxCoeff());
+    out.angular = std::max(out.angular, c.tail<3>().cwiseAbs().maxCoeff());
   }
-  for (const V6& c : v.b.motion) of.drift = std::max(of.drift, c.cwiseAbs().maxCoeff());
+  lever = 0;
   for (const BodyKinematics<double>& kin : bodies.kin)
-    for (const V6& velocity : kin.v) of.drift = std::max(of.drift, velocity.cwiseAbs2().maxCoeff());
+    for (std::size_t i = 0; i < kin.v.size(); ++i) {
+      const double w = kin.v[i].tail<3>().cwiseAbs().maxCoeff();
+      out.linear = std::max(out.linear, w * kin.v[i].head<3>().cwiseAbs().maxCoeff());
+      out.angular = std::max(out.angular, w * w);
+      lever = std::max(lever, kin.p[i].cwiseAbs().maxCoeff());
+    }
+  for (int c : bodies.owner.island.contacts)
+    lever =
+        std::max({lever, work.contacts[c].aMA.p.cwiseAbs().maxCoeff(), work.contacts[c].bMA.p.cwiseAbs().maxCoeff()});
+  out.linear = std::max(out.linear, out.angular * lever);
+  return out;
+}
+
+// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp). Sizes of rows
+// are levers here, of J there is nothing.
+lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
+  lanes::Contradiction of;
+  std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, bodies.solution);
+  double lever;
+  const RowTerms<double> of_bodies = terms_of_bodies(work, bodies, lever);
+  const Island& island = bodies.owner.island;
+  const auto each_row = [&](auto&& use) {  // use(row, its size, the terms of its a0)
+    for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+      const int c = island.contacts[k];
+      const Contact& contact = scene.contacts[c];
+      double origin = 0;
+      for (const Attachment* at : {&contact.A, &contact.B})
+        if (const BodyKinematics<double>* kin = kinematics_at(bodies, *at))
+          origin += kin->p[at->joint].cwiseAbs().maxCoeff();
+      if (contact.B.robot < 0) origin += contact.B.placement.p.cwiseAbs().maxCoeff();
+      const RowTerms<double> terms = row_terms<double>(contact, work.contacts[c], origin);
+      for (int i = 0; i < contact.rows(); ++i)
+        use(island.row_offset[k] + i, i < 3 ? lever : 1, std::max(terms.of_row(i), of_bodies.of_row(i)));
+    }
+  };
+  PassedRounding<double> passed;
+  each_row([&](int, double size, double terms) { passed.add(size, terms); });
+  each_row([&](int row, double size, double terms) {
+    of.add(bodies.dependence.null_component[row], passed.terms(size, terms));
+  });
   return of;
 }
 

@@ -23,7 +23,7 @@ namespace {
 using V6 = Vec6<double>;
 
 // What a contact's a0 is computed from; a place in the world is as good as its own digits.
-double answered(const Contact& contact, const ContactData<double>& rows) {
+internal::RowTerms<double> answered(const Contact& contact, const ContactData<double>& rows) {
   const double place = contact.B.robot < 0 ? internal::largest_entry<double>(contact.B.placement.p) : 0;
   return internal::row_terms<double>(contact, rows, place);
 }
@@ -57,9 +57,10 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
   });
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
+    const internal::RowTerms<double> terms = answered(contact, form.contacts[k]);
     for (int i = 0; i < contact.rows(); ++i) {
       const int row = island.row_offset[k] + i;
-      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + answered(contact, form.contacts[k])));
+      w.push_back(std::abs(left.r.rows[row]) + rounding(left.row_scale[row] + terms.of_row(i)));
     }
   }
   return w;
@@ -118,7 +119,7 @@ internal::Acting what_acts(const Scene& scene, const BodiesSystem& form) {
   }
   for (std::size_t k = 0; k < form.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[form.owner.island.contacts[k]];
-    acting.add_contact(answered(contact, form.contacts[k]), motion_scale(contact, form.contacts[k]));
+    acting.add_contact(contact, form.contacts[k], answered(contact, form.contacts[k]));
   }
   return acting;
 }

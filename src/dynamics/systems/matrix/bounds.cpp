@@ -52,9 +52,10 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
   return out;
 }
 
-// What rounding leaves of the torques' row of each coordinate: M's entries are S^T Yc S, h's S^T f, with Yc and f about
-// the tree frame's origin.
-void inertia_rounding(const Model& model, const RobotData& r, const double* a, double* w) {
+}  // namespace
+
+// M's entries are S^T Yc S, h's S^T f, with Yc and f about the tree frame's origin.
+void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
   std::vector<TwistSize> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
   std::vector<InertiaSize> Yc(n);
@@ -70,6 +71,7 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
     force[i].angular += v[i].angular * l.angular + v[i].linear * l.linear;
   }
   std::fill_n(w, model.nv, 0.0);
+  if (largest_of_M) std::fill_n(largest_of_M, model.nv, 0.0);
   for (int i = model.njoints() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
@@ -79,6 +81,9 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
         const double entry = F.of(size_of_column(r.kin, model.dof_joint[j], j));
         w[k] += entry * std::abs(a[j]);
         if (j != k) w[j] += entry * std::abs(a[k]);
+        if (!largest_of_M) continue;
+        largest_of_M[k] = std::max(largest_of_M[k], entry);
+        largest_of_M[j] = std::max(largest_of_M[j], entry);
       }
     }
     if (joint.parent < 0) continue;
@@ -88,23 +93,19 @@ void inertia_rounding(const Model& model, const RobotData& r, const double* a, d
   }
 }
 
-// The same of a contact's rows (of_row: the terms of a0), and what its J leaves in the rows of the coordinates: J's
-// entries are as good as the motions they are picked from, `size`.
-void contact_rounding(double size, const double* a, const std::vector<int>& columns, double f, double& of_row,
-                      std::vector<double>& w) {
-  for (int column : columns) {
-    of_row += size * std::abs(a[column]);
-    w[column] += size * f;
-  }
-}
+namespace {}  // namespace
 
 // c eps: of a sum down the deepest tree.
-double rounding(const Scene& scene, const MatrixSystem& m) {
+double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;
   for (int r : m.owner.island.robots)
     for (int i : scene.robots[r].model->dof_depth) depth = std::max(depth, i);
   return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
 }
+
+namespace {
+
+using internal::rounding;
 
 // c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
 double rounding_of_J(const Scene& scene, const MatrixSystem& m) {
@@ -121,7 +122,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   for (int k = 0; k < m.owner.island.nv; ++k) a[k] = s.x[iperm[k]];
   for (std::size_t k = 0; k < m.owner.island.robots.size(); ++k) {
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
-    inertia_rounding(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
+    internal::torque_terms(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
   }
   std::vector<double> applied(scene.nv, 0.0);
   internal::add_applied_sizes(scene, data, m.owner.island, applied.data());
@@ -132,13 +133,18 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
     const int first = m.owner.island.nv + m.owner.island.row_offset[k];
-    double f = 0;
     const int row = m.owner.island.row_offset[k];
-    for (int i = 0; i < contact.rows(); ++i) f += std::abs(s.x[iperm[first + i]]) * unit_of(m, row + i);
-    double of_row = internal::row_terms(scene, work, m.owner.island.contacts[k]);
-    contact_rounding(of_J * motion_scale(contact, work.contacts[m.owner.island.contacts[k]]), a.data(),
-                     m.owner.shape->support().columns[k], f, of_row, w);
-    for (int i = 0; i < contact.rows(); ++i) w[first + i] = of_row * unit_of(m, row + i);
+    const internal::RowTerms<double> J = internal::motion_terms(contact, work.contacts[m.owner.island.contacts[k]]);
+    double moved = 0, of_f = 0;  // |a| of its columns; J^T f
+    for (int i = 0; i < contact.rows(); ++i)
+      of_f += J.of_row(i) * std::abs(s.x[iperm[first + i]]) * unit_of(m, row + i);
+    for (int column : m.owner.shape->support().columns[k]) {
+      moved += std::abs(a[column]);
+      w[column] += of_J * of_f;
+    }
+    const internal::RowTerms<double> terms = internal::row_terms(scene, work, m.owner.island.contacts[k]);
+    for (int i = 0; i < contact.rows(); ++i)
+      w[first + i] = (terms.of_row(i) + of_J * J.of_row(i) * moved) * unit_of(m, row + i);
   }
   const bool deficient = m.deficient();
   std::vector<double> out(w.size());
@@ -189,10 +195,10 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
     const int c = m.owner.island.contacts[k], rows = scene.contacts[c].rows();
     double moved = 0;
     for (int column : m.owner.shape->support().columns[k]) moved += std::abs(y[iperm[column]]);
-    const double of_row = motion_scale(scene.contacts[c], work.contacts[c]) *
-                          (c_eps * moved + std::numeric_limits<double>::epsilon() * all_moved);
+    const internal::RowTerms<double> J = internal::motion_terms(scene.contacts[c], work.contacts[c]);
+    const double times = c_eps * moved + std::numeric_limits<double>::epsilon() * all_moved;
     const int row = m.owner.island.row_offset[k];
-    for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + row + i]] = of_row * unit_of(m, row + i);
+    for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + row + i]] = J.of_row(i) * times * unit_of(m, row + i);
   }
   return bound(
       [&](double* x) {
@@ -204,29 +210,32 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
       w, kept_rows(m, 0, n));
 }
 
-// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (the same
-// equation). |dJ^T r| in elimination order; dJ is what the rows were computed with in their own columns, and what
-// orthogonal elimination leaves in all (Higham, theorem 20.3).
-std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+}  // namespace
+
+// dJ is what the rows were computed with in their own columns, and what orthogonal elimination leaves in all (Higham,
+// theorem 20.3).
+std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
+                                                   const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
   std::vector<double> w(m.owner.island.size(), 0.0);
   const double c_eps = rounding_of_J(scene, m);
-  double largest = 0, all_missed = 0;
+  double all = 0;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];
+    const internal::RowTerms<double> J = internal::motion_terms(scene.contacts[c], work.contacts[c]);
     double missed = 0;
     const int row = m.owner.island.row_offset[k];
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
-      missed += std::abs(m.v.null_component[iperm[m.owner.island.nv + row + i]]) * unit_of(m, row + i);
-    const double size = motion_scale(scene.contacts[c], work.contacts[c]);
-    largest = std::max(largest, size);
-    all_missed += missed;
-    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += c_eps * size * missed;
+      missed += J.of_row(i) * std::abs(r[iperm[m.owner.island.nv + row + i]]) * unit_of(m, row + i);
+    all += missed;
+    for (int column : m.owner.shape->support().columns[k]) w[iperm[column]] += c_eps * missed;
   }
-  const double anywhere = std::numeric_limits<double>::epsilon() * largest * all_missed;
+  const double anywhere = std::numeric_limits<double>::epsilon() * all;
   for (int column = 0; column < m.owner.island.nv; ++column) w[iperm[column]] += anywhere;
   return w;
 }
+
+namespace {
 
 // What projecting the forces to those of least norm may have made of them.
 double projected_forces(const MatrixSystem& m) {
@@ -266,7 +275,7 @@ internal::Acting what_acts(const Scene& scene, const Workspace& work, const Matr
     acting.add_coordinate(std::abs(m.v.b[at]), std::abs(m.K.values[p.K.p[at + 1] - 1]));
   }
   for (int c : m.owner.island.contacts)
-    acting.add_contact(internal::row_terms(scene, work, c), motion_scale(scene.contacts[c], work.contacts[c]));
+    acting.add_contact(scene.contacts[c], work.contacts[c], internal::row_terms(scene, work, c));
   return acting;
 }
 
@@ -279,17 +288,21 @@ double bound_of_solution(MatrixSystem& m, const std::vector<double>& w, int firs
   return bound(inverse(m), w, kept_rows(m, first, count));
 }
 
+double bound_of_two_solutions(MatrixSystem& m, const std::vector<double>& w, int first, int count) {
+  if (count == 0) return 0;
+  return bound([&m](double* x) { m.factor->solve(x), m.factor->solve(x); }, w, kept_rows(m, first, count));
+}
+
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& m) {
   const std::vector<double> w = uncertainty(scene, data, m);
   const auto [a, f] = given_answer(data, scene, m);
   const bool contradicts = m.deficient() && m.contradiction;
   const std::vector<double> turned =
-      contradicts ? turned_contradiction(scene, *data.workspace, m) : std::vector<double>();
-  const auto twice = [&m](double* x) { m.factor->solve(x), m.factor->solve(x); };
+      contradicts ? turned_contradiction(scene, *data.workspace, m, m.v.null_component) : std::vector<double>();
   const auto error = [&](int first, int count, double more) {
     if (count == 0) return 0.0;
-    return bound_of_solution(m, w, first, count) +
-           (contradicts ? bound(twice, turned, kept_rows(m, first, count)) : 0) + more;
+    return bound_of_solution(m, w, first, count) + (contradicts ? bound_of_two_solutions(m, turned, first, count) : 0) +
+           more;
   };
   double more = f.moved;
   if (m.deficient()) more += turned_forces(scene, *data.workspace, m) + projected_forces(m);

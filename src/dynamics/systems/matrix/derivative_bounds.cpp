@@ -1,9 +1,14 @@
 // Bounds of the errors of derivatives Y = [da; -df], K Y = R, column by column in the maximum norm:
 //
-//     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) (|R| + |K| |Y|)),
+//     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) (T + |K| |Y|)),
 //
 // e the relative error of a and f, which R is computed from: every entry of R is a sum of terms that are linear in
-// them.
+// them, and T their sizes, for they may cancel. Where rows depend, and contradict each other by rho and by
+// columns of derivatives P R, as rounding of a solution (bounds.cpp)
+//
+//     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
+//
+// drho what is not known of rho: its rounding, and all of it where derivatives have no term of it.
 
 #include <limits>
 
@@ -11,8 +16,129 @@
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
+#include "row_terms.hpp"
 
 namespace manycontact::internal {
+
+namespace {
+
+// |d(J^T f)/dq| of the rows of dynamics, the largest of each over q: a contact's force, in A's axes, on columns of J
+// that turn with those before them (jacobian_rate.hpp). f: of the island's rows.
+std::vector<double> turned_forces(const Scene& scene, const Workspace& work, const MatrixSystem& m,
+                                  const std::vector<double>& f) {
+  std::vector<double> out(m.owner.island.nv, 0.0);
+  const auto size = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
+  for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
+    const int c = m.owner.island.contacts[k];
+    const ContactData<double>& data = work.linearisation->contacts[c];
+    const Eigen::Map<const Eigen::VectorXd> of_rows(f.data() + m.owner.island.row_offset[k], scene.contacts[c].rows());
+    const Vec6<double> F = data.W.cwiseAbs().transpose() * of_rows.cwiseAbs();
+    const double force = size(F.head<3>()), moment = size(F.tail<3>());
+    double moved = 0, turned = rows_turn(scene.contacts[c]) ? 1 : 0;
+    for (Eigen::Index j = 0; j < data.Jl.cols(); ++j) {
+      moved = std::max(moved, size(data.Jl.col(j).head<3>()));
+      turned = std::max(turned, size(data.Jl.col(j).tail<3>()));
+    }
+    const std::vector<int>& columns = m.owner.shape->support().columns[k];
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      const auto s = data.Jl.col(static_cast<Eigen::Index>(j));
+      out[columns[j]] += (force * turned) * size(s.head<3>()) + (force * moved + moment * turned) * size(s.tail<3>());
+    }
+  }
+  return out;
+}
+
+double largest_turn(const Kinematics<double>& kin) { return kin.J.bottomRows<3>().cwiseAbs().maxCoeff(); }
+
+// Sizes of the terms that derivatives to q and to v are computed from, of K's rows in the island's order: what turns
+// with a coordinate is as large as it is, and products of velocities are twice as large to one of them.
+struct TermsOfDerivatives {
+  std::vector<double> q, v;
+};
+TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
+  const Workspace& work = *data.workspace;
+  const Island& island = m.owner.island;
+  TermsOfDerivatives out{std::vector<double>(island.size(), 0.0), std::vector<double>(island.size(), 0.0)};
+  std::vector<double> f(island.nc);
+  each_force_block(scene, data.f_offset, island, [&](int from, int to, int n) {
+    for (int i = 0; i < n; ++i) f[to + i] = data.f[from + i];
+  });
+  const std::vector<double> of_forces = turned_forces(scene, work, m, f);
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Robot& robot = scene.robots[island.robots[k]];
+    const RobotData& r = work.robots[island.robots[k]];
+    const int first = island.dof_offset[k], nv = robot.model->nv;
+    if (nv == 0) continue;
+    torque_terms(*robot.model, r, data.a.data() + robot.idx_v, out.q.data() + first, out.v.data() + first);
+    double w = 0;
+    for (const Vec6<double>& velocity : r.kin.v) w = std::max(w, velocity.tail<3>().cwiseAbs().maxCoeff());
+    const double turn = largest_turn(r.kin);
+    for (int i = first; i < first + nv; ++i) {
+      out.q[i] = turn * out.q[i] + of_forces[i];
+      out.v[i] *= 2 * w;
+    }
+  }
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const ContactData<double>& rows = work.linearisation->contacts[island.contacts[k]];
+    const RowTerms<double> terms = with_robots_of(
+        scene, work, contact, [&](const auto&... robots) { return row_terms<double>(contact, rows, robots...); });
+    double moved = 0, turned = 0;
+    if (rows.Jl.cols() > 0) {
+      moved = rows.Jl.topRows<3>().cwiseAbs().maxCoeff();
+      turned = rows.Jl.bottomRows<3>().cwiseAbs().maxCoeff();
+    }
+    const auto velocity = [&](int at) {
+      return std::max(rows.vA.segment<3>(at).cwiseAbs().maxCoeff(), rows.vB.segment<3>(at).cwiseAbs().maxCoeff());
+    };
+    const double beta = std::abs(contact.beta), v = velocity(0), w = velocity(3);
+    for (int i = 0, row = island.nv + island.row_offset[k]; i < contact.rows(); ++i, ++row) {
+      const double unit = unit_of(m, row - island.nv);
+      out.q[row] = unit * (turned * terms.of_row(i) + (i < 3 ? moved * terms.angular : 0));
+      out.v[row] = unit * (i < 3 ? (2 * w + beta) * moved + 2 * v * turned : (2 * w + beta) * turned);
+    }
+  }
+  return out;
+}
+
+// w += |dJ| of the unknowns' sizes, both in order of elimination, in units of rounding: J's entries may be no more than
+// what is left of what they are computed from.
+void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& m, const std::vector<double>& sizes,
+                    std::vector<double>& w) {
+  const Island& island = m.owner.island;
+  const int* iperm = m.K.pattern->iperm.data();
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const RowTerms<double> J = motion_terms(contact, work.contacts[island.contacts[k]]);
+    const std::vector<int>& columns = m.owner.shape->support().columns[k];
+    double moved = 0, of_f = 0;
+    for (int column : columns) moved += sizes[iperm[column]];
+    for (int i = 0, row = island.row_offset[k]; i < contact.rows(); ++i, ++row) {
+      const double size = J.of_row(i) * unit_of(m, row);
+      w[iperm[island.nv + row]] += size * moved;
+      of_f += size * sizes[iperm[island.nv + row]];
+    }
+    for (int column : columns) w[iperm[column]] += of_f;
+  }
+}
+
+// What is not known of what the contacts contradict each other by, of the island's rows.
+std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
+  const Island& island = m.owner.island;
+  std::vector<double> out(island.nc);
+  const double c_eps = rounding(scene, m);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const RowTerms<double> terms = row_terms(scene, work, island.contacts[k]);
+    for (int i = 0, row = island.row_offset[k]; i < scene.contacts[island.contacts[k]].rows(); ++i, ++row) {
+      const double left = std::abs(m.v.null_component[m.K.pattern->iperm[island.nv + row]]) * unit_of(m, row);
+      out[row] = left == 0 ? 0 : c_eps * terms.of_row(i) * unit_of(m, row) * unit_of(m, row);
+      if (!m.contradiction) out[row] += left;
+    }
+  }
+  return out;
+}
+
+}  // namespace
 
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                        const IslandDerivatives& derivatives, DerivativeBounds& out) {
@@ -28,15 +154,24 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   AlignedPanel Y = derivatives.X, left = R.X;  // [da; -df over S], R - K Y
   for (int k = 0; k < island.nc; ++k) Y.row(island.nv + k) *= -1 / unit_of(m, k);
   sparse::residual_panel(m.K.pattern->K, m.K.values.data(), m.K.pattern->perm.data(), Y.data(), left.data(), ld, ld);
-  if (m.deficient()) m.factor->project_out_panel(left.data(), ld, ld);  // what is left of least squares
+  AlignedPanel missed;  // P R
+  if (m.deficient()) {
+    missed = left;
+    m.factor->project_out_panel(left.data(), ld, ld);
+    missed -= left;
+  }
 
   const auto [a, f] = known_answer(scene, data, m);
   const double relative =
       tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() + std::max(a.felt(), f.felt());
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
+  const TermsOfDerivatives terms = terms_of_derivatives(scene, data, m);
+  const std::vector<double> of_contradiction =
+      m.deficient() ? turned_forces(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
+                    : std::vector<double>();
   const std::vector<double> none(island.size(), 0.0);
   std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // in order of elimination
-  const auto bound_block = [&](int first, int cols, double& of_a, double& of_f) {
+  const auto bound_block = [&](const std::vector<double>* of_terms, int first, int cols, double& of_a, double& of_f) {
     if (cols == 0) return;
     const auto largest = [&](const AlignedPanel& X, int row) {
       return X.row(row).segment(first, cols).cwiseAbs().maxCoeff();
@@ -44,21 +179,32 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     const KktPattern& p = *m.K.pattern;
     for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = largest(Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
+    add_terms_of_J(scene, *data.workspace, m, sizes, w);
     for (int k = 0; k < island.size(); ++k) {
       double& of_row = w[p.iperm[k]];
       of_row = largest(left, k) + relative * (largest(R.X, k) + of_row);
+      if (of_terms) of_row += relative * (*of_terms)[k];
     }
+    std::vector<double> twice;
+    if (m.deficient()) {
+      for (int k = 0; k < island.size(); ++k) rest[p.iperm[k]] = k < island.nv ? 0 : largest(missed, k);
+      twice = turned_contradiction(scene, *data.workspace, m, rest);
+      for (int k = 0; k < island.nv && of_terms == &terms.q; ++k) twice[p.iperm[k]] += of_contradiction[k];
+    }
+    const auto bound = [&](int from, int count) {
+      return bound_of_solution(m, w, from, count) + (m.deficient() ? bound_of_two_solutions(m, twice, from, count) : 0);
+    };
     const double da = derivatives.X.block(0, first, island.nv, cols).cwiseAbs().maxCoeff();
-    of_a = Known{da, bound_of_solution(m, w, 0, island.nv)}.relative();
+    of_a = Known{da, bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = derivatives.X.block(island.nv, first, island.nc, cols).cwiseAbs().maxCoeff();
-    of_f = Known{df, bound_of_solution(m, w, island.nv, island.nc) + projected * df}.relative();
+    of_f = Known{df, bound(island.nv, island.nc) + projected * df}.relative();
   };
   const DerivativeRequest& request = derivatives.request;
   out = {};
-  bound_block(derivatives.q_first, request.q ? island.nv : 0, out.da_dq, out.dforces_dq);
-  bound_block(derivatives.v_first, request.v ? island.nv : 0, out.da_dv, out.dforces_dv);
-  bound_block(derivatives.u_first, request.u ? derivatives.nu : 0, out.da_du, out.dforces_du);
+  bound_block(&terms.q, derivatives.q_first, request.q ? island.nv : 0, out.da_dq, out.dforces_dq);
+  bound_block(&terms.v, derivatives.v_first, request.v ? island.nv : 0, out.da_dv, out.dforces_dv);
+  bound_block(nullptr, derivatives.u_first, request.u ? derivatives.nu : 0, out.da_du, out.dforces_du);
   return true;
 }
 

@@ -60,35 +60,38 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// The largest term that the contacts' a0 are computed from.
-double drift_size(const Scene& scene, const Workspace& w, const Island& island) {
-  double largest = 0;
-  for (int c : island.contacts) largest = std::max(largest, contact_drift(scene, w, c));
-  return largest;
-}
-
 // How far the contacts contradict each other: |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the
 // null space of J^T: what dependent rows cannot agree on, which is all that exact arithmetic leaves of J a + a0. (What
-// rounding leaves there beside it was judged as a residual.) It may still be rounding of the terms of drift_size: that
-// is no contradiction. Derivatives take note of what is left above rounding alone. As in lanes (lanes::Contradiction),
-// but for rows that were made dependent.
-lanes::Contradiction contradiction_of(const MatrixSystem& m, double drift, const std::vector<double>& sizes) {
-  const KktPattern& p = *m.K.pattern;
+// rounding leaves there beside it was judged as a residual.) It may still be rounding of the terms of contact_drift:
+// that is no contradiction. Derivatives take note of what is left above rounding alone. As in lanes
+// (lanes::Contradiction), but for rows that were made dependent.
+lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
+                                      const std::vector<double>& sizes) {
+  const Island& island = m.owner.island;
   const KktVectors& v = m.v;
   lanes::Contradiction of;
-  of.drift = drift * (m.unit.empty() ? 1 : *std::max_element(m.unit.begin(), m.unit.end()));
-  for (int k = p.nv; k < p.size(); ++k) {
-    const int at = p.iperm[k];
-    of.left = sparse::larger_or_nan(of.left, std::abs(v.null_component[at]));
+  std::vector<double>& terms = m.row_terms;
+  terms.resize(island.nc);
+  PassedRounding<double> passed;
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const RowTerms<double> drift = contact_drift(scene, w, island.contacts[c]);
+    for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
+      passed.add(sizes[row], terms[row] = drift.of_row(i) * unit_of(m, row));
+  }
+  double largest = 0;
+  for (int row = 0; row < island.nc; ++row) {
+    const int at = m.K.pattern->iperm[island.nv + row];
+    of.add(v.null_component[at], passed.terms(sizes[row], terms[row]));
     of.Ja = std::max(of.Ja, v.scale[at] - std::abs(v.b[at]));
     of.a0 = std::max(of.a0, std::abs(v.b[at]));
+    largest = std::max(largest, terms[row]);
   }
   for (double size : sizes) {
     if (size == 0) continue;  // no row
     of.least_row = std::min(of.least_row, size);
     of.largest_row = std::max(of.largest_row, size);
   }
-  if (of.left <= m.tolerated * (of.Ja + of.a0 + drift)) of.left = 0;
+  if (of.left <= m.tolerated * (of.Ja + of.a0 + largest)) of.left = of.of_terms = 0;
   return of;
 }
 
@@ -165,14 +168,13 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   report.status = Status::kOk;
   m.contradiction = false;
   if (m.deficient()) {
-    const lanes::Contradiction of =
-        contradiction_of(m, drift_size(scene, *data.workspace, m.owner.island), scratch.row_scale);
+    const lanes::Contradiction of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
     if (by.kind != FactorKind::kDense && of.needs_oracle() && m.owner.island.size() <= kOracleRows) {
       m.factor = nullptr;
       return Reason::kSmallPivot;
     }
-    m.contradiction = of.exceeds(tolerance::kDriftRounding);
-    report.status = of.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
+    m.contradiction = of.exceeds_rounding();
+    report.status = of.contradicts() ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
     name_dependent_rows(data, m.owner.island, m.dependent, report);
   }

@@ -61,8 +61,9 @@ class MatrixSystem final : public IslandSystem {
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
   std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
-  KktVectors v;              // x: the answer
-  std::vector<double> unit;  // nc, or empty where all are 1: S of row_units.hpp, of K and v
+  KktVectors v;                   // x: the answer
+  std::vector<double> row_terms;  // nc, scratch of the factorization
+  std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
   // Made when first needed: the choice's, and those it falls back to, without dependent rows in the chosen order and
   // leaf-to-root, and dense.
   std::unique_ptr<Factor> chosen, safe_in_order, safe, dense;
@@ -93,6 +94,14 @@ std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, Matrix
 /// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton
 /// metres, within a factor of three. w: a size per row of K, in order of elimination.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
+/// The same of |K^-1 K^-1| w.
+double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
+/// c eps: of a sum down the deepest tree.
+double rounding(const Scene& scene, const MatrixSystem& system);
+/// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (Golub,
+/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
+std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
+                                         const std::vector<double>& r);
 /// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
                        const IslandDerivatives& derivatives, DerivativeBounds& out);

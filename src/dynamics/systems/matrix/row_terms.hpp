@@ -1,5 +1,5 @@
 #pragma once
-// dynamics/contact_drift.hpp of a contact at the state at hand.
+// What rows of K are computed from at the state at hand: of contacts (dynamics/contact_drift.hpp) and of robots.
 
 #include "../../contact_drift.hpp"
 #include "../../workspace.hpp"
@@ -8,22 +8,37 @@ namespace manycontact::internal {
 
 /// use(model and kinematics of A's robot, those of B's); of an end that does not move, the other's.
 template <class Use>
-double with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
+RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;
   return use(*scene.robots[a].model, work.robots[a].kin, *scene.robots[b].model, work.robots[b].kin);
 }
 
-inline double row_terms(const Scene& scene, const Workspace& work, int c) {
+inline RowTerms<double> row_terms(const Scene& scene, const Workspace& work, int c) {
   const Contact& contact = scene.contacts[c];
   return with_robots_of(scene, work, contact,
                         [&](const auto&... robots) { return row_terms<double>(contact, work.contacts[c], robots...); });
 }
 
-inline double contact_drift(const Scene& scene, const Workspace& work, int c) {
+inline RowTerms<double> contact_drift(const Scene& scene, const Workspace& work, int c) {
   const Contact& contact = scene.contacts[c];
   return with_robots_of(scene, work, contact, [&](const auto&... robots) {
     return contact_drift<double>(contact, work.contacts[c], robots..., contact.B.placement.p);
   });
 }
+
+/// What the entries of a contact's rows of J are computed from: motions, and turning at the levers that it was taken
+/// at.
+inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
+  if (data.Jl.cols() == 0) return {};
+  const double turning = data.Jl.bottomRows<3>().cwiseAbs().maxCoeff();
+  double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A);
+  if (moves(contact.B)) lever += largest_entry<double>(data.bMA.p);
+  return {std::max(data.Jl.topRows<3>().cwiseAbs().maxCoeff(), turning * lever), turning};
+}
+
+/// Of a robot's coordinates, the sizes of all terms that M a + h is computed from, a its own; and the largest entry of
+/// M's row (bounds.cpp).
+void torque_terms(const Model& model, const RobotData& robot, const double* a, double* terms,
+                  double* largest_of_M = nullptr);
 
 }  // namespace manycontact::internal

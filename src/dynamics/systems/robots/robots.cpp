@@ -213,7 +213,7 @@ bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& rep
     all.left = sparse::larger_or_nan(m.contradiction.left, all.left);
     all.Ja = std::max(all.Ja, m.contradiction.Ja);
     all.a0 = std::max(all.a0, m.contradiction.a0);
-    all.drift = std::max(all.drift, m.contradiction.drift);
+    all.of_terms = sparse::larger_or_nan(m.contradiction.of_terms, all.of_terms);
     all.least_row = std::min(all.least_row, m.contradiction.least_row);
     all.largest_row = std::max(all.largest_row, m.contradiction.largest_row);
   }
@@ -223,7 +223,7 @@ bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& rep
   }
   if (all.needs_oracle()) return false;
   report.backward_error = backward_error_of(s);
-  s.contradiction = all.exceeds(tolerance::kDriftRounding);
+  s.contradiction = all.exceeds_rounding();
   report_dropped_rows(data, s.owner, s.dropped, all, report);
   return true;
 }
@@ -293,7 +293,7 @@ void begin_interface(double damping, RobotsSystem& s) {
 
 void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<const int> rows,
                          const lanes::Contradiction& contradiction, IslandReport& report) {
-  report.status = contradiction.exceeds(tolerance::kContradiction) ? Status::kInconsistent : Status::kRedundant;
+  report.status = contradiction.contradicts() ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
   report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
   report.order = Order::kLeafToRoot;
