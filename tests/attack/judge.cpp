@@ -113,10 +113,13 @@ struct Trying {
   void judge_bounds(const Answer& t);
   void judge_condition(const Answer& t);
   void judge_derivatives(const Answer& t);
-  void judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f);
+  void judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f,
+                      double bound);
 };
 
 double allowed(const Answer& t) { return std::max(1e-12, 100 * kEps * t.condition); }
+
+constexpr double kVanishing = 1e-26;  // products of two that rounding leaves of what cancels
 
 // The largest error of a, tree by tree, and of f, in units of what is allowed.
 double Trying::excess(const Answer& t) const {
@@ -147,8 +150,8 @@ void Trying::judge_values(const Answer& t) {
     if (bound < 1 && d <= bound * largest(x)) return;
     const bool silent = !(bound < 1);
     find(silent ? Fault::kSilent : Fault::kValue,
-         text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, bound %.1e, %s, rank %d of %d, condition %.1e", name, d,
-              size, allowed(t), noise, bound, to_string(r.status).c_str(), t.rank, trial.truth.rows(), t.condition));
+         text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, bound %.1e, %s, rank %d of %d, condition %.1e", name,
+              d, size, allowed(t), noise, bound, to_string(r.status).c_str(), t.rank, trial.truth.rows(), t.condition));
   };
   std::size_t first = 0;
   for (const Tree& tree : trial.c.trees) {
@@ -166,9 +169,9 @@ void Trying::judge_status(const Answer& t) {
   const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms || t.left <= 1e-25;
   const bool contradict = !agree && t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
   if (!agree && !contradict) return;
-  const Status right = contradict                         ? Status::kInconsistent
-                       : t.rank == trial.truth.rows()     ? Status::kOk
-                                                          : Status::kRedundant;
+  const Status right = contradict                     ? Status::kInconsistent
+                       : t.rank == trial.truth.rows() ? Status::kOk
+                                                      : Status::kRedundant;
   if (status != right)
     find(Fault::kStatus, text("%s, right is %s: J a + a0 leaves %.1e of %.1e, and of terms of %.1e",
                               to_string(status).c_str(), to_string(right).c_str(), t.left, size, t.terms));
@@ -176,7 +179,8 @@ void Trying::judge_status(const Answer& t) {
 
 void Trying::judge_condition(const Answer& t) {
   const double ratio = data.report.condition / t.condition;
-  if (one_island() && trial.truth.ranks().size() == 1 && t.condition > 0 && t.condition < 1e14 && !(ratio > 0.1 && ratio < 10))
+  if (one_island() && trial.truth.ranks().size() == 1 && t.condition > 0 && t.condition < 1e14 &&
+      !(ratio > 0.1 && ratio < 10))
     find(Fault::kCondition, text("condition %.2e, right is %.2e", data.report.condition, t.condition));
 }
 
@@ -249,6 +253,9 @@ void Trying::judge_derivatives(const Answer& t) {
   const double force = std::max(size_of(t.f, 0, t.f.size()), 1e-6 * trial.truth.load() / J);
   const double floor_a[3] = {motion, motion / speed, 1e-4 * free}, floor_f[3] = {force, force / speed, 1e-4 / J};
   const char* names[2][3] = {{"da_dq", "da_dv", "da_du"}, {"dforces_dq", "dforces_dv", "dforces_du"}};
+  const std::vector<DerivativeBounds> stated = estimate_derivative_errors(scene, data);
+  const DerivativeBounds& b = stated.front();
+  const double bounds[2][3] = {{b.da_dq, b.da_dv, b.da_du}, {b.dforces_dq, b.dforces_dv, b.dforces_du}};
   bool good = true;
   for (const Probe& p : probes(scene.nv, scene.nu)) {
     const Direction along = direction_of(trial.c, p);
@@ -256,7 +263,11 @@ void Trying::judge_derivatives(const Answer& t) {
     const auto part = [&](int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
       const Eigen::VectorXd x = block * p.x;
       const double off = distance(span(x), right, 0, right.size()), size = std::max(floor, largest(block));
-      if (off <= 10 * allowed(t) * size) return;
+      const double bound = bounds[which][p.kind] * p.x.lpNorm<1>();
+      if (stated.size() == 1 && off > bound * largest(block) + kVanishing * floor)
+        find(Fault::kBound, text("%s off by %.2e of %.2e, bound %.2e, condition %.1e", names[which][p.kind], off,
+                                 largest(block), bound, t.condition));
+      if (off <= 10 * allowed(t) * size || (stated.size() == 1 && bound < 1 && off <= bound * largest(block))) return;
       if (trial.blurs.empty()) trial.blur();
       double noise = kEps * (which == 0 && p.kind == 2 ? std::max(size, free) : size);
       for (auto& b : trial.blurs) {
@@ -268,18 +279,23 @@ void Trying::judge_derivatives(const Answer& t) {
       }
       if (off <= 10 * kNoise * noise) return;
       good = false;
-      find(Fault::kDerivative, text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e",
-                                    names[which][p.kind], off, size, 10 * allowed(t), noise,
-                                    to_string(data.report.status).c_str(), t.condition));
+      find(Fault::kDerivative,
+           text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e", names[which][p.kind], off, size,
+                10 * allowed(t), noise, to_string(data.report.status).c_str(), t.condition));
     };
     part(0, *blocks.a[p.kind], truth.a, floor_a[p.kind]);
     part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
     if (!good) return;
   }
-  judge_products(t, blocks, floor_a, floor_f);
+  // Matrices and products are each within what is stated.
+  double bound = 0;
+  for (const auto& of : bounds)
+    for (double x : of) bound = std::max(bound, x);
+  judge_products(t, blocks, floor_a, floor_f, bound);
 }
 
-void Trying::judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f) {
+void Trying::judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f,
+                            double bound) {
   const Scene& scene = file.scene;
   std::mt19937 rng(3);
   const auto signs = [&](Eigen::Index n) {
@@ -297,11 +313,11 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
     size_a = std::max({size_a, floor_a[k], largest(*blocks.a[k])});
     size_f = std::max({size_f, floor_f[k], largest(*blocks.f[k])});
   }
-  const double tolerance = 20 * allowed(t);
+  const double tolerance = std::max(20 * allowed(t), bound);
   const auto near = [&](const char* name, const Eigen::VectorXd& got, const Eigen::VectorXd& right, double size) {
     if (right.size() > 0 && !(largest(got - right) <= tolerance * size))
-      find(Fault::kProduct, text("%s off by %.1e of %.1e, allowed %.1e, condition %.1e", name, largest(got - right), size,
-                                 tolerance, t.condition));
+      find(Fault::kProduct, text("%s off by %.1e of %.1e, allowed %.1e, condition %.1e", name, largest(got - right),
+                                 size, tolerance, t.condition));
   };
   near("jvp a", da, right_a, size_a), near("jvp f", df, right_f, size_f);
   const Eigen::VectorXd wa = signs(scene.nv) / size_a, wf = size_f > 0 ? signs(df.size()) / size_f : signs(df.size());
@@ -385,9 +401,9 @@ bool load(const Case& c, const std::string& folder, SceneFile& file, Judgement& 
 }  // namespace
 
 std::string to_string(Fault fault) {
-  constexpr const char* kNames[] = {"load",      "exception", "no answer", "singular",   "value",
-                                    "rank",      "status",    "condition", "bound",      "silent",
-                                    "derivative", "product",  "not finite", "quasi-static", "impact"};
+  constexpr const char* kNames[] = {"load",       "exception", "no answer",  "singular",     "value",
+                                    "rank",       "status",    "condition",  "bound",        "silent",
+                                    "derivative", "product",   "not finite", "quasi-static", "impact"};
   return kNames[static_cast<int>(fault)];
 }
 

@@ -372,6 +372,32 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
+// In micrometres, what contacts contradict each other by is not rounding of radians, and derivatives have its term.
+TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
+  const TemporaryFolder folder;
+  LinksFile links(0.001, 1e-10);
+  links.add(0, "", "0 0 1");
+  (void)folder.write("r.urdf", links.text());
+  SceneFile file = load_scene(folder.write(
+      "scene.xml",
+      "<scene gravity=\"0 0 0\"><robot name=\"r\" urdf=\"r.urdf\" base=\"fixed\"><q>0.5</q></robot>"
+      "<contact name=\"c\" type=\"1d\" axis=\"0 1 0\" frame=\"r/l1\" offset=\"1e-6 0 0\" reference_frame=\"world\" "
+      "gains=\"25 0\"/><contact name=\"d\" type=\"1d\" axis=\"0 1 0\" frame=\"r/l1\" offset=\"0 1e-6 0\" "
+      "reference_frame=\"world\" gains=\"25 0\"/></scene>"));
+  file.scene.contacts[1].B.placement.p[1] += 5e-14;
+  constexpr double kStep = 1e-5;
+  const Eigen::VectorXd step = Eigen::VectorXd::Constant(1, kStep);
+  for (Method method : methods_for_dependent_rows()) {
+    Solved s(file, method);
+    EXPECT_EQ(s.report().status, Status::kInconsistent) << to_string(method);
+    differentiate(s.file.scene, s.data);
+    SceneFile before = file, after = file;
+    before.q -= step, after.q += step;
+    const double difference = (Solved(after, method).data.a[0] - Solved(before, method).data.a[0]) / (2 * kStep);
+    EXPECT_NEAR(dense_derivatives(s.file.scene, s.data).da_dq(0, 0) / difference, 1, 5e-9) << to_string(method);
+  }
+}
+
 // Links of next to nothing: what cancels in a single solve is not K's condition.
 TEST(Condition, BesideTinyMasses) {
   SceneFile file = box(

@@ -180,6 +180,7 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
   std::set<int> ranks;
   count_pivots(Qr(as_is, nv_, true), ranks);
   count_pivots(Qr(scaled, nv_, true), ranks);
+  if (largest_J() < 1e-14) ranks.insert(0);  // of motions of 1, or of levers in metres, rounding
   ranks_.assign(ranks.rbegin(), ranks.rend());
 }
 

@@ -22,16 +22,17 @@ namespace manycontact::internal {
 
 namespace {
 
-// |d(J^T f)/dq| of the rows of dynamics, the largest of each over q: a contact's force, in A's axes, on columns of J
-// that turn with those before them (jacobian_rate.hpp). f: of the island's rows.
-std::vector<double> turned_forces(const Scene& scene, const Workspace& work, const MatrixSystem& m,
-                                  const std::vector<double>& f) {
+// |G|, G = d(J^T rho)/dq (least_norm_forces.cpp), of the rows of dynamics, the largest of each over q: a contact's
+// force, in A's axes, on columns of J that turn with those before them (jacobian_rate.hpp). rho: of the island's rows.
+std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const MatrixSystem& m,
+                               const std::vector<double>& rho) {
   std::vector<double> out(m.owner.island.nv, 0.0);
   const auto size = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
     const int c = m.owner.island.contacts[k];
     const ContactData<double>& data = work.linearisation->contacts[c];
-    const Eigen::Map<const Eigen::VectorXd> of_rows(f.data() + m.owner.island.row_offset[k], scene.contacts[c].rows());
+    const Eigen::Map<const Eigen::VectorXd> of_rows(rho.data() + m.owner.island.row_offset[k],
+                                                    scene.contacts[c].rows());
     const Vec6<double> F = data.W.cwiseAbs().transpose() * of_rows.cwiseAbs();
     const double force = size(F.head<3>()), moment = size(F.tail<3>());
     double moved = 0, turned = rows_turn(scene.contacts[c]) ? 1 : 0;
@@ -48,7 +49,35 @@ std::vector<double> turned_forces(const Scene& scene, const Workspace& work, con
   return out;
 }
 
-double largest_turn(const Kinematics<double>& kin) { return kin.J.bottomRows<3>().cwiseAbs().maxCoeff(); }
+// The largest motions and turns of a robot's coordinates; where a free base stands changes nothing.
+RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& kin) {
+  RowTerms<double> out;
+  for (int k = 0; k < model.nv; ++k) {
+    if (model.joints[model.dof_joint[k]].nv() < 6)
+      out.linear = std::max(out.linear, kin.J.col(k).head<3>().cwiseAbs().maxCoeff());
+    out.angular = std::max(out.angular, kin.J.col(k).tail<3>().cwiseAbs().maxCoeff());
+  }
+  return out;
+}
+
+// terms += |d(S^T f)/dq|, the largest over q, f the contacts' forces on a body and on all that it carries: those that
+// hold each other cancel in it, and leave their rounding.
+void add_turned_forces(const Model& model, const Kinematics<double>& kin, const RowTerms<double>& motions,
+                       const std::vector<Vec6<double>>& fext, double* terms) {
+  std::vector<RowTerms<double>> F(model.njoints());
+  for (int i = model.njoints() - 1; i >= 0; --i) {
+    F[i].linear += fext[i].head<3>().cwiseAbs().maxCoeff();
+    F[i].angular += fext[i].tail<3>().cwiseAbs().maxCoeff();
+    const Joint& joint = model.joints[i];
+    for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k)
+      terms[k] += F[i].linear * motions.angular * kin.J.col(k).head<3>().cwiseAbs().maxCoeff() +
+                  (F[i].linear * motions.linear + F[i].angular * motions.angular) *
+                      kin.J.col(k).tail<3>().cwiseAbs().maxCoeff();
+    if (joint.parent < 0) continue;
+    F[joint.parent].linear += F[i].linear;
+    F[joint.parent].angular += F[i].angular;
+  }
+}
 
 // Sizes of the terms that derivatives to q and to v are computed from, of K's rows in the island's order: what turns
 // with a coordinate is as large as it is, and products of velocities are twice as large to one of them.
@@ -59,11 +88,6 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   const Workspace& work = *data.workspace;
   const Island& island = m.owner.island;
   TermsOfDerivatives out{std::vector<double>(island.size(), 0.0), std::vector<double>(island.size(), 0.0)};
-  std::vector<double> f(island.nc);
-  each_force_block(scene, data.f_offset, island, [&](int from, int to, int n) {
-    for (int i = 0; i < n; ++i) f[to + i] = data.f[from + i];
-  });
-  const std::vector<double> of_forces = turned_forces(scene, work, m, f);
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     const RobotData& r = work.robots[island.robots[k]];
@@ -72,11 +96,13 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
     torque_terms(*robot.model, r, data.a.data() + robot.idx_v, out.q.data() + first, out.v.data() + first);
     double w = 0;
     for (const Vec6<double>& velocity : r.kin.v) w = std::max(w, velocity.tail<3>().cwiseAbs().maxCoeff());
-    const double turn = largest_turn(r.kin);
+    const RowTerms<double> motions = largest_motions(*robot.model, r.kin);
     for (int i = first; i < first + nv; ++i) {
-      out.q[i] = turn * out.q[i] + of_forces[i];
+      out.q[i] *= motions.angular;
       out.v[i] *= 2 * w;
     }
+    add_turned_forces(*robot.model, r.kin, motions, work.linearisation->of(island.robots[k]).fext,
+                      out.q.data() + first);
   }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
@@ -167,7 +193,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
   const TermsOfDerivatives terms = terms_of_derivatives(scene, data, m);
   const std::vector<double> of_contradiction =
-      m.deficient() ? turned_forces(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
+      m.deficient() ? sizes_of_G(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
                     : std::vector<double>();
   const std::vector<double> none(island.size(), 0.0);
   std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // in order of elimination
