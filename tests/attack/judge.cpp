@@ -163,18 +163,25 @@ void Trying::judge_values(const Answer& t) {
 
 void Trying::judge_status(const Answer& t) {
   const Status status = data.report.status;
-  const double size = t.moved + t.drift;
-  // In between the two the definition's own rounding decides.
-  // Where nothing acts, all of it is rounding of the reference's own.
-  const bool agree = t.left <= 1e-10 * size || t.left <= 1e-14 * t.terms || t.left <= 1e-25;
-  const bool contradict = !agree && t.left > 1e-6 * size && t.left > 1e-9 * t.terms;
+  bool agree = true, contradict = false;
+  for (const Balance& b : t.balance) {
+    const double size = b.moved + b.drift;
+    // In between the two the definition's own rounding decides.
+    // Where nothing acts, all of it is rounding of the reference's own; rows that ask for nothing agree, and what a
+    // row that was cut leaves of a is none of them.
+    const bool agrees = b.drift == 0 || b.left <= 1e-10 * size || b.left <= 1e-14 * b.terms || b.left <= 1e-25;
+    agree = agree && agrees;
+    contradict = contradict || (!agrees && b.left > 1e-6 * size && b.left > 1e-9 * b.terms);
+  }
   if (!agree && !contradict) return;
   const Status right = contradict                     ? Status::kInconsistent
                        : t.rank == trial.truth.rows() ? Status::kOk
                                                       : Status::kRedundant;
-  if (status != right)
-    find(Fault::kStatus, text("%s, right is %s: J a + a0 leaves %.1e of %.1e, and of terms of %.1e",
-                              to_string(status).c_str(), to_string(right).c_str(), t.left, size, t.terms));
+  if (status == right) return;
+  std::string left;
+  for (const Balance& b : t.balance)
+    left += text("; J a + a0 leaves %.1e of %.1e, and of terms of %.1e", b.left, b.moved + b.drift, b.terms);
+  find(Fault::kStatus, to_string(status) + ", right is " + to_string(right) + left);
 }
 
 void Trying::judge_condition(const Answer& t) {

@@ -108,30 +108,39 @@ Column torques(const Case& c) {
   return tau;
 }
 
-// Of a row's terms the largest: accelerations, centripetal ones, gains times placements and velocities.
-double size_of_terms(const Case& c, const Bodies<Quad>& bodies) {
+// Of a contact's rows' terms the largest: accelerations, centripetal ones, gains times placements and velocities.
+double size_of_terms(const Case& c, const Hold& h, const Bodies<Quad>& bodies) {
   double most = 0;
   for (const double g : c.gravity) most = std::max(most, std::abs(g));
   const auto size = [](const Vec<Quad>& x) { return std::abs(static_cast<double>(root(dot(x, x)))); };
-  for (const Hold& h : c.holds) {
-    const Touch<Quad> t = touch<Quad>(c, h, bodies);
-    for (const auto& [tree, link] : {std::pair(h.tree, h.link), std::pair(h.to_tree, h.to_link)}) {
-      if (tree < 0) continue;
-      const Body<Quad>& b = bodies[tree][link];
-      const double lever = size(t.p - b.p), w = size(b.w);
-      most = std::max({most, size(b.acceleration), size(b.turning) * (1 + lever), w * w * (1 + lever),
-                       w * size(b.v), h.beta * (size(b.v) + w * (1 + lever)), h.alpha * (1 + lever + size(t.p))});
-    }
+  const Touch<Quad> t = touch<Quad>(c, h, bodies);
+  for (const auto& [tree, link] : {std::pair(h.tree, h.link), std::pair(h.to_tree, h.to_link)}) {
+    if (tree < 0) continue;
+    const Body<Quad>& b = bodies[tree][link];
+    const double lever = size(t.p - b.p), w = size(b.w);
+    most = std::max({most, size(b.acceleration), size(b.turning) * (1 + lever), w * w * (1 + lever), w * size(b.v),
+                     h.beta * (size(b.v) + w * (1 + lever)), h.alpha * (1 + lever + size(t.p))});
   }
   return most;
+}
+
+// The first tree of each tree's island: of those that contacts join, whatever moves.
+std::vector<int> islands(const Case& c) {
+  std::vector<int> first(c.trees.size());
+  for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
+  for (const Hold& h : c.holds) {
+    if (h.to_tree < 0) continue;
+    const int a = std::min(first[h.tree], first[h.to_tree]), b = std::max(first[h.tree], first[h.to_tree]);
+    std::replace(first.begin(), first.end(), b, a);
+  }
+  return first;
 }
 
 // How many of the pivots count, by every threshold between rounding of double precision and plainly more.
 void count_pivots(const Qr& qr, std::set<int>& ranks) {
   for (const double threshold : {1e-14, 1e-13, 1e-12, 3e-12, 1e-11, 3e-11, 1e-10, 1e-9}) {
     int rank = 0;
-    while (rank < static_cast<int>(qr.left.size()) && qr.left[rank] > 0 &&
-           qr.left[rank] > Quad(threshold) * qr.left[0])
+    while (rank < static_cast<int>(qr.left.size()) && qr.left[rank] > 0 && qr.left[rank] > Quad(threshold) * qr.left[0])
       ++rank;
     ranks.insert(rank);
   }
@@ -155,7 +164,13 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
   for (int k = 0; k < nv_; ++k) b1_[k] -= h[k];
   b2_ = rows_at(c, bodies, false);
   for (Quad& x : b2_) x = -x;
-  drift_ = size_of_terms(c, bodies);
+  const std::vector<int> island = islands(c);
+  terms_.assign(c.trees.size(), 0);
+  for (const Hold& h : c.holds) {
+    double& terms = terms_[island[h.tree]];
+    terms = std::max(terms, size_of_terms(c, h, bodies));
+    island_of_row_.insert(island_of_row_.end(), h.rows, island[h.tree]);
+  }
   for (int j = 0; j < nv_; ++j) {
     Column e(nv_, Quad(0));
     e[j] = 1;
@@ -194,14 +209,20 @@ Reference::Solved& Reference::solved(int rank) {
   if (x.regular) {
     s->factor.solve(b1_, b2_, x.a, x.f);
     x.condition = static_cast<double>(s->factor.condition());
+    x.balance.resize(terms_.size());
     for (int i = 0; i < rows_; ++i) {
       Quad left = Quad(case_.damping) * x.f[i] - b2_[i], size = 0;
       for (int j = 0; j < nv_; ++j) left += J_(i, j) * x.a[j], size += fabsq(J_(i, j) * x.a[j]);
-      x.left = std::max(x.left, static_cast<double>(fabsq(left)));
-      x.moved = std::max(x.moved, static_cast<double>(size));
+      Balance& b = x.balance[island_of_row_[i]];
+      b.left = std::max(b.left, static_cast<double>(fabsq(left)));
+      b.moved = std::max(b.moved, static_cast<double>(size));
+      b.drift = std::max(b.drift, static_cast<double>(fabsq(b2_[i])));
     }
-    x.drift = largest(b2_);
-    x.terms = std::max({drift_, x.moved, x.drift});
+    for (std::size_t k = 0; k < x.balance.size(); ++k) {
+      Balance& b = x.balance[k];
+      b.terms = std::max({terms_[k], b.moved, b.drift});
+      x.terms = std::max(x.terms, b.terms);
+    }
   }
   solved_.push_back(std::move(s));
   return *solved_.back();

@@ -12,14 +12,19 @@
 
 namespace manycontact::attack {
 
+struct Balance {                // of the rows of one island
+  double left = 0;              // largest entry of J a + a0 + delta f
+  double moved = 0, drift = 0;  // largest entries of |J| |a| and of a0
+  double terms = 0;             // the same, and of all that a0 is made of
+};
+
 struct Answer {  // at one rank
   int rank = 0;
   bool regular = false;
   Column a, f;
-  double condition = 0;  // of K, 1-norm
-  double left = 0;       // largest entry of J a + a0 + delta f
-  double moved = 0, drift = 0;  // largest entries of |J| |a| and of a0
-  double terms = 0;      // the same, and of all that a0 is made of
+  double condition = 0;          // of K, 1-norm
+  std::vector<Balance> balance;  // per island
+  double terms = 0;              // the largest of theirs
 };
 
 struct Slopes {  // of a and f along one direction
@@ -43,7 +48,7 @@ class Reference {
   const std::vector<int>& ranks() const { return ranks_; }
   const Matrix& M() const { return M_; }
   const Matrix& J() const { return J_; }
-  double free_size() const;  // of M^-1 b1, the accelerations without contacts; 0 where M is singular
+  double free_size() const;                     // of M^-1 b1, the accelerations without contacts; 0 where M is singular
   double load() const { return largest(b1_); }  // entries of the forces without contacts
   double largest_J() const { return std::max(largest(J_.x), 1e-300); }
 
@@ -64,7 +69,8 @@ class Reference {
   int nv_ = 0, rows_ = 0;
   Matrix M_, J_;
   Column b1_, b2_;
-  double drift_ = 0;
+  std::vector<int> island_of_row_;
+  std::vector<double> terms_;  // per island, of what its a0 are made of
   std::vector<int> ranks_;
   std::vector<std::unique_ptr<Solved>> solved_;
 };
