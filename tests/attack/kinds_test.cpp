@@ -372,6 +372,32 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
+// A point of two links that move in a plane is held by two rows, and what a small second pivot leaves of the third is
+// none.
+TEST(Rank, OfThePlaneIsTwo) {
+  const TemporaryFolder folder;
+  const auto link = [](const std::string& name, const std::string& mass, const std::string& inertia) {
+    return "<link name=\"" + name + "\"><inertial>" + mass + "<inertia " + inertia +
+           " ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>";
+  };
+  (void)folder.write(
+      "r.urdf",
+      "<robot name=\"r\">" + link("l0", "<mass value=\"1\"/>", "ixx=\"1\" iyy=\"1\" izz=\"1\"") +
+          link("l1", "<mass value=\"0.3\"/>", "ixx=\"0.001\" iyy=\"0.005\" izz=\"0.004\"") +
+          link("l2", "<origin xyz=\"0.07 -0.03 0.1\"/><mass value=\"1\"/>", "ixx=\"0.002\" iyy=\"0.01\" izz=\"0.01\"") +
+          "<joint name=\"a\" type=\"planar\"><parent link=\"l0\"/><child link=\"l1\"/><origin xyz=\"0.1 0.5 0.2\"/>"
+          "<axis xyz=\"0 0 1\"/></joint><joint name=\"b\" type=\"planar\"><parent link=\"l1\"/><child link=\"l2\"/>"
+          "<origin xyz=\"0.3 0.06 0.3\" rpy=\"1.4004361542297077 -1.6068394506663188 0.94514435019825693\"/>"
+          "<axis xyz=\"0 0 1\"/></joint></robot>");
+  const SceneFile file = load_scene(folder.write(
+      "scene.xml",
+      "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"fixed\"><q>-0.91088461112719799 0.80610609338485772 "
+      "-1.0320524128247268 1.9086012717209515 0.17979884630966381 -1.6671061164160224</q></robot><contact name=\"c\" "
+      "type=\"3d\" frame=\"r/l1\" to=\"r/l2\"/></scene>"));
+  for (Method method : methods_for_dependent_rows())
+    EXPECT_EQ(Solved(file, method).report().rank, 2) << to_string(method);
+}
+
 // In micrometres, what contacts contradict each other by is not rounding of radians, and derivatives have its term.
 TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
   const TemporaryFolder folder;

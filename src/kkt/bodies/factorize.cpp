@@ -199,9 +199,9 @@ double compliance(const V6& G, const V6& inverse) {
 
 // Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
 // rounding of what they took away grows with its square; what joints gave the row, with the spread of their inertias.
-// Where rows below are dropped, those kept after must be plainly apart from them: what a small pivot is wrong by is as
-// much larger in those (kkt/factor/pivots.hpp); least: the smallest part left of the pivots below, 1 where none is
-// dropped. (Loops along a chain leave less and less, and are right.)
+// What a small pivot is wrong by is as much larger in the rows after it (kkt/factor/pivots.hpp): least is the smallest
+// part left of the pivots before, at the same node, and below it where rows there are dropped. (Loops along a chain
+// leave less and less, and are right.)
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own =
@@ -215,6 +215,7 @@ double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
+  double least = least_below(d, i);
   while (done < at.m) {
     int best = -1, complete = 0;
     double most = -1;
@@ -222,14 +223,17 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (d.dropped[at.row[k]] || !s.complete(at.row[k], i)) continue;
       ++complete;
       const double E = at.e(k, k);
-      const bool left = E > least_left(d, at.row[k], least_below(d, i)) * d.pivot_sum[at.row[k]];
+      const bool left = E > least_left(d, at.row[k], least) * d.pivot_sum[at.row[k]];
       const double ratio = left ? E / compliance(at.H[k], inverse_P) : 0;
       if (ratio > most) most = ratio, best = k;
     }
-    if (best < 0 || (most < tolerance::kRowMoves && complete <= kMostOpen)) break;
+    if (best < 0) break;
+    const bool waits = most < tolerance::kRowMoves && complete <= kMostOpen;  // for joints to come
+    if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
-    d.least_kept[i] = std::min(d.least_kept[i], at.e(best, best) / d.pivot_sum[at.row[best]]);
+    least = std::min(least, at.e(best, best) / d.pivot_sum[at.row[best]]);
+    d.least_kept[i] = std::min(d.least_kept[i], least);
     exchange(at, s.ndof[i], done, best);
     const double inverse = 1 / at.e(done, done);
     const V6 H = at.H[done];
