@@ -103,14 +103,14 @@ double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   return (tolerance::kBoundRounding + depth) * std::numeric_limits<double>::epsilon();
 }
 
+double internal::rounding_of_J(const Scene& scene, const MatrixSystem& m) {
+  return std::max(rounding(scene, m), m.factor->left_of_dropped_rows());
+}
+
 namespace {
 
 using internal::rounding;
-
-// c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
-double rounding_of_J(const Scene& scene, const MatrixSystem& m) {
-  return std::max(rounding(scene, m), m.factor->left_of_dropped_rows());
-}
+using internal::rounding_of_J;
 
 // |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
 // contacts contradict each other by is no error of least squares.

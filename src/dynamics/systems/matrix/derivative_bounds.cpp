@@ -1,10 +1,10 @@
 // Bounds of the errors of derivatives Y = [da; -df], K Y = R, column by column in the maximum norm:
 //
-//     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) (T + |K| |Y|)),
+//     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) T + c eps |K| |Y|),
 //
-// e the relative error of a and f, which R is computed from: every entry of R is a sum of terms that are linear in
-// them, and T their sizes, for they may cancel. Where rows depend, and contradict each other by rho and by
-// columns of derivatives P R, as rounding of a solution (bounds.cpp)
+// T the sizes of the terms that R is computed from, for they may cancel, |K| with those of its entries, and e the
+// relative error of a and f: every term of derivatives to q is linear in these, no other has them. Where rows depend,
+// and contradict each other by rho and by columns of derivatives P R, as rounding of a solution (bounds.cpp)
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
@@ -83,23 +83,25 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
 // with a coordinate is as large as it is, and products of velocities are twice as large to one of them.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
+  std::vector<double> M;  // of dynamics: what the largest entry of M's row is computed from
 };
 TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const Island& island = m.owner.island;
-  TermsOfDerivatives out{std::vector<double>(island.size(), 0.0), std::vector<double>(island.size(), 0.0)};
+  TermsOfDerivatives out{std::vector<double>(island.size(), 0.0), std::vector<double>(island.size(), 0.0),
+                         std::vector<double>(island.nv, 0.0)};
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     const RobotData& r = work.robots[island.robots[k]];
     const int first = island.dof_offset[k], nv = robot.model->nv;
     if (nv == 0) continue;
-    torque_terms(*robot.model, r, data.a.data() + robot.idx_v, out.q.data() + first, out.v.data() + first);
+    torque_terms(*robot.model, r, data.a.data() + robot.idx_v, out.q.data() + first, out.M.data() + first);
     double w = 0;
     for (const Vec6<double>& velocity : r.kin.v) w = std::max(w, velocity.tail<3>().cwiseAbs().maxCoeff());
     const RowTerms<double> motions = largest_motions(*robot.model, r.kin);
     for (int i = first; i < first + nv; ++i) {
       out.q[i] *= motions.angular;
-      out.v[i] *= 2 * w;
+      out.v[i] = 2 * w * out.M[i];
     }
     add_turned_forces(*robot.model, r.kin, motions, work.linearisation->of(island.robots[k]).fext,
                       out.q.data() + first);
@@ -127,12 +129,19 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// w += |dJ| of the unknowns' sizes, both in order of elimination, in units of rounding: J's entries may be no more than
+// w += |dK| of the unknowns' sizes, both in order of elimination, in units of rounding: K's entries may be no more than
 // what is left of what they are computed from.
-void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& m, const std::vector<double>& sizes,
-                    std::vector<double>& w) {
+void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
+                    const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();
+  const double of_J = rounding_of_J(scene, m) / rounding(scene, m);
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const int first = island.dof_offset[k], end = first + scene.robots[island.robots[k]].model->nv;
+    double accelerated = 0;
+    for (int i = first; i < end; ++i) accelerated += sizes[iperm[i]];
+    for (int i = first; i < end; ++i) w[iperm[i]] += terms.M[i] * accelerated;
+  }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const RowTerms<double> J = motion_terms(contact, work.contacts[island.contacts[k]]);
@@ -140,7 +149,7 @@ void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSyste
     double moved = 0, of_f = 0;
     for (int column : columns) moved += sizes[iperm[column]];
     for (int i = 0, row = island.row_offset[k]; i < contact.rows(); ++i, ++row) {
-      const double size = J.of_row(i) * unit_of(m, row);
+      const double size = of_J * J.of_row(i) * unit_of(m, row);
       w[iperm[island.nv + row]] += size * moved;
       of_f += size * sizes[iperm[island.nv + row]];
     }
@@ -188,8 +197,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   }
 
   const auto [a, f] = known_answer(scene, data, m);
-  const double relative =
-      tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() + std::max(a.felt(), f.felt());
+  const double c_eps = rounding(scene, m), e = std::max(a.felt(), f.felt());
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
   const TermsOfDerivatives terms = terms_of_derivatives(scene, data, m);
   const std::vector<double> of_contradiction =
@@ -203,13 +211,14 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
       return X.row(row).segment(first, cols).cwiseAbs().maxCoeff();
     };
     const KktPattern& p = *m.K.pattern;
+    const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // least squares turn with a and f
+    const double of_R = of_terms == &terms.q ? c_eps + e : c_eps;
     for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = largest(Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
-    add_terms_of_J(scene, *data.workspace, m, sizes, w);
+    add_terms_of_K(scene, *data.workspace, m, terms, sizes, w);
     for (int k = 0; k < island.size(); ++k) {
       double& of_row = w[p.iperm[k]];
-      of_row = largest(left, k) + relative * (largest(R.X, k) + of_row);
-      if (of_terms) of_row += relative * (*of_terms)[k];
+      of_row = largest(left, k) + of_K * of_row + of_R * (largest(R.X, k) + (of_terms ? (*of_terms)[k] : 0));
     }
     std::vector<double> twice;
     if (m.deficient()) {

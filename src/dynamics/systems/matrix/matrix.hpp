@@ -98,6 +98,8 @@ double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
 /// c eps: of a sum down the deepest tree.
 double rounding(const Scene& scene, const MatrixSystem& system);
+/// c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
+double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 /// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (Golub,
 /// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
