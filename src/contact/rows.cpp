@@ -122,6 +122,10 @@ void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& su
   const WorldPoint<S> from = origin<S>(scene, c.A, kinA);
   const SE3<S> aMA = place<S>(scene, c.A, kinA);
   take_places<S>(c, d);
+  d.joint_lever = S(0);
+  if (!support.a.empty()) d.joint_lever = joint_lever<S>(*scene.robots[c.A.robot].model, kinA, support.a);
+  if (!support.b.empty())
+    d.joint_lever = larger(joint_lever<S>(*scene.robots[c.B.robot].model, *kinB, support.b), d.joint_lever);
   if (!kinB) return contact_rows_with_world<S>(scene.gravity, c, support, kinA, aMA, from, c.B.placement.cast<S>(), d);
   contact_rows_between<S>(scene.gravity, c, support, kinA, aMA, kinB, place<S>(scene, c.B, *kinB),
                           from.seen_from(origin<S>(scene, c.B, *kinB)), d);

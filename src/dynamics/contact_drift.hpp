@@ -42,17 +42,18 @@ struct RowTerms {
 
 /// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
 /// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. Of all rows j that is no
-/// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k), t the terms that a0 is computed from.
+/// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms that a0 is computed from.
 template <class S>
 struct PassedRounding {
-  S by_lever = S(0), by_force = S(0);
+  S by_lever = S(0), by_force = S(0), largest = S(0);
   void add(const S& size, const S& terms) {
     by_lever = larger(select(size > S(0), S(terms / size), S(0)), by_lever);
     by_force = larger(S(terms * size), by_force);
+    largest = larger(terms, largest);
   }
   /// The terms that what is left of a row is judged beside: its own, and what it has from others.
   S terms(const S& size, const S& own) const {
-    const S passed = select(size > S(0), -larger(S(-size * by_lever), S(-by_force / size)), S(0));
+    const S passed = select(size > S(0), -larger(larger(S(-size * by_lever), S(-by_force / size)), -largest), S(0));
     return larger(own, passed);
   }
 };

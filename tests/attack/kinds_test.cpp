@@ -372,6 +372,26 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
+// A body's origin on the axis of a joint far from it is held by rows that are rounding of the joint's lever.
+TEST(Rank, OfAPointOnTheAxisIsNone) {
+  for (const char* along : {"0.1 0.2 0.3", "0.7 -0.1 0.3", "-0.3 0.4 0.2", "0.11 0.23 -0.37"}) {
+    const TemporaryFolder folder;
+    LinksFile links(1, 0.01);
+    links.add(0, "xyz=\"" + std::string(along) + "\"", along);
+    (void)folder.write("r.urdf", links.text());
+    for (const char* type : {"3d\"", "5d\" axis=\""}) {
+      const std::string axis = type[0] == '5' ? std::string(along) + "\"" : "";
+      const SceneFile file = load_scene(folder.write(
+          "scene.xml",
+          "<scene><robot name=\"r\" urdf=\"r.urdf\" base=\"floating\"><q>0 0 0 0.1 0.2 0.3 0.9273618495495703 0.4</q>"
+          "</robot><contact name=\"c\" frame=\"r/l0\" to=\"r/l1\" type=\"" +
+              std::string(type) + axis + "/></scene>"));
+      for (Method method : methods_for_dependent_rows())
+        EXPECT_EQ(Solved(file, method).report().rank, 0) << along << " " << type << " " << to_string(method);
+    }
+  }
+}
+
 // A point of two links that move in a plane is held by two rows, and what a small second pivot leaves of the third is
 // none.
 TEST(Rank, OfThePlaneIsTwo) {

@@ -58,6 +58,7 @@ struct ContactData {
   Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6
   MatX<S> J;                                        // rows x cols
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
+  S joint_lever = S(0);  // how far joints that turn it are from their tree's origin, at most [m]
 };
 
 /// on_A and on_B, of the contact's own placements.
@@ -77,13 +78,27 @@ Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
 
+/// joint_lever of the joints above one end, `support` of the contact's.
+template <class S>
+S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<int>& support) {
+  using std::abs;
+  S largest(0);
+  for (int k : support) {
+    if (model.joints[model.dof_joint[k]].type == JointType::kPrismatic) continue;
+    const Vec3<S>& p = kin.oMi[model.dof_joint[k]].p;
+    for (int i = 0; i < 3; ++i) largest = larger(S(abs(p[i])), largest);
+  }
+  return largest;
+}
+
 /// Fills `data`. kinA, kinB: of the robots of A and B after forward_accelerations; kinB is nullptr when B is the world.
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
-/// The same with the frames' placements given, A's and B's in the tree frames of their bodies, and from_b: A's tree
-/// frame's origin as seen from B's. The contact's own placements are not read: on_A and on_B are the caller's.
+/// The same, but for joint_lever, with the frames' placements given, A's and B's in the tree frames of their bodies,
+/// and from_b: A's tree frame's origin as seen from B's. The contact's own placements are not read: on_A and on_B are
+/// the caller's.
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
@@ -109,7 +124,7 @@ S motion_scale(const Contact& contact, const ContactData<S>& data) {
   const S largest = largest_of(0), turning = largest_of(3);
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
-  S lever = reach(data.aMA.p) + reach(data.on_A);
+  S lever = reach(data.aMA.p) + reach(data.on_A) + data.joint_lever;
   if (contact.B.robot >= 0 && contact.B.joint >= 0) lever += reach(data.bMA.p);
   return larger(S(turning * lever / S(100)), largest);
 }

@@ -436,6 +436,8 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
     rows_between<S>(scene.gravity, c, plan_->supports[k], robot_.kin,
                     placed_end<S>(c.A, robot_.kin, on_A, standing_[k][0]), on_A.p, robot_.kin,
                     placed_end<S>(c.B, robot_.kin, on_B, standing_[k][1]), on_B.p, contacts_[k]);
+    contacts_[k].joint_lever = larger(joint_lever<S>(*model_, robot_.kin, plan_->supports[k].a),
+                                      joint_lever<S>(*model_, robot_.kin, plan_->supports[k].b));
   }
 }
 

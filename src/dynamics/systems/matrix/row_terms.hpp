@@ -31,7 +31,7 @@ inline RowTerms<double> contact_drift(const Scene& scene, const Workspace& work,
 inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
   if (data.Jl.cols() == 0) return {};
   const double turning = data.Jl.bottomRows<3>().cwiseAbs().maxCoeff();
-  double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A);
+  double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
   if (moves(contact.B)) lever += largest_entry<double>(data.bMA.p);
   return {std::max(data.Jl.topRows<3>().cwiseAbs().maxCoeff(), turning * lever), turning};
 }
