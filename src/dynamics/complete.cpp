@@ -13,7 +13,7 @@ void complete(const Scene& scene, const SceneData& data) {
     if (d.answered_by(d.bodies.get()) && d.bodies->make_current(scene, data)) {
       if (internal::joint_space_fits(d)) internal::evaluate_at_solution(scene, data, d);
     } else if (d.answered && d.matrix.make_current(scene, data, thread) && d.answered_by(&d.alone)) {
-      d.answered = &d.matrix, d.alone.state = 0;  // from here on K differentiates it: lanes leave nothing to look at
+      d.answered = &d.matrix;  // from here on K differentiates it: lanes leave nothing to look at
     }
   });
 }

@@ -68,7 +68,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
       out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
-  if (!d.answered || d.alone.differentiates(w) || differentiates_by_robots(d)) return;
+  if (!d.answered || d.served_in_lanes() || differentiates_by_robots(d)) return;
   make_joint_space(scene, w, d);
   w.linearisation->assign(scene, w, d.island);
 }
@@ -115,7 +115,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_alone(scene, data);
   internal::each_island(
-      w, [&](const IslandWork& d) { return d.alone.differentiates(w); }, internal::differentiates_by_robots,
+      w, [](const IslandWork& d) { return d.served_in_lanes(); }, internal::differentiates_by_robots,
       [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
         internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
       });

@@ -33,7 +33,7 @@ void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
-      *data.workspace, [&](const IslandWork& d) { return d.alone.multiplies(*data.workspace); },
+      *data.workspace, [&](const IslandWork& d) { return d.served_in_lanes(); },
       [](const IslandWork& d) { return d.answered_by(d.robots.get()); },
       [&](IslandWork& d, std::size_t, ThreadWork& thread) {
         if (!internal::ask(scene, data, d, thread, [&](IslandSystem& system) { return product(system, thread); }))
@@ -46,7 +46,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
   for (const auto& d : w.islands) {  // memory, by this thread
-    if (!d->answered || d->alone.multiplies(w)) continue;
+    if (!d->answered || d->served_in_lanes()) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
     }

@@ -27,9 +27,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   island->answered = nullptr;
   island->matrix.was_dependent = false;
   island->depended = 0;
-  island->alone.state = island->matrix.state = 0;
-  if (island->robots) island->robots->state = 0;
-  if (island->bodies) island->bodies->state = 0;
+  island->matrix.state = 0;
   w.pool.give(std::move(island), w.layout);
 }
 

@@ -3,9 +3,17 @@
 // contradictions depend on it, answers of independent rows do not. Where rows may depend, K's rows of contacts, and of
 // b, are times S = diag(1, or the length for rows that turn), and K's unknown y is -f over S.
 
+#include <cmath>
+
 #include "manycontact/kkt/island.hpp"
 
 namespace manycontact::internal {
+
+/// Whether the scene's own numbers can be used at all (check_input says which cannot).
+inline bool usable_numbers(const Scene& scene) {
+  return scene.damping >= 0 && std::isfinite(scene.damping) && scene.moment_length > 0 &&
+         std::isfinite(scene.moment_length);
+}
 
 /// Of a contact's row; 1 of every row with damping, which makes all of them independent.
 inline double row_unit(const Scene& scene, int row_of_contact) {

@@ -65,10 +65,13 @@ struct IslandWork {
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
+  /// The answer came from a lane, and so may its derivatives and products.
+  bool served_in_lanes() const { return answered == &alone && alone.panel_is_safe; }
   /// Its first way is by lanes, which need none of what the whole K is made of.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
-  int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
-  int factorizations = 0;  // of K, whole or robot by robot, since that began
+  int depended = 0;                  // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
+  int factorizations = 0;            // of K, whole or robot by robot, since that began
+  std::uint64_t tried_dropping = 0;  // of the last solve that was done in lanes without rows that depend
 
   IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };

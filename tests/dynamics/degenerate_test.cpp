@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "manycontact/analysis/errors.hpp"
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -120,6 +121,17 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
       EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kFailed);
       EXPECT_EQ(data.report.islands[0].reason, Reason::kBadMomentLength);
     }
+  }
+}
+
+// What no row needs is refused all the same, whoever would answer.
+TEST(Dependent, MomentLengthIsCheckedWhereRowsAreIndependent) {
+  SceneFile file = load_scene(kModels + "humanoid_standing.xml");
+  file.scene.moment_length = std::nan("");
+  for (const Method method : methods()) {
+    SceneData data(file.scene, {method, {}});
+    EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kFailed) << to_string(method);
+    EXPECT_EQ(data.report.islands[0].reason, Reason::kBadMomentLength) << to_string(method);
   }
 }
 

@@ -213,7 +213,7 @@ TEST_P(DependentInLanes, AtRestInAPlane) {
   }
   for (const std::string tie : {"", R"(<contact name="hands" type="6d" frame="r0/left_hand" to="r1/right_hand"/>)"}) {
     const SceneFile file = load_text("<scene name=\"rest\">" + robots + contacts + tie + "</scene>");
-    SceneData data(file.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(file.scene, {Method::kDense});
+    SceneData data(file.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(file.scene, {Method::kDense, {}});
     for (SceneData* d : {&data, &oracle}) (void)solve(file.scene, file.q, file.v, file.u, *d);
     for (const IslandReport& island : data.report.islands) EXPECT_EQ(island.method, Method::kSparseLdl) << tie;
     EXPECT_EQ(data.report.status, Status::kRedundant);

@@ -90,7 +90,7 @@ struct Answer {
   double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once; whether nothing has to judge products.
-  bool panel_is_safe = false, refine_panel = false, products_are_safe = false;
+  bool panel_is_safe = false, refine_panel = false;
   Contradiction contradiction;  // where the plan drops rows
 };
 

@@ -604,7 +604,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
     Answer& answer = answers[l];
     answer.sound = sound[lane];
     if (!answer.sound) continue;
-    answer.panel_is_safe = answer.products_are_safe = safe[lane];
+    answer.panel_is_safe = safe[lane];
     answer.refine_panel = first_error_[lane] > tolerance::kRefinePanel;
     answer.refinement_steps = static_cast<int>(steps_[lane]);
     answer.backward_error = backward_error_[lane];
@@ -691,7 +691,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
     answers[l].contradiction = of[static_cast<int>(l)];
     if (answers[l].contradiction.needs_oracle()) answers[l].sound = false;
     if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
-      answers[l].panel_is_safe = answers[l].products_are_safe = false;
+      answers[l].panel_is_safe = false;
   }
 }
 

@@ -93,8 +93,6 @@ void internal::torque_terms(const Model& model, const RobotData& r, const double
   }
 }
 
-namespace {}  // namespace
-
 // c eps: of a sum down the deepest tree.
 double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;

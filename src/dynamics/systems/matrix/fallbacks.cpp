@@ -163,7 +163,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
     return Reason::kLargeResidual;
   }
   m.first_error = refinement.first;
-  m.last_error = refinement.backward_error;
+  report.backward_error = refinement.backward_error;
   report.rank = factor.rank();
   report.status = Status::kOk;
   m.contradiction = false;

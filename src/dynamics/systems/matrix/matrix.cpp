@@ -48,7 +48,7 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     for (int i = 0; i < n; ++i) data.f[first + i] *= -unit_of(m, row + i);
   });
   report_residuals(scene, p, m.v, report);
-  report.backward_error = m.deficient() ? sparse::componentwise_backward_error(m.v.r, m.v.scale) : m.last_error;
+  if (m.deficient()) report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
 // solve(), which says whether there is an answer; once more with J changed where fewer rows depend on each other than

@@ -67,9 +67,9 @@ class MatrixSystem final : public IslandSystem {
   // Made when first needed: the choice's, and those it falls back to, without dependent rows in the chosen order and
   // leaf-to-root, and dense.
   std::unique_ptr<Factor> chosen, safe_in_order, safe, dense;
-  Factor* factor = nullptr;                // the one that answered; nullptr: none did
-  double first_error = 0, last_error = 0;  // backward error before and after refinement
-  bool contradiction = false;              // the contacts contradict each other: least squares
+  Factor* factor = nullptr;    // the one that answered; nullptr: none did
+  double first_error = 0;      // backward error before refinement
+  bool contradiction = false;  // the contacts contradict each other: least squares
   WithinTolerance within;
   double tolerated = 0;        // what rows made dependent may contradict each other by, relative to their terms
   bool was_dependent = false;  // the last solve found rows dependent

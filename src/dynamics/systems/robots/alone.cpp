@@ -9,9 +9,6 @@
 
 namespace manycontact {
 
-bool AloneSystem::differentiates(const Workspace& work) const { return state == work.state && panel_is_safe; }
-bool AloneSystem::multiplies(const Workspace& work) const { return state == work.state && products_are_safe; }
-
 namespace internal {
 
 lanes::Job job_at_state(const Scene& scene, SceneData& data) {
@@ -22,7 +19,7 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
 
 namespace {
 
-void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+void take_answer(BlockGroup& by, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   report.method = Method::kSparseLdl;
   report.order = d.choice.order;
@@ -34,9 +31,7 @@ void take_answer(const Workspace& w, BlockGroup& by, const lanes::Answer& answer
   d.answered = &d.alone;
   d.factorizations = 1;
   d.alone.by = &by;
-  d.alone.state = w.state;
   d.alone.panel_is_safe = answer.panel_is_safe;
-  d.alone.products_are_safe = answer.products_are_safe;
   d.alone.refine_panel = answer.refine_panel;
 }
 
@@ -102,11 +97,7 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, Wanted&& w
   });
 }
 
-auto served(bool (AloneSystem::*serves)(const Workspace&) const, const Workspace& w) {
-  return [serves, &w](const IslandWork& d, const BlockGroup& by) { return (d.alone.*serves)(w) && d.alone.by == &by; };
-}
-
-bool usable_damping(const Scene& scene) { return scene.damping >= 0 && std::isfinite(scene.damping); }
+bool served_by(const IslandWork& d, const BlockGroup& by) { return d.served_in_lanes() && d.alone.by == &by; }
 
 }  // namespace
 
@@ -123,7 +114,7 @@ void solve_in_lanes(const Scene& scene, SceneData& data, Wanted&& wanted) {
       if (!answer.sound) continue;
       IslandWork& d = *w.islands[numbers[k]];
       IslandReport& report = data.report.islands[numbers[k]];
-      take_answer(w, group, answer, d, report);
+      take_answer(group, answer, d, report);
       if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
     }
   });
@@ -142,11 +133,11 @@ void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
   }
   if (!any) return;
   solve_in_lanes(scene, data, [&w](const IslandWork& d, const BlockGroup& by) {
-    return d.alone.dependent == &by && d.alone.tried != w.state;
+    return d.alone.dependent == &by && d.tried_dropping != w.state;
   });
   for (auto& [key, group] : w.lanes.groups)
     for (int i : group.islands)
-      if (w.islands[i]->alone.dependent == &group) w.islands[i]->alone.tried = w.state;
+      if (w.islands[i]->alone.dependent == &group) w.islands[i]->tried_dropping = w.state;
 }
 
 bool may_drop_rows(const Scene& scene, const IslandWork& d) {
@@ -156,7 +147,7 @@ bool may_drop_rows(const Scene& scene, const IslandWork& d) {
 }  // namespace
 
 void solve_alone(const Scene& scene, SceneData& data) {
-  if (!usable_damping(scene)) return;
+  if (!usable_numbers(scene)) return;
   // Not those answered already, nor those whose rows are certain to depend on each other.
   solve_in_lanes(scene, data, [&scene](const IslandWork& d, const BlockGroup& by) {
     return &by == d.alone.group && !d.answered && !is_inexact(scene, d) &&
@@ -180,10 +171,11 @@ void solve_alone_as_found(const Scene& scene, SceneData& data) {
     if (!found(*d)) continue;
     const BlockGroup* before = d->alone.dependent;
     find_dependent_group(w, *d);
-    if (d->alone.dependent != before) d->alone.tried = 0;
-    any = any || (d->alone.dependent && d->alone.tried != w.state);
+    if (d->alone.dependent != before) d->tried_dropping = 0;
+    any = any || (d->alone.dependent && d->tried_dropping != w.state);
   }
-  if (any) solve_as_dependent(scene, data, [&](const IslandWork& d) { return found(d) && d.alone.tried != w.state; });
+  if (any)
+    solve_as_dependent(scene, data, [&](const IslandWork& d) { return found(d) && d.tried_dropping != w.state; });
 }
 
 void differentiate_alone(const Scene& scene, SceneData& data) {
@@ -192,8 +184,7 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool non_temporal = bytes > kCacheBytes;
   each_in_lanes(
-      scene, w, kDerivatives, served(&AloneSystem::differentiates, w),
-      [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+      scene, w, kDerivatives, served_by, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
         const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                        data.a.data(), data.f.data(), data.f_offset, first.request,
@@ -213,10 +204,9 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
-  each_in_lanes(scene, w, kProducts, served(&AloneSystem::multiplies, w),
-                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number]->jvp(job, robots);
-                });
+  each_in_lanes(scene, w, kProducts, served_by, [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+    group.kernels[thread.number]->jvp(job, robots);
+  });
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -224,10 +214,9 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
-  each_in_lanes(scene, w, kProducts, served(&AloneSystem::multiplies, w),
-                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number]->vjp(job, robots);
-                });
+  each_in_lanes(scene, w, kProducts, served_by, [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+    group.kernels[thread.number]->vjp(job, robots);
+  });
 }
 
 }  // namespace internal

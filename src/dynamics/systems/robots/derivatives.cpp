@@ -327,7 +327,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 
 // The factors of the state at hand, where another system answered.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
-  if (system.state == data.workspace->state) return system.sound;
+  if (system.state == data.workspace->state) return true;
   system.first_error = system.owner.matrix.first_error;
   return system.factorize(scene, data);
 }

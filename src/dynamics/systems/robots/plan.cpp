@@ -338,7 +338,7 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
   const std::vector<int>& dropped = take_dropped_rows(w, d);
   if (dropped == system.dropped) return true;
   system.dropped.clear();
-  system.tried = 0;
+  d.tried_dropping = 0;
   if (w.lanes.groups.size() >= kMostGroups) forget_unused_groups(w);
   std::size_t found = 0;
   for (std::size_t k = 0; k < system.robots.size(); ++k) {

@@ -320,8 +320,7 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   using namespace internal;
   Workspace& w = *data.workspace;
   const lanes::Job job = job_at_state(scene, data);
-  state = w.state;
-  sound = false;
+  state = 0;
   ++owner.factorizations;
   form_robot_batches(scene, w, *this);
   form_contact_batches(scene, w, *this);
@@ -336,7 +335,8 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   });
   if (!all_sound(*this) || !factor_interface(scene.damping, *this) || !std::isfinite(growth())) return false;
   interface_right_side(data, *this);
-  return sound = true;
+  state = w.state;
+  return true;
 }
 
 double RobotsSystem::growth() const {
@@ -364,7 +364,7 @@ bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, Islan
   if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island) || dropped.empty() ||
       static_cast<int>(dropped.size()) < owner.depended)
     return false;
-  tried = data.workspace->state;
+  owner.tried_dropping = data.workspace->state;
   if (!drops) drop_rows(true);
   if (solve_in_use(scene, data, report)) return true;
   drop_rows(false);
@@ -373,13 +373,14 @@ bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, Islan
 
 bool RobotsSystem::solve_as_found(const Scene& scene, SceneData& data, IslandReport& report) {
   if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island)) return false;
-  if (!internal::find_dependent_groups(*data.workspace, *this) || tried == data.workspace->state) return false;
+  if (!internal::find_dependent_groups(*data.workspace, *this) || owner.tried_dropping == data.workspace->state)
+    return false;
   drop_rows(true);  // other groups, it may be
   return solve_as_dependent(scene, data, report);
 }
 
 bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
-  if (!solves || !(scene.damping >= 0) || !std::isfinite(scene.damping)) return false;
+  if (!solves || !internal::usable_numbers(scene)) return false;
   if (drops) drop_rows(false);
   return solve_in_use(scene, data, report);
 }
@@ -388,18 +389,20 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
-  sound = refinement.backward_error <= tolerance::kConverged;
-  if (!sound) return false;
+  state = 0;  // until the answer is judged
+  if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);
-  if (!internal::plainly_damped(scene, data, *this)) return sound = false;
+  if (!internal::plainly_damped(scene, data, *this)) return false;
   if (drops)
     internal::each_batch(
         w, *this, [](internal::Kernel& kernel, std::span<Robot> of_batch, internal::Memory memory_of, ThreadWork&) {
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  return sound = !drops || internal::report_dependence(data, *this, report);
+  if (drops && !internal::report_dependence(data, *this, report)) return false;
+  state = w.state;
+  return true;
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {

@@ -62,14 +62,9 @@ struct AloneSystem final : IslandSystem {
   BlockGroup* group = nullptr;      // nullptr: it does not stand in lanes; by prepare
   BlockGroup* dependent = nullptr;  // where rows were found to depend: with the last such rows dropped
   BlockGroup* by = nullptr;         // which of the two gave the last answer
-  std::uint64_t state = 0;          // of the last answer that came from a lane
-  std::uint64_t tried = 0;          // of the last solve that `dependent` was asked in
-  bool panel_is_safe = false, products_are_safe = false;  // whether derivatives may come from there too
-  bool refine_panel = false;                              // and are refined once
-
-  /// Whether derivatives of the solution at hand come from a lane; whether products with them do.
-  bool differentiates(const Workspace& work) const;
-  bool multiplies(const Workspace& work) const;
+  // of the last answer that came from a lane
+  bool panel_is_safe = false;  // whether derivatives may come from there too
+  bool refine_panel = false;   // and are refined once
 };
 
 /// An island of several robots.
@@ -137,7 +132,6 @@ class RobotsSystem final : public IslandSystem {
   std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
   bool drops = false;          // robots' groups are those without them
   bool contradiction = false;  // of the last answer that was given so: derivatives have a term of it, in the whole K
-  std::uint64_t tried = 0;     // of the last solve that was done so
   // by prepare, for the island at hand
   std::vector<Coupling> contacts;  // group by group, like ones together
   std::vector<Robot> members;      // as `order`; filled by solve
@@ -146,8 +140,7 @@ class RobotsSystem final : public IslandSystem {
   // by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t state = 0;                         // that all of this is of
-  bool sound = false;                              // and whether it can be used
+  std::uint64_t state = 0;                         // that all of this is of; 0 where it is not sound
   double first_error = 0;                          // backward error of the answer before refinement
   bool back = false;                               // the way the last step took through the batches
   sparse::LargeMemory memory;                      // of the batches and their robots
