@@ -292,7 +292,8 @@ Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence&
   });
   drop_rows_of_one_body(system, d, work.on_body);
   if (const Reason reason = factorize_bodies(system, d, nullptr, true); reason != Reason::kNone) return reason;
-  if (d.found.empty() || !find_null_space(system, d, work)) return Reason::kSmallPivot;
+  const int kept = system.pattern->nc - static_cast<int>(d.found.size());
+  if (d.found.empty() || kept > system.pattern->nv || !find_null_space(system, d, work)) return Reason::kSmallPivot;
   return factorize_bodies(system, d);  // rows that hold bodies are fewer now
 }
 
