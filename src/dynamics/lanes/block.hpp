@@ -1,7 +1,7 @@
 #pragma once
 // A robot as a block of its island's K: bordered by the rows of the contacts that join it to other robots, where there
 // are any. These contacts are contacts with the world there; their rows, the border, come last and are not eliminated
-// (joining.hpp has the method). A robot alone has an empty border.
+// (systems/robots/interface.hpp has the method). A robot alone has an empty border.
 
 #include <algorithm>
 
