@@ -40,11 +40,11 @@ struct DerivativeBounds {
 };
 /// After differentiate, one per island, by the residual of K [da; -df] = -[dr1; dr2] and a few solves with the factor:
 ///
-///     |error| <= |K^-1| (|residual| + (c eps + e) (|terms of dr| + |K| |[da; -df]|)),   e the relative error of a and f
+///     |error| <= |K^-1| (|residual| + c eps (|terms of dr| + |K| |[da; -df]|) + e |terms of dr/dq|),
 ///
-/// in the maximum norm and to first order; where rows depend, |K^+ K^+| times what is not known of their contradictions
-/// besides. Infinite for failed islands, deep trees too large for K, and where pushes or
-/// springs act. Throws std::logic_error unless differentiate was called after the last solve.
+/// e the relative error of a and f, in the maximum norm and to first order; where rows depend, |K^+ K^+| times what is
+/// not known of their contradictions besides. Infinite for failed islands, deep trees too large for K, and where pushes
+/// or springs act. Throws std::logic_error unless differentiate was called after the last solve.
 [[nodiscard]] std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data);
 
 /// What differentiate computed last.

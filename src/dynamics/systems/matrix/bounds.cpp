@@ -105,6 +105,26 @@ double internal::rounding_of_J(const Scene& scene, const MatrixSystem& m) {
   return std::max(rounding(scene, m), m.factor->left_of_dropped_rows());
 }
 
+void internal::add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& m,
+                              const std::vector<double>& sizes, std::vector<double>& w) {
+  const Island& island = m.owner.island;
+  const int* iperm = m.K.pattern->iperm.data();
+  const double of_J = rounding_of_J(scene, m) / rounding(scene, m);
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const RowTerms<double> J = motion_terms(contact, work.contacts[island.contacts[k]]);
+    const std::vector<int>& columns = m.owner.shape->support().columns[k];
+    double moved = 0, of_f = 0;
+    for (int column : columns) moved += sizes[iperm[column]];
+    for (int i = 0, row = island.row_offset[k]; i < contact.rows(); ++i, ++row) {
+      const double size = of_J * J.of_row(i) * unit_of(m, row);
+      w[iperm[island.nv + row]] += size * moved;
+      of_f += size * sizes[iperm[island.nv + row]];
+    }
+    for (int column : columns) w[iperm[column]] += of_f;
+  }
+}
+
 namespace {
 
 using internal::rounding;
@@ -127,29 +147,22 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   each_velocity_block(scene, m.owner.island, [&](int at, int first, int n) {
     for (int i = 0; i < n; ++i) w[first + i] += applied[at + i];
   });
-  const double c = rounding(scene, m), of_J = rounding_of_J(scene, m) / c;
   for (std::size_t k = 0; k < m.owner.island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[m.owner.island.contacts[k]];
-    const int first = m.owner.island.nv + m.owner.island.row_offset[k];
-    const int row = m.owner.island.row_offset[k];
-    const internal::RowTerms<double> J = internal::motion_terms(contact, work.contacts[m.owner.island.contacts[k]]);
-    double moved = 0, of_f = 0;  // |a| of its columns; J^T f
-    for (int i = 0; i < contact.rows(); ++i)
-      of_f += J.of_row(i) * std::abs(s.x[iperm[first + i]]) * unit_of(m, row + i);
-    for (int column : m.owner.shape->support().columns[k]) {
-      moved += std::abs(a[column]);
-      w[column] += of_J * of_f;
-    }
-    const internal::RowTerms<double> terms = internal::row_terms(scene, work, m.owner.island.contacts[k]);
-    for (int i = 0; i < contact.rows(); ++i)
-      w[first + i] = (terms.of_row(i) + of_J * J.of_row(i) * moved) * unit_of(m, row + i);
+    const int c = m.owner.island.contacts[k];
+    const internal::RowTerms<double> terms = internal::row_terms(scene, work, c);
+    for (int i = 0, row = m.owner.island.row_offset[k]; i < scene.contacts[c].rows(); ++i, ++row)
+      w[m.owner.island.nv + row] = terms.of_row(i) * unit_of(m, row);
   }
+  std::vector<double> x(s.x), of_J(w.size(), 0.0);  // in elimination order
+  for (double& entry : x) entry = std::abs(entry);
+  internal::add_terms_of_J(scene, work, m, x, of_J);
+  const double c = rounding(scene, m);
   const bool deficient = m.deficient();
   std::vector<double> out(w.size());
   for (std::size_t k = 0; k < w.size(); ++k) {
     const int at = iperm[k];
     const double left = deficient ? s.r[at] - s.null_component[at] : s.r[at];
-    out[at] = std::abs(left) + c * (s.scale[at] + w[k]);
+    out[at] = std::abs(left) + c * (s.scale[at] + w[k] + of_J[at]);
   }
   return out;
 }

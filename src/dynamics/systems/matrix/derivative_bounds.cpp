@@ -35,11 +35,8 @@ std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const 
                                                     scene.contacts[c].rows());
     const Vec6<double> F = data.W.cwiseAbs().transpose() * of_rows.cwiseAbs();
     const double force = size(F.head<3>()), moment = size(F.tail<3>());
-    double moved = 0, turned = rows_turn(scene.contacts[c]) ? 1 : 0;
-    for (Eigen::Index j = 0; j < data.Jl.cols(); ++j) {
-      moved = std::max(moved, size(data.Jl.col(j).head<3>()));
-      turned = std::max(turned, size(data.Jl.col(j).tail<3>()));
-    }
+    const auto [moved, turning] = largest_of_motions(data.Jl);
+    const double turned = rows_turn(scene.contacts[c]) ? std::max(turning, 1.0) : turning;
     const std::vector<int>& columns = m.owner.shape->support().columns[k];
     for (std::size_t j = 0; j < columns.size(); ++j) {
       const auto s = data.Jl.col(static_cast<Eigen::Index>(j));
@@ -111,11 +108,7 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
     const ContactData<double>& rows = work.linearisation->contacts[island.contacts[k]];
     const RowTerms<double> terms = with_robots_of(
         scene, work, contact, [&](const auto&... robots) { return row_terms<double>(contact, rows, robots...); });
-    double moved = 0, turned = 0;
-    if (rows.Jl.cols() > 0) {
-      moved = rows.Jl.topRows<3>().cwiseAbs().maxCoeff();
-      turned = rows.Jl.bottomRows<3>().cwiseAbs().maxCoeff();
-    }
+    const auto [moved, turned] = largest_of_motions(rows.Jl);
     const auto velocity = [&](int at) {
       return std::max(rows.vA.segment<3>(at).cwiseAbs().maxCoeff(), rows.vB.segment<3>(at).cwiseAbs().maxCoeff());
     };
@@ -135,26 +128,13 @@ void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSyste
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();
-  const double of_J = rounding_of_J(scene, m) / rounding(scene, m);
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const int first = island.dof_offset[k], end = first + scene.robots[island.robots[k]].model->nv;
     double accelerated = 0;
     for (int i = first; i < end; ++i) accelerated += sizes[iperm[i]];
     for (int i = first; i < end; ++i) w[iperm[i]] += terms.M[i] * accelerated;
   }
-  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const Contact& contact = scene.contacts[island.contacts[k]];
-    const RowTerms<double> J = motion_terms(contact, work.contacts[island.contacts[k]]);
-    const std::vector<int>& columns = m.owner.shape->support().columns[k];
-    double moved = 0, of_f = 0;
-    for (int column : columns) moved += sizes[iperm[column]];
-    for (int i = 0, row = island.row_offset[k]; i < contact.rows(); ++i, ++row) {
-      const double size = of_J * J.of_row(i) * unit_of(m, row);
-      w[iperm[island.nv + row]] += size * moved;
-      of_f += size * sizes[iperm[island.nv + row]];
-    }
-    for (int column : columns) w[iperm[column]] += of_f;
-  }
+  add_terms_of_J(scene, work, m, sizes, w);
 }
 
 // What is not known of what the contacts contradict each other by, of the island's rows.

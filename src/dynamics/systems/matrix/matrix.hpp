@@ -100,6 +100,10 @@ double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w
 double rounding(const Scene& scene, const MatrixSystem& system);
 /// c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
+/// w += |dJ| times the sizes of K's unknowns, in units of c eps, all in order of elimination: J's entries may be no
+/// more than what is left of what they are computed from.
+void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
+                    const std::vector<double>& sizes, std::vector<double>& w);
 /// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (Golub,
 /// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,

@@ -26,14 +26,20 @@ inline RowTerms<double> contact_drift(const Scene& scene, const Workspace& work,
   });
 }
 
+/// The largest motion and the largest turn of a matrix of motions.
+template <class Motions>
+RowTerms<double> largest_of_motions(const Motions& J) {
+  if (J.cols() == 0) return {};
+  return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
+}
+
 /// What the entries of a contact's rows of J are computed from: motions, and turning at the levers that it was taken
 /// at.
 inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
-  if (data.Jl.cols() == 0) return {};
-  const double turning = data.Jl.bottomRows<3>().cwiseAbs().maxCoeff();
+  const auto [moved, turning] = largest_of_motions(data.Jl);
   double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
   if (moves(contact.B)) lever += largest_entry<double>(data.bMA.p);
-  return {std::max(data.Jl.topRows<3>().cwiseAbs().maxCoeff(), turning * lever), turning};
+  return {std::max(moved, turning * lever), turning};
 }
 
 /// Of a robot's coordinates, the sizes of all terms that M a + h is computed from, a its own; and the largest entry of
