@@ -307,6 +307,29 @@ TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
   }
 }
 
+// Bodies leave no J: where the whole K differentiates their answer, its rows are there again whenever it is asked.
+TEST(Bodies, DerivativesHaveTheSameBoundsAfterProducts) {
+  for (const int held_every : {0, 10}) {
+    ChainOptions options;
+    options.links = 120;
+    options.held_every = held_every;
+    options.loop_every = held_every == 0 ? 60 : 0;
+    const Chain c = make_chain(options);
+    SceneData x(c.scene);
+    ASSERT_EQ(choice_of(x, 0).method, Method::kSparseBodies);
+    ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
+    (void)differentiate(c.scene, x);
+    const DerivativeBounds before = estimate_derivative_errors(c.scene, x).front();
+    VectorXd da(c.scene.nv), df(x.f.size());
+    jvp(c.scene, x, VectorXd::Ones(c.scene.nv), c.v, c.u, da, df);
+    const DerivativeBounds after = estimate_derivative_errors(c.scene, x).front();
+    EXPECT_GT(before.da_dq, 0);
+    EXPECT_EQ(after.da_dq, before.da_dq) << held_every;
+    EXPECT_EQ(after.dforces_dq, before.dforces_dq) << held_every;
+    EXPECT_EQ(after.dforces_dv, before.dforces_dv) << held_every;
+  }
+}
+
 // Held bodies cut off what hangs below; their own inertia may be none.
 TEST(Bodies, HeldBodiesWithoutInertia) {
   for (const ContactType type : {ContactType::k3D, ContactType::k6D}) {

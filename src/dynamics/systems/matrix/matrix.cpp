@@ -119,7 +119,10 @@ bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, Threa
 }
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
-  if (state == data.workspace->state) return factor;
+  if (state == data.workspace->state) {
+    if (factor) internal::evaluate_at_solution(scene, data, owner);  // bodies asked since then leave no J
+    return factor;
+  }
   if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||
       (owner.answered_by(owner.robots.get()) && owner.robots->drops) ||
       (owner.answered_by(owner.bodies.get()) && owner.bodies->drops &&
