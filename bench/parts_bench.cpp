@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
@@ -52,7 +53,7 @@ struct Fixture {
     M_spans.emplace_back(M);
     for (std::size_t c = 0; c < s.scene.contacts.size(); ++c) contacts.push_back(contact_of(data, static_cast<int>(c)));
     for (const ContactData<double>& c : contacts) J_spans.emplace_back(c.J.data(), c.J.size());
-    K = matrix_of(data, 0);
+    K = assembled_matrix_of(data, 0);
     v.resize(K.size());
     for (int k = 0; k < K.size(); ++k) v.b[k] = v.x[k] = std::sin(k + 1.0);
     Lx.resize(K.pattern->ldl.nonzeros());

@@ -69,16 +69,11 @@ void eigen_factors(benchmark::State& state, int robots) {
   const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kDenseSchur, {}});
   (void)solve(s.scene, s.q, s.v, s.u, data);
-  const KktMatrix& K = matrix_of(data, 0);
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(K.size(), K.size());
-  for (int j = 0; j < K.size(); ++j)
-    for (int k = K.pattern->K.p[j]; k < K.pattern->K.p[j + 1]; ++k) {
-      const int row = K.pattern->perm[K.pattern->K.i[k]], column = K.pattern->perm[j];
-      all(row, column) = all(column, row) = K.values[k];
-    }
-  const Eigen::MatrixXd M = all.topLeftCorner(K.nv(), K.nv()), J = all.bottomLeftCorner(K.nc(), K.nv());
-  Eigen::LLT<Eigen::MatrixXd> llt_M(K.nv()), llt_S(K.nc());
-  Eigen::MatrixXd Z = J.transpose(), S(K.nc(), K.nc());
+  const Eigen::MatrixXd all = matrix_of(data, 0);
+  const int nv = s.scene.nv, nc = static_cast<int>(all.rows()) - nv;
+  const Eigen::MatrixXd M = all.topLeftCorner(nv, nv), J = all.bottomLeftCorner(nc, nv);
+  Eigen::LLT<Eigen::MatrixXd> llt_M(nv), llt_S(nc);
+  Eigen::MatrixXd Z = J.transpose(), S(nc, nc);
   for (auto _ : state) {
     llt_M.compute(M);
     Z = J.transpose();

@@ -51,7 +51,7 @@ const std::vector<Guarded> guarded = {
 // program.
 std::optional<std::string> floor_of(const std::string& file) {
   static const std::regex place(
-      "(?:(?:sparse/include|include|src/private|sparse/private)/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
+      "(?:(?:include|src/private|sparse/private)/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
   std::smatch match;
   if (!std::regex_match(file, match, place)) return std::nullopt;
   const std::string name = match[1].matched ? match[1] : match[2];
@@ -144,11 +144,10 @@ std::vector<std::string> own_headers(const std::string& file) {
 std::map<std::string, std::string> installed_headers() {
   const fs::path top = MANYCONTACT_SOURCE_DIR;
   std::map<std::string, std::string> files;
-  for (const char* folder : {"include", "sparse/include"})
-    for (const auto& entry : fs::recursive_directory_iterator(top / folder))
-      if (entry.path().extension() == ".hpp")
-        files[entry.path().lexically_relative(top / folder).generic_string()] =
-            entry.path().lexically_relative(top).generic_string();
+  for (const auto& entry : fs::recursive_directory_iterator(top / "include"))
+    if (entry.path().extension() == ".hpp")
+      files[entry.path().lexically_relative(top / "include").generic_string()] =
+          entry.path().lexically_relative(top).generic_string();
   return files;
 }
 
@@ -196,8 +195,7 @@ TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
 bool reaches_abi(const fs::path& top, const std::string& file) {
   for (const std::string& header : own_headers(file)) {
     if (header == "manycontact/abi.hpp") return true;
-    for (const char* folder : {"include/", "sparse/include/"})
-      if (fs::exists(top / (folder + header)) && reaches_abi(top, folder + header)) return true;
+    if (fs::exists(top / "include" / header) && reaches_abi(top, "include/" + header)) return true;
   }
   return false;
 }
@@ -256,7 +254,7 @@ TEST(Layering, CheckerRefusesBadIncludes) {
       {"src/nowhere/scene.cpp", "<vector>"},
       {"src/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // what belongs to one floor
       {"src/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
-      {"sparse/include/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
+      {"sparse/private/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
       {"src/cli/main.cpp", "<urdf_model/model.h>"},
       {"include/manycontact/io/scene_file.hpp", "<tinyxml2.h>"},
       {"src/io/scene_file.cpp", "<nlohmann/json.hpp>"},

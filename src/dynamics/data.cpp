@@ -3,16 +3,16 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
 
-Workspace::Workspace(const Scene& s) : scene(s), robots(s.robots.size()), contacts(s.contacts.size()) {
+Workspace::Workspace(const Scene& s)
+    : scene(s), robots(s.robots.size()), supports(s.contacts.size()), contacts(s.contacts.size()) {
   for (const Contact& contact : s.contacts)  // standing still they are of no island that has the contact
     for (const Attachment* at : {&contact.A, &contact.B})
       if (at->robot >= 0 && !moves(*at)) internal::make_robot(s, *this, at->robot);
-  supports.resize(s.contacts.size());
-  joint_space.assign(s.contacts.size(), 0);
   rows_state.assign(s.contacts.size(), 0);
   if (has_applied_forces(s)) applied = std::make_unique<AppliedWork>(s);
 }
@@ -48,12 +48,10 @@ void check_solved(const Scene& scene, const SceneData& data, const char* functio
 
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function) {
   check_solved(scene, data, function);
-  if (data.workspace->prescribes)
+  if (!data.workspace->prescribed.empty())
     throw std::logic_error(std::string(function) +
                            ": contacts were asked for accelerations of their own, solve without");
 }
-
-void give_up_solution(SceneData& data) { data.serial = data.workspace->current = 0; }
 
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
   if (given != expected)
@@ -62,6 +60,8 @@ void check_size(const char* function, const char* what, Eigen::Index given, Eige
 }
 
 }  // namespace internal
+
+void give_up_solution(SceneData& data) { data.serial = data.workspace->current = 0; }
 
 std::vector<std::string> force_names(const Scene& scene, const SceneData& data) {
   internal::check_scene(scene, data, "force_names");

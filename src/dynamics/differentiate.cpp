@@ -18,6 +18,13 @@ void IslandDerivatives::check() const {
 
 namespace internal {
 
+bool has_derivatives(const SceneData& data) {
+  if (!data.workspace || data.serial == 0) return false;
+  const std::vector<IslandDerivatives>& islands = data.workspace->derivatives.islands;
+  return islands.size() == data.workspace->islands.size() &&
+         std::all_of(islands.begin(), islands.end(), [](const auto& of) { return of.stamp.current(); });
+}
+
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out) {
   out.u_offset.assign(1, 0);
   for (int r : island.robots)
@@ -105,7 +112,6 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   Workspace& w = *data.workspace;
   const bool applied = internal::forces_are_applied(w);
   const DerivativeRequest request = applied ? internal::by_all_torques(wanted) : wanted;
-  w.derivatives_serial = 0;
   (void)internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
@@ -121,12 +127,11 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
       });
   if (applied) internal::join_applied_forces(scene, data, wanted);
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
-  w.derivatives_serial = data.serial;
   return w.derivatives;
 }
 
 const DerivativeData& derivatives(const SceneData& data) {
-  if (!data.workspace || data.workspace->derivatives_serial == 0 || data.workspace->derivatives_serial != data.serial)
+  if (!internal::has_derivatives(data))
     throw std::logic_error("derivatives: of no solution at hand, call differentiate first");
   return data.workspace->derivatives;
 }
@@ -150,7 +155,6 @@ void release(IslandWork& d) {
 void release_derivatives(SceneData& data) {
   if (!data.workspace) return;
   Workspace& w = *data.workspace;
-  w.derivatives_serial = 0;
   w.derivatives = {};
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);

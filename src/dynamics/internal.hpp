@@ -21,8 +21,8 @@ void reset(IslandReport& report, const Island& island);
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
 /// What row i of a contact is asked for, as accelerations.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
-  const double* prescribed = data.workspace->prescribed;
-  return prescribed ? prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i] : 0;
+  const std::vector<double>& prescribed = data.workspace->prescribed;
+  return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
 }
 
 /// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
@@ -41,6 +41,8 @@ void reset_warm_starts(SceneData& data);
 /// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
+/// Whether derivatives of the solution at hand are there.
+bool has_derivatives(const SceneData& data);
 /// Which columns of an island's derivatives are by torques, of those of out.request.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.

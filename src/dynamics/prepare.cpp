@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "systems/robots/derivatives.hpp"
@@ -31,17 +32,17 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, const Island& island) {
+// An island of its shape, from the pool or new, with these robots and contacts.
+std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& island) {
   const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island);
   std::unique_ptr<IslandWork> out = w.pool.take(*shape);
-  return out ? std::move(out) : std::make_unique<IslandWork>(shape, w.options);
-}
-
-// The island's robots and contacts, of which it has as many as any of its shape.
-void bind_island(Island& island, IslandWork& d) {
-  std::swap(d.island, island);
-  d.matrix.M.clear();
-  d.matrix.J.clear();
+  const bool known = out != nullptr;
+  if (!known) out = std::make_unique<IslandWork>(shape, w.options);
+  std::swap(out->island, island);
+  out->matrix.M.clear();
+  out->matrix.J.clear();
+  known ? internal::bind_robots(scene, w, *out) : internal::plan_robots(scene, w, *out);
+  return out;
 }
 
 // Memory of what islands are solved by first; lanes have their own.
@@ -121,10 +122,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   }
   s.old.clear();
   const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
-  for (std::size_t k = 0; k < count; ++k) {
-    s.next.push_back(take(scene, w, s.groups[k]));
-    bind_island(s.groups[k], *s.next.back());
-  }
+  for (std::size_t k = 0; k < count; ++k) s.next.push_back(take(scene, w, s.groups[k]));
   w.islands.swap(s.next);
   std::sort(w.islands.begin(), w.islands.end(),
             [](const auto& x, const auto& y) { return x->island.robots.front() < y->island.robots.front(); });
@@ -194,7 +192,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
                                 std::to_string(scene.contacts.size()) + " contacts");
   const bool same_options = w.prepared && w.options == data.options, same_springs = w.springs == scene.springs.size();
   if (same_options && same_springs && w.active == data.active) return;
-  internal::give_up_solution(data);
+  give_up_solution(data);
   const bool all = !same_options || !same_springs || data.options.method == Method::kDenseSchur;
   w.prepared = false;
   keep_derivatives(w);
@@ -206,9 +204,10 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     make_threads(data.options.threads, w);
   }
   w.options = data.options;
-  change_islands(scene, data, w, all);
   w.lanes.level = lanes::level_of(w.options.lanes);
-  prepare_robots(scene, w);
+  change_islands(scene, data, w, all);
+  if (w.linearisation) w.linearisation->forget_places();
+  group_robots_alone(w);
   make_first_systems(scene, w);
   if (w.pool.trim()) forget_unused(w);
   restore_derivatives(w);

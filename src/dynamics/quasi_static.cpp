@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/sparse/least_norm.hpp"
 
 namespace manycontact {
@@ -15,7 +16,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
-  internal::give_up_solution(data);  // its kinematics are overwritten
+  give_up_solution(data);  // its kinematics are overwritten
   Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);

@@ -6,6 +6,7 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -130,12 +131,11 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-// After begin. prescribed: nullptr, or of the rows of f.
+// After begin. prescribed: of the rows of f, or none.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                             SceneData& data, const double* prescribed = nullptr) {
+                             SceneData& data, std::span<const double> prescribed = {}) {
   Workspace& w = *data.workspace;
-  w.prescribed = prescribed;
-  w.prescribes = prescribed != nullptr;
+  w.prescribed.assign(prescribed.begin(), prescribed.end());
   remake(data.a, scene.nv);
   data.v = v;
   if (tau.data() != data.tau.data()) data.tau = tau;
@@ -168,7 +168,6 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
     return robots.owner.matrix.dropped_rows() && robots.solve_as_found(scene, data, report);
   });
   summarise(data.report);
-  w.prescribed = nullptr;
   data.serial = w.current = w.state;
   return data.report;
 }
@@ -195,7 +194,8 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
                         const ConstVector& prescribed, SceneData& data) {
   internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
   internal::check_size("solve_tau", "prescribed", prescribed.size(), data.f.size());
-  return internal::solve_prepared(scene, q, v, tau, data, prescribed.data());
+  return internal::solve_prepared(scene, q, v, tau, data,
+                                  {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
 }
 
 }  // namespace manycontact

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 
 namespace manycontact {
@@ -30,7 +31,7 @@ const RobotData& robot_at_state(const SceneData& data, int robot) {
 
 const Linearisation& linearised(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
-  if (data.serial == 0 || w.derivatives_serial != data.serial || w.linearisation->state.at(contact) != w.state)
+  if (!internal::has_derivatives(data) || w.linearisation->state.at(contact) != w.state)
     throw std::logic_error("views of a scene's derivatives: call differentiate first, without lanes (Options::lanes)");
   return *w.linearisation;
 }
@@ -58,11 +59,25 @@ void limit_pool(SceneData& data, std::size_t bytes) {
   (void)prepared(data);
   data.workspace->pool.most = bytes;
 }
-const KktMatrix& matrix_of(const SceneData& data, std::size_t i) {
+const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {
   const Workspace& w = prepared(data);
   const MatrixSystem& matrix = w.islands.at(i)->matrix;
   if (matrix.state != w.state) not_there(data);
   return matrix.K;
+}
+Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i) {
+  const KktMatrix& K = assembled_matrix_of(data, i);
+  const KktPattern& p = *K.pattern;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int j = 0; j < p.size(); ++j)
+    for (int s = p.K.p[j]; s < p.K.p[j + 1]; ++s) {
+      const int row = p.perm[p.K.i[s]], column = p.perm[j];
+      entries.emplace_back(row, column, K.values[s]);
+      if (row != column) entries.emplace_back(column, row, K.values[s]);
+    }
+  Eigen::SparseMatrix<double> out(p.size(), p.size());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
 }
 
 const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return robot_at_state(data, robot).kin; }
@@ -78,7 +93,7 @@ const ContactData<double>& contact_of(const SceneData& data, int contact) {
 }
 const ContactSupport& support_of(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
-  if (!w.joint_space.at(contact))
+  if (!w.supports.has(static_cast<std::size_t>(contact)))
     throw std::logic_error("views of a scene's data: no island has needed this contact's columns yet");
   return w.supports[contact];
 }
@@ -95,7 +110,7 @@ void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorX
   internal::check_scene(scene, data, "update_kinematics");
   internal::check_size("update_kinematics", "q", q.size(), scene.nq);
   internal::check_size("update_kinematics", "v", v.size(), scene.nv);
-  internal::give_up_solution(data);
+  give_up_solution(data);
   Workspace& w = *data.workspace;
   ++w.state;
   for (int i = 0; i < scene.nrobots(); ++i) {

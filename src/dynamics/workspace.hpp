@@ -10,6 +10,7 @@
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "on_demand.hpp"
 #include "parallel.hpp"
 #include "pool.hpp"
 #include "robot_quantities.hpp"
@@ -29,23 +30,6 @@ struct RobotData : RobotQuantities<double> {
   std::vector<double> M;     // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
-/// Memory of each of a scene's robots or contacts that an island needed: lanes have their own.
-template <class T>
-class OnDemand {
- public:
-  explicit OnDemand(std::size_t count) : made_(count) {}
-  T& operator[](std::size_t k) { return *made_[k]; }
-  const T& operator[](std::size_t k) const { return *made_[k]; }
-  bool has(std::size_t k) const { return made_[k] != nullptr; }
-  template <class... Args>
-  void make(std::size_t k, Args&&... args) {
-    made_[k] = std::make_unique<T>(std::forward<Args>(args)...);
-  }
-
- private:
-  std::vector<std::unique_ptr<T>> made_;
-};
-
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's pool,
 /// and the next island of that shape takes it from there, with all its memory.
 struct IslandWork {
@@ -61,7 +45,6 @@ struct IslandWork {
   std::unique_ptr<BodiesSystem> bodies;  // where sparse-bodies was chosen
   MatrixSystem matrix;
 
-  bool planned = false;              // prepare has decided whether it stands in lanes: alone.group, robots
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
@@ -140,13 +123,11 @@ struct Workspace {
 
   // by evaluate, update_kinematics
   OnDemand<RobotData> robots;
-  std::vector<char> joint_space;           // per contact: it has memory for the joint-space K
-  std::vector<ContactSupport> supports;    // per contact; constant once there
+  OnDemand<ContactSupport> supports;       // of contacts that the joint-space K was made for; constant once there
   OnDemand<ContactData<double>> contacts;  // at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
 
-  const double* prescribed = nullptr;  // rows of f: accelerations asked for, while they are solved for
-  bool prescribes = false;             // the solution at hand is of such
+  std::vector<double> prescribed;  // rows of f: accelerations asked for, or none where these are zero
 
   // by solve
   std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither pushes nor springs
@@ -155,7 +136,6 @@ struct Workspace {
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
-  std::uint64_t derivatives_serial = 0;  // the solution they belong to
   std::unique_ptr<ProductWork> products;
 };
 
@@ -167,8 +147,6 @@ void check_scene(const Scene& scene, const SceneData& data, const char* function
 void check_solved(const Scene& scene, const SceneData& data, const char* function);
 /// The same, and std::logic_error where its contacts were asked for accelerations (dynamics/solve_prescribed.hpp).
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function);
-/// No solution is at hand from here on.
-void give_up_solution(SceneData& data);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);
 
 /// x of n numbers, whatever it held: Eigen's own resize leaves an array freed when memory runs out.

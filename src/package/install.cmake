@@ -38,7 +38,7 @@ write_basic_package_version_file(manycontactConfigVersion.cmake COMPATIBILITY Sa
 install(EXPORT manycontactTargets NAMESPACE manycontact:: DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/manycontactConfig.cmake ${PROJECT_BINARY_DIR}/manycontactConfigVersion.cmake
               src/suitesparse.cmake DESTINATION ${package_dir})
-install(DIRECTORY include/ sparse/include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+install(DIRECTORY include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.hpp")
 if(NOT PROJECT_IS_TOP_LEVEL)
   return()

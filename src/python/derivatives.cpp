@@ -70,7 +70,7 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   std::vector<double> values;
   int size = 0;
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
-    const KktMatrix& K = matrix_of(d, i);
+    const Eigen::SparseMatrix<double> K = matrix_of(d, i);
     const Island& at = island_of(d, i);
     std::vector<int> place(at.size());  // of the island's [a; f]
     for (int k = 0; k < at.size(); ++k) place[k] = k;
@@ -82,15 +82,11 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
         for (int k = 0; k < n; ++k) place[at.nv + local + k] = scene.nv + first + k;
       });
     }
-    const KktPattern& p = *K.pattern;
-    for (int j = 0; j < p.K.n; ++j)
-      for (int s = p.K.p[j]; s < p.K.p[j + 1]; ++s) {
-        const int r = place[p.perm[p.K.i[s]]], c = place[p.perm[j]];
-        for (int mirrored = 0; mirrored < (r == c ? 1 : 2); ++mirrored) {
-          rows.push_back(mirrored ? c : r);
-          columns.push_back(mirrored ? r : c);
-          values.push_back(K.values[s]);
-        }
+    for (int j = 0; j < K.cols(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(K, j); entry; ++entry) {
+        rows.push_back(place[entry.row()]);
+        columns.push_back(place[j]);
+        values.push_back(entry.value());
       }
     size += at.size();
   }

@@ -3,6 +3,7 @@
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/torques.hpp"
 
@@ -55,7 +56,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.next_v = d.dynamics.a;
   d.dynamics.a = (d.next_v - d.v) / h;
   d.dynamics.f /= h;
-  d.dynamics.serial = 0;  // what it was solved at is not the state
+  give_up_solution(d.dynamics);  // what it was solved at is not the state
   keep_forces(d);
   d.w = h * d.next_v;
   integrate_scene(scene, d.q, d.w, d.next_q);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
 
 namespace manycontact {
 
@@ -26,7 +27,7 @@ VelocityJump switch_contacts(const Scene& scene, const std::vector<char>& active
   out.energy_lost = jump.dot(M_jump) / 2 + jump.dot(momentum - M_jump);
   out.impulse = data.dynamics.f;
   data.v = data.dynamics.a;
-  data.dynamics.serial = 0;
+  give_up_solution(data.dynamics);
   return out;
 }
 

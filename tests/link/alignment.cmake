@@ -18,7 +18,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${PROJECT} -B ${BUILD} ${CONFIGURE}
 # Sets errors to what the compiler says of main.cpp with these flags.
 function(compile)
   execute_process(COMMAND ${CXX} -std=c++20 -fsyntax-only ${ARGN} -I${BUILD}/include -I${PROJECT}/include
-                          -I${PROJECT}/sparse/include -isystem ${EIGEN} ${CONSUMER}/main.cpp
+                          -isystem ${EIGEN} ${CONSUMER}/main.cpp
                   ERROR_VARIABLE errors)
   set(errors "${errors}" PARENT_SCOPE)
 endfunction()

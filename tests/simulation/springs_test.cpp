@@ -4,6 +4,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/contact/jacobian.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/simulation/spring_steps.hpp"
 #include "simulation/scenes.hpp"
 #include "support/allocations.hpp"
@@ -149,6 +150,20 @@ TEST(StiffSprings, AreTakenAtTheEndOfTheStep) {
       EXPECT_NEAR(sim.v[0], (m * v - h * k * x) / (m + h * h * k + h * c), 1e-10);
       EXPECT_NEAR(sim.dynamics.a[0], (sim.v[0] - v) / h, 1e-9);
     }
+}
+
+// A step leaves accelerations of its own in the data: derivatives taken there before are of these no longer.
+TEST(StiffSprings, DerivativesBeforeAStepEndWithIt) {
+  RandomScene s = oscillator();
+  s.scene.springs.clear();
+  add_joint_spring(s.scene, "body", "slide", 5e6);
+  SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 0.01);
+  ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  (void)solve(s.scene, s.q, s.v, s.u, sim.dynamics);
+  const IslandDerivatives& before = differentiate(s.scene, sim.dynamics).islands[0];
+  EXPECT_NO_THROW((void)before.da_dq());
+  ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  EXPECT_THROW((void)before.da_dq(), std::logic_error);
 }
 
 // A damper alone, 250 times what an explicit step bears: v+ = v / (1 + h c / m).

@@ -3,12 +3,14 @@
 // computed; references stay valid until the data's next call. Robots that stood in lanes (Options::lanes) leave nothing
 // but the answer, until `complete` is called; sparse-bodies leaves no K.
 
+#include <Eigen/SparseCore>
 #include <span>
 
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/rows.hpp"
 #include "manycontact/dynamics/data.hpp"
-#include "manycontact/kkt/matrix.hpp"
+#include "manycontact/kkt/island.hpp"
+#include "manycontact/kkt/options.hpp"
 
 namespace manycontact {
 
@@ -25,10 +27,8 @@ const Island& island_of(const SceneData& data, std::size_t i);
 int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up; its report says which answered.
 Choice choice_of(const SceneData& data, std::size_t i);
-/// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
-int factorizations_of(const SceneData& data, std::size_t i);
-/// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
-const KktMatrix& matrix_of(const SceneData& data, std::size_t i);
+/// K = [M J^T; J -delta I] of an island as solved last, both halves; velocities and rows as the island numbers them.
+Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i);
 
 /// A robot's bodies in its tree frame, at q, v solved at; accelerations are those without forces or torques (qdd = 0).
 const Kinematics<double>& kinematics_of(const SceneData& data, int robot);

@@ -3,6 +3,7 @@
 
 #include "../text/describe.hpp"
 #include "manycontact/analysis/kinds.hpp"
+#include "manycontact/kkt/pattern.hpp"
 
 namespace manycontact::cli {
 

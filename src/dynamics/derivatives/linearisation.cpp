@@ -10,30 +10,24 @@ namespace manycontact {
 Linearisation::Slot::Slot(const Model& model)
     : a(model.njoints(), Vec6<double>::Zero()), rnea(model), fext(model.njoints(), Vec6<double>::Zero()) {}
 
-Linearisation::Linearisation(const Scene& scene) {
+Linearisation::Linearisation(const Scene& scene)
+    : place(scene.robots.size(), -1),
+      contacts(scene.contacts.size()),
+      derivatives(scene.contacts.size()),
+      state(scene.contacts.size(), 0) {
   std::map<const Model*, int> numbers;
   for (const Robot& robot : scene.robots)
     model.push_back(numbers.try_emplace(robot.model.get(), static_cast<int>(numbers.size())).first->second);
   models = numbers.size();
   used.resize(numbers.size());
-  place.assign(scene.robots.size(), -1);
-  for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport{});
-  derivatives.resize(scene.contacts.size());
-  ready.assign(scene.contacts.size(), 0);
-  state.assign(scene.contacts.size(), 0);
 }
 
 void Linearisation::assign(const Scene& scene, const Workspace& w, const Island& island) {
-  if (layout != w.layout) {
-    std::fill(place.begin(), place.end(), -1);
-    layout = w.layout;
-  }
   if (place[island.robots.back()] >= 0) return;
   for (int c : island.contacts) {
-    if (ready[c]) continue;
-    contacts[c] = ContactData<double>(scene.contacts[c], w.supports[c]);
-    derivatives[c] = ContactDerivatives(scene, scene.contacts[c], w.supports[c]);
-    ready[c] = 1;
+    if (derivatives.has(c)) continue;
+    contacts.make(c, scene.contacts[c], w.supports[c]);
+    derivatives.make(c, scene, scene.contacts[c], w.supports[c]);
   }
   std::fill(used.begin(), used.end(), 0);
   const std::size_t thread = w.robot_island[island.robots.front()] % w.threads.size();

@@ -2,6 +2,7 @@
 // Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
 // torques start from.
 
+#include "../on_demand.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
@@ -28,21 +29,21 @@ struct Linearisation {
   Slot& of(int robot) { return pool[place[robot]]; }
   const Slot& of(int robot) const { return pool[place[robot]]; }
 
-  std::vector<ContactData<double>> contacts;    // per contact, at the solution; by AtSolution
-  std::vector<ContactDerivatives> derivatives;  // per contact; by derivative_terms
-  std::vector<std::uint64_t> state;             // per contact: Workspace::state that these are of
+  OnDemand<ContactData<double>> contacts;    // at the solution; by AtSolution
+  OnDemand<ContactDerivatives> derivatives;  // by derivative_terms
+  std::vector<std::uint64_t> state;          // per contact: Workspace::state that these are of
 
   /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
   /// By the thread that calls, before others come to these islands. Joint-space terms of the island must be there.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
+  /// Islands change.
+  void forget_places() { std::fill(place.begin(), place.end(), -1); }
 
  private:
   std::vector<int> model;  // per robot: number of its model
   std::size_t models = 0;
   std::vector<std::vector<int>> of_model;  // per thread and model: its places in the pool
   std::vector<int> used;                   // per model: places taken by the island at hand
-  std::vector<char> ready;                 // per contact: it has memory
-  std::uint64_t layout = 0;                // of the workspace, at the last assign
 };
 
 /// As long as it lives, kin.a of an island's robots are the accelerations of the solution, and the linearisation's

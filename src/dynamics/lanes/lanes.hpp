@@ -78,7 +78,9 @@ struct Contradiction {
   /// Whether derivatives take note of it.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
   /// Whether it is more than J a and a0 allow for.
-  bool contradicts() const { return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0)); }
+  bool contradicts() const {
+    return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
+  }
   /// Least squares of rows of very different size, turns beside micrometres: the oracle sorts them.
   bool needs_oracle() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
@@ -137,8 +139,8 @@ class RobotBlocks {
   virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 
   // Robots joined to others, whose numbers are in memory of the caller's.
-  /// For how many robots the memory of one is, or of several: BlockPlan::memory_size of each, at a cache line's border.
-  virtual std::size_t width(bool one) const = 0;
+  // Memory of one, or for as many as fit where there are several: BlockPlan::memory_size of each, at a cache line's
+  // border.
   /// The robots' own part of K x = b, and the ends of contacts that join them.
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// The factor; x = 0, and b's part of the border.
@@ -158,7 +160,7 @@ class RobotBlocks {
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Contacts alike that join two robots, side by side: one, or after `reserve_batch` as many as fit.
+/// Contacts alike that join two robots, side by side: one, or as many as fit.
 class InterfaceContacts {
  public:
   struct Rows {
@@ -176,8 +178,6 @@ class InterfaceContacts {
   };
 
   virtual ~InterfaceContacts() = default;
-  /// Memory for contacts side by side. The arguments of Level::make_contacts.
-  virtual void reserve_batch(const Scene& scene, const Contact& contact, const ContactSupport& support) = 0;
   // alike but for placements (`alike_rows`)
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
@@ -188,7 +188,6 @@ class SubtreeBatch;
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
-  const char* name;
   int width;  // robots side by side
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
   /// contact: any of the kernel's, in its scene.

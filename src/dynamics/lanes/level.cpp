@@ -44,7 +44,6 @@ class LevelBlocks final : public RobotBlocks {
  public:
   explicit LevelBlocks(std::shared_ptr<const BlockPlan> plan) : plan_(std::move(plan)), work_(plan_) {}
   void reserve_batch() override { work_.reserve_batch(plan_); }
-  std::size_t width(bool one) const override { return one ? 1 : MANYCONTACT_LANES; }
   void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) override {
     work_.of(robots.size(), [&](auto& work) { work.solve(job, robots, answers); });
   }
@@ -91,8 +90,7 @@ class LevelBlocks final : public RobotBlocks {
 class LevelContacts final : public InterfaceContacts {
  public:
   LevelContacts(const Scene& scene, const Contact& contact, const ContactSupport& support)
-      : work_(scene, contact, support) {}
-  void reserve_batch(const Scene& scene, const Contact& contact, const ContactSupport& support) override {
+      : work_(scene, contact, support) {
     work_.reserve_batch(scene, contact, support);
   }
   void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) override {
@@ -106,9 +104,9 @@ class LevelContacts final : public InterfaceContacts {
   ScalarOrBatch<InterfaceContactsOf> work_;
 };
 
-class LevelParts final : public SubtreeBatch {
+class LevelSubtrees final : public SubtreeBatch {
  public:
-  explicit LevelParts(std::shared_ptr<const SubtreePlan> plan) : work_(std::move(plan)) {}
+  explicit LevelSubtrees(std::shared_ptr<const SubtreePlan> plan) : work_(std::move(plan)) {}
   void solve(std::span<Subtree> subtrees) override { work_.solve(subtrees); }
 
  private:
@@ -123,13 +121,12 @@ std::unique_ptr<InterfaceContacts> make_contacts(const Scene& scene, const Conta
   return std::make_unique<LevelContacts>(scene, contact, support);
 }
 std::unique_ptr<SubtreeBatch> make_subtrees(std::shared_ptr<const SubtreePlan> plan) {
-  return std::make_unique<LevelParts>(std::move(plan));
+  return std::make_unique<LevelSubtrees>(std::move(plan));
 }
 
 }  // namespace
 
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LEVEL_NAME, MANYCONTACT_LANES, make, make_contacts,
-                                            make_subtrees};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LANES, make, make_contacts, make_subtrees};
 
 }  // namespace manycontact::lanes

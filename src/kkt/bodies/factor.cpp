@@ -47,8 +47,6 @@ void BodyFactor::make_room() {
   has_room_ = true;
 }
 
-Reason BodyFactor::factorize(const KktMatrix&, FactorScratch&) { return factorize_bodies(system, ldl); }
-
 void BodyFactor::solve(double* x) {
   const BodyPattern& p = *system.pattern;
   work_.b.joints = Eigen::Map<const Eigen::VectorXd>(x, p.nv);
@@ -58,10 +56,10 @@ void BodyFactor::solve(double* x) {
   Eigen::Map<Eigen::VectorXd>(x + p.nv, p.nc) = work_.x.rows;
 }
 
-void BodyFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
+void BodyFactor::solve_panel(double* X, int cols) {
   const BodyPattern& p = *system.pattern;
-  for (int c = first; c < first + cols; ++c) {
-    const auto at = [&](int k) -> double& { return X[static_cast<std::ptrdiff_t>(k) * ld + c]; };
+  for (int c = 0; c < cols; ++c) {
+    const auto at = [&](int k) -> double& { return X[static_cast<std::ptrdiff_t>(k) * cols + c]; };
     for (int k = 0; k < p.nv; ++k) work_.b.joints[k] = at(k);
     for (int k = 0; k < p.nc; ++k) work_.b.rows[k] = at(p.nv + k);
     const sparse::Refinement refinement = solve_refined(system, ldl, work_, 1);

@@ -254,7 +254,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   sparse::Refinement refinement;
   report.reason = internal::solve_whole(scene, data, *this, refinement);
   if (!sound) return false;
-  whole.add(factor.nonzeros(), solution.residual, refinement);
+  whole.add(nonzeros(*factor.system.pattern, factor.ldl), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
   if (drops)
     internal::report_dropped_rows(data, owner, dependence.rows.dropped,
@@ -278,9 +278,8 @@ bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
   internal::evaluate_at_solution(scene, data, owner);
   const AtSolution at(scene, data, owner.island);
   internal::right_hand_sides(scene, data, owner, out);
-  const int cols = static_cast<int>(out.X.cols());
-  if (out.cols > 0) factor.solve_panel(out.X.data(), cols, 0, cols, nullptr);  // bodies have no use for zeros
-  out.X.bottomRows(out.nc) *= -1;                                              // [da; -df]
+  if (out.cols > 0) factor.solve_panel(out.X.data(), static_cast<int>(out.X.cols()));
+  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
   return !out.X.hasNaN();
 }
 

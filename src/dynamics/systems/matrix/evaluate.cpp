@@ -46,10 +46,10 @@ void make_joint_space(const Scene& scene, Workspace& w, IslandWork& d) {
     d.matrix.M.emplace_back(w.robots[r].M);
   }
   for (int c : d.island.contacts) {
-    if (!w.joint_space[c]) {
-      w.supports[c] = contact_support(scene, scene.contacts[c]);
-      w.contacts.make(c, scene.contacts[c], w.supports[c]);
-      w.joint_space[c] = 1;
+    if (!w.supports.has(c)) {
+      const ContactSupport support = contact_support(scene, scene.contacts[c]);
+      w.contacts.make(c, scene.contacts[c], support);
+      w.supports.make(c, support);
     }
     const Eigen::MatrixXd& J = w.contacts[c].J;
     d.matrix.J.emplace_back(J.data(), static_cast<std::size_t>(J.size()));

@@ -156,6 +156,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   // the oracle's answer is the best there is
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
+  if (m.rows) m.rows->known = false;
   if (!(refinement.backward_error <= most) && !m.deficient())
     refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale);
   if (!(refinement.backward_error <= most)) {

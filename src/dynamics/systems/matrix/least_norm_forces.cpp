@@ -42,7 +42,7 @@ DependentDerivatives& work_of(MatrixSystem& m) {
 // solve is, unless the oracle has decomposed J itself.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
-  if (w.state == data.workspace->state && w.factor == m.factor) return w.y;
+  if (w.known) return w.y;
   const int* iperm = m.K.pattern->iperm.data();
   const Island& island = m.owner.island;
   v.resize(island.size());
@@ -58,8 +58,7 @@ const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, Mat
   }
   remake(w.y, island.nv);
   for (int k = 0; k < island.nv; ++k) w.y[k] = v.x[iperm[k]];
-  w.state = data.workspace->state;
-  w.factor = m.factor;
+  w.known = true;
   return w.y;
 }
 

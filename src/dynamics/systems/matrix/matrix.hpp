@@ -19,8 +19,7 @@ struct ProductWork;
 /// Workspace of an island with dependent contact rows, for derivatives and products.
 struct DependentDerivatives {
   Eigen::VectorXd y;                     // nv: J y = f
-  std::uint64_t state = 0;               // that y is of ...
-  const Factor* factor = nullptr;        // ... and the factor that gave it
+  bool known = false;                    // y is of the factor at hand
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
   // by take_columns
   std::vector<char> in_null_space;  // nc

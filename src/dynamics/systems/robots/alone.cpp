@@ -13,8 +13,15 @@ namespace internal {
 
 lanes::Job job_at_state(const Scene& scene, SceneData& data) {
   const Workspace& w = *data.workspace;
-  return {scene,         w.state,      w.q.data(),    data.v.data(), data.tau.data(),
-          data.f_offset, w.prescribed, data.a.data(), data.f.data()};
+  return {scene,
+          w.state,
+          w.q.data(),
+          data.v.data(),
+          data.tau.data(),
+          data.f_offset,
+          w.prescribed.empty() ? nullptr : w.prescribed.data(),
+          data.a.data(),
+          data.f.data()};
 }
 
 namespace {

@@ -17,7 +17,6 @@ RobotsDerivatives::RobotsDerivatives(const IslandShape& shape, const RobotsSyste
     OfRobot& r = robots[k];
     const Interface::OfRobot& of = interface.robots[k];
     r.nv = scene.robots[k].model->nv;
-    r.neighbours = of.neighbours, r.joins = of.joins;
     for (int i = 0; i < r.nv; ++i) r.row.push_back(island.dof_offset[k] + i);
     for (int c : of.contacts)
       for (int i = 0; i < scene.contacts[island.contacts[c]].rows(); ++i)
@@ -57,10 +56,12 @@ double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, d
   return kPanels * cost;
 }
 
-void lay_out_columns(const Island& island, const IslandDerivatives& out, std::size_t k, RobotsDerivatives& by) {
+void lay_out_columns(const Island& island, const Interface& interface, const IslandDerivatives& out, std::size_t k,
+                     RobotsDerivatives& by) {
   RobotsDerivatives::OfRobot& r = by.robots[k];
+  const Interface::OfRobot& of = interface.robots[k];
   r.columns.clear();
-  int at = static_cast<int>(6 * r.joins.size());
+  int at = static_cast<int>(6 * of.joins.size());
   const auto add = [&](bool wanted, int first, int count) {
     if (!wanted || count == 0) return;
     r.columns.push_back({first, at, count});
@@ -73,7 +74,7 @@ void lay_out_columns(const Island& island, const IslandDerivatives& out, std::si
   r.u_first = at;
   add(out.request.u, out.u_first + out.u_offset[k], out.u_offset[k + 1] - out.u_offset[k]);
   r.own = at = sparse::padded(at);
-  for (int n : r.neighbours) add(out.request.q, out.q_first + island.dof_offset[n], by.robots[n].nv);
+  for (int n : of.neighbours) add(out.request.q, out.q_first + island.dof_offset[n], by.robots[n].nv);
   r.ld = sparse::padded(at);
 }
 
@@ -153,14 +154,13 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   if (!d.robots) return;
   if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);
   RobotsDerivatives& by = *d.robots->derivatives;
-  if (!by.laid_out || by.request != out.request) {
-    by.laid_out = by.has_room = false;  // should memory run out
-    for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, out, k, by);
+  if (by.request != out.request) {
+    by.request.reset(), by.has_room = false;  // should memory run out
+    for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, *d.robots->interface, out, k, by);
     choose_sample(by);
     for (const bool dropping : {false, true})
       by.cheaper[dropping] = out.cols > 0 && cost_by_robots(*d.robots, by, ld) < most(dropping);
     by.request = out.request;
-    by.laid_out = true;
   }
   if (by.has_room || !(by.cheaper[false] || by.cheaper[d.robots->drops])) return;
   take_memory(d, w.threads.size(), by);

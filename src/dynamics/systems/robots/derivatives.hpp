@@ -12,6 +12,8 @@
 // G_r^T = E_r W^T, and B_r = own columns + E_r D_r, where D_r, six rows, has columns of the other robot's coordinates
 // too. So K_r^-1 [E_r, columns of the robot's own coordinates] is all that the lanes solve.
 
+#include <optional>
+
 #include "../../workspace.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
@@ -28,9 +30,8 @@ struct RobotsDerivatives {
   };
   struct OfRobot {
     int nv = 0;
-    std::vector<int> row, join;          // per row of K_r and of G_r: the island's row; constant
-    std::vector<int> neighbours, joins;  // as Interface has them
-    std::vector<double> ends;            // of the contacts that join it: MovingEnd, then EndForce
+    std::vector<int> row, join;  // per row of K_r and of G_r: the island's row; constant
+    std::vector<double> ends;    // of the contacts that join it: MovingEnd, then EndForce
     // for the request
     int q_first = 0, v_first = 0, u_first = 0, own = 0;  // of the panel: as lanes::DerivativeJob has them
     std::vector<Columns> columns;                        // where B_r is not zero
@@ -52,8 +53,7 @@ struct RobotsDerivatives {
   };
   std::vector<OfRobot> robots;
 
-  bool laid_out = false;  // for `request`
-  DerivativeRequest request;
+  std::optional<DerivativeRequest> request;  // laid out for this
   bool cheaper[2] = {};  // than the island's factor, for that: where no rows are dropped, and where some are
   bool has_room = false;
 

@@ -130,10 +130,8 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
       w.lanes.contacts[{structure(contact.A), structure(contact.B), contact.type, contact.A.joint, contact.B.joint}];
   if (group.kernels.size() >= w.threads.size()) return group;
   const ContactSupport support = contact_support(scene, contact);
-  while (group.kernels.size() < w.threads.size()) {
+  while (group.kernels.size() < w.threads.size())
     group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, support));
-    group.kernels.back()->reserve_batch(scene, contact, support);
-  }
   return group;
 }
 
@@ -285,7 +283,21 @@ void forget_unused_groups(Workspace& w) {
   std::erase_if(w.lanes.groups, [&used](const auto& item) { return !used.contains(&item.second); });
 }
 
-void prepare_robots(const Scene& scene, Workspace& w) {
+void plan_robots(const Scene& scene, Workspace& w, IslandWork& d) {
+  if (!w.lanes.level) return;
+  if (d.island.robots.size() == 1) {
+    d.alone.group = group_of_alone(w, d);
+  } else if (may_be_cheaper(d)) {
+    std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
+    if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
+  }
+}
+
+void bind_robots(const Scene& scene, Workspace& w, IslandWork& d) {
+  if (d.robots) bind_island(scene, w, d, *d.robots);
+}
+
+void group_robots_alone(Workspace& w) {
   InLanes& in = w.lanes;
   for (auto& [key, group] : in.groups) group.islands.clear();
   if (!in.level) return;
@@ -299,21 +311,10 @@ void prepare_robots(const Scene& scene, Workspace& w) {
     thread.interface_derivatives.reserve(in.level->width);
   }
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    IslandWork& d = *w.islands[i];
-    const bool alone = d.island.robots.size() == 1;
-    if (!d.planned) {
-      if (alone) d.alone.group = group_of_alone(w, d);
-      if (!alone && may_be_cheaper(d)) {
-        std::unique_ptr<RobotsSystem> robots = join_robots(w, d);
-        if (robots && robots->solves) use_robots(scene, w, d, std::move(robots));
-      }
-      d.planned = true;
-    } else if (d.robots) {
-      bind_island(scene, w, d, *d.robots);
-    }
-    if (!d.alone.group) continue;
-    make_kernels(w, *d.alone.group, !d.alone.group->islands.empty());
-    d.alone.group->islands.push_back(static_cast<int>(i));
+    BlockGroup* group = w.islands[i]->alone.group;
+    if (!group) continue;
+    make_kernels(w, *group, !group->islands.empty());
+    group->islands.push_back(static_cast<int>(i));
   }
 }
 

@@ -37,8 +37,8 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
       s.batches.push_back({r.group, static_cast<int>(k), 0, 0});
     ++s.batches.back().count;
   }
-  const auto width = [](const RobotsSystem::Batch& batch) {
-    return batch.group->kernels.front()->width(batch.count == 1);
+  const auto width = [&w](const RobotsSystem::Batch& batch) {
+    return static_cast<std::size_t>(batch.count == 1 ? 1 : w.lanes.level->width);
   };
   const auto shared = [&](const RobotsSystem::Batch& batch) {
     return sparse::padded(width(batch) * batch.group->plan->memory_size());

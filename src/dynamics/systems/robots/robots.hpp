@@ -154,9 +154,12 @@ namespace internal {
 /// What `count` robots side by side take, of what one alone does (measured, on 8 lanes and on 2).
 inline double together(std::size_t count) { return count > 1 ? 1 + 0.15 * static_cast<double>(count) : 1; }
 
-/// Sorts the islands at hand into groups, makes what those of several robots need where that is cheaper than their
-/// factor, and settles it on the islands. Allocates nothing for a contact set met before.
-void prepare_robots(const Scene& scene, Workspace& work);
+/// What lanes solve an island of a new shape by, where that is cheaper than its factor: alone.group, robots.
+void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
+/// The same for other robots and contacts of the same shape. Allocates nothing for a contact set met before.
+void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
+/// Which of the islands at hand stand side by side, alone.
+void group_robots_alone(Workspace& work);
 /// Gives back the groups that no island has, at work or in the pool.
 void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.

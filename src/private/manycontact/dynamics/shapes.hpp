@@ -3,11 +3,16 @@
 
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/kkt/matrix.hpp"
 
 namespace manycontact {
 
 /// The island's trees and contacts, with the analyses made of them. Throws as views.hpp does.
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
+/// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
+const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
+/// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
+int factorizations_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.
 std::size_t shapes_analysed(const SceneData& data);
 /// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.

@@ -1,8 +1,7 @@
 #pragma once
-// The body-space system as a factor of K among others.
+// The body-space system and its factor.
 
 #include "manycontact/kkt/bodies/ldl.hpp"
-#include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/sparse/refine.hpp"
 
 namespace manycontact {
@@ -23,7 +22,7 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
 int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
 
 /// Its vectors and panels are in the island's order: there is no K, and no order of elimination to permute to.
-class BodyFactor final : public Factor {
+class BodyFactor {
  public:
   /// Without memory until make_room.
   explicit BodyFactor(std::shared_ptr<const BodyPattern> pattern) { system.pattern = std::move(pattern); }
@@ -32,17 +31,10 @@ class BodyFactor final : public Factor {
   BodySystem system;
   BodyLdl ldl;
 
-  Method method() const override { return Method::kSparseBodies; }
-  /// Of `system`; K is not looked at.
-  [[nodiscard]] Reason factorize(const KktMatrix& K, FactorScratch& scratch) override;
   /// Not refined.
-  void solve(double* x) override;
-  /// Column by column, refined; NaN where that does not converge.
-  void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
-  int own_refinements() const override { return 1; }
-  int rank() const override { return system.pattern->nc; }
-  int nonzeros() const override { return manycontact::nonzeros(*system.pattern, ldl); }
-  double growth() const override { return ldl.growth; }
+  void solve(double* x);
+  /// X of `cols` columns, row by row: column by column, refined; NaN where that does not converge.
+  void solve_panel(double* X, int cols);
 
  private:
   BodySolve work_;

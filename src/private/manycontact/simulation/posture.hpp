@@ -19,8 +19,8 @@
 namespace manycontact {
 
 struct ClosestPosture {  // The posture between two states that is nearest to a singular one.
-  double share = 1;  // least sigma between the last state and this one, of the largest sigma so far
-  double at = 0;     // where between them: 0 the last, 1 this one
+  double share = 1;      // least sigma between the last state and this one, of the largest sigma so far
+  double at = 0;         // where between them: 0 the last, 1 this one
 };
 
 struct PostureData {  // What is known of the islands' smallest sigma; and the memory of its solves.
