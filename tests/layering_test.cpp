@@ -39,7 +39,7 @@ const std::vector<Guarded> guarded = {
      std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/io/.*")},
     {"JSON belongs to cli", std::regex("nlohmann/.*"), std::regex("src/cli/.*")},
     {"OpenMP belongs to one file, which sees no Eigen", std::regex("omp\\.h"),
-     std::regex("src/dynamics/parallel\\.cpp")},
+     std::regex("src/dynamics/workspace/parallel\\.cpp")},
     {"MPI belongs to the program manycontact-mpi", std::regex("mpi\\.h"), std::regex("src/cli/mpi_main\\.cpp")},
     {"assimp belongs to the program manycontact-mesh", std::regex("assimp/.*"), std::regex("src/cli/mesh_main\\.cpp")},
     {"boost belongs to spatial/scalar.hpp and quad.hpp", std::regex("boost/.*"),

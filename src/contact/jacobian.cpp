@@ -80,7 +80,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
   }
   std::vector<Vec6<double>> out(static_cast<std::size_t>(bodies), Vec6<double>::Zero());
   const auto add = [&](const Attachment& at, const Vec6<double>& wrench) {
-    if (at.robot >= 0 && at.joint >= 0) out[first[at.robot] + at.joint] += at.placement.act_force(wrench);
+    if (moves(at)) out[first[at.robot] + at.joint] += at.placement.act_force(wrench);
   };
   std::vector<char> active;
   for (const int first_row : f_offset) active.push_back(first_row >= 0);

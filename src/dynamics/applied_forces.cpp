@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "internal.hpp"
-#include "threads.hpp"
+#include "workspace/threads.hpp"
 
 namespace manycontact {
 

@@ -1,13 +1,12 @@
 #include "manycontact/dynamics/batch.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <stdexcept>
 
 #include "internal.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
-#include "parallel.hpp"
+#include "workspace/parallel.hpp"
 
 namespace manycontact {
 
@@ -91,6 +90,7 @@ BatchData::BatchData(const Scene& scene, int count, const Options& opts) : optio
   for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
+  failures = std::make_shared<std::vector<internal::Failure>>(count);
   Options of_thread = options;
   of_thread.threads = 1;
   for (int k = 0; k < count; ++k) threads.push_back({SceneData(scene, of_thread)});
@@ -226,7 +226,6 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     thread.data.options.threads = 1;
     thread.data.active = batch.active;
     thread.data.pushes = batch.pushes;
-    thread.error = nullptr;
   }
   const std::ptrdiff_t count = s.q.rows();
   if (count == 0) return;
@@ -238,25 +237,13 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     at_once = std::min<std::ptrdiff_t>(states_side_by_side(*batch.threads.front().data.workspace), of_thread);
   }
   if (at_once > 1) prepare_copies(scene, batch);
-  std::atomic<bool> stop = false;
-  auto work = [&](std::ptrdiff_t k, int number) {
-    if (stop) return;
-    BatchData::Thread& thread = batch.threads[number];
-    const std::ptrdiff_t first = k * at_once;
-    try {
-      solve_some(scene, s, thread, first, static_cast<int>(std::min(at_once, count - first)), status, use);
-    } catch (...) {
-      thread.error = std::current_exception();
-      thread.state = first;
-      stop = true;
-    }
-  };
   const sparse::OneBlasThread one_blas_thread;
-  internal::run_items(static_cast<int>(threads), (count + at_once - 1) / at_once, work);
-  BatchData::Thread* failed = nullptr;
-  for (BatchData::Thread& thread : batch.threads)
-    if (thread.error && (!failed || thread.state < failed->state)) failed = &thread;
-  if (failed) std::rethrow_exception(failed->error);
+  const std::span<internal::Failure> failures(batch.failures->data(), threads);
+  internal::run_items(failures, (count + at_once - 1) / at_once, [&](std::ptrdiff_t k, int number) {
+    const std::ptrdiff_t first = k * at_once;
+    const int states = static_cast<int>(std::min(at_once, count - first));
+    solve_some(scene, s, batch.threads[number], first, states, status, use);
+  });
 }
 
 // [da; df] of [q v u] in the scene's order, row-major, from the islands' blocks. nf: of a state.

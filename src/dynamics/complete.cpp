@@ -1,7 +1,7 @@
 // What a solve leaves out, made when it is asked for.
 
 #include "internal.hpp"
-#include "threads.hpp"
+#include "workspace/threads.hpp"
 
 namespace manycontact {
 

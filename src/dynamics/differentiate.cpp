@@ -7,7 +7,7 @@
 
 #include "internal.hpp"
 #include "systems/robots/derivatives.hpp"
-#include "threads.hpp"
+#include "workspace/threads.hpp"
 
 namespace manycontact {
 
@@ -159,102 +159,6 @@ void release_derivatives(SceneData& data) {
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);
   w.pool.each([](IslandWork& island) { release(island); });
-}
-
-namespace {
-
-struct BlockOffsets {
-  std::vector<int> v, u, f, w;  // scene's coordinate of each of the island's
-};
-BlockOffsets block_offsets(const Scene& scene, const SceneData& data, const Island& island,
-                           const IslandDerivatives& d) {
-  BlockOffsets p;
-  for (int push : d.pushes)
-    for (int k = 0; k < 6; ++k) p.w.push_back(6 * push + k);
-  const auto list = [](std::vector<int>& out) {
-    return [&out](int first, int, int n) {
-      for (int i = 0; i < n; ++i) out.push_back(first + i);
-    };
-  };
-  each_velocity_block(scene, island, list(p.v));
-  each_force_block(scene, data.f_offset, island, list(p.f));
-  if (d.request.tau)
-    p.u = p.v;
-  else
-    each_torque_block(scene, island, list(p.u));
-  return p;
-}
-
-template <class Block>
-void scatter(const Block& block, const std::vector<int>& rows, const std::vector<int>& cols, Eigen::MatrixXd& out) {
-  for (Eigen::Index i = 0; i < block.rows(); ++i)
-    for (Eigen::Index j = 0; j < block.cols(); ++j) out(rows[i], cols[j]) = block(i, j);
-}
-
-}  // namespace
-
-SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
-  internal::check_scene(scene, data, "derivatives");
-  const DerivativeData& dd = derivatives(data);
-  const DerivativeRequest request = dd.islands.empty() ? DerivativeRequest{} : dd.islands[0].request;
-  SceneDerivatives out;
-  const Eigen::Index nf = request.forces ? data.f.size() : 0;
-  const auto nw = static_cast<Eigen::Index>(request.pushes ? 6 * scene.pushes.size() : 0);
-  out.da_dq.setZero(scene.nv, request.q ? scene.nv : 0);
-  out.da_dv.setZero(scene.nv, request.v ? scene.nv : 0);
-  out.da_du.setZero(scene.nv, !request.u ? 0 : request.tau ? scene.nv : scene.nu);
-  out.dforces_dq.setZero(nf, out.da_dq.cols());
-  out.dforces_dv.setZero(nf, out.da_dv.cols());
-  out.dforces_du.setZero(nf, out.da_du.cols());
-  out.da_dw.setZero(scene.nv, nw);
-  out.dforces_dw.setZero(nf, nw);
-  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
-    const IslandDerivatives& d = dd.islands[i];
-    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d);
-    scatter(d.da_dq(), p.v, p.v, out.da_dq);
-    scatter(d.da_dv(), p.v, p.v, out.da_dv);
-    scatter(d.da_du(), p.v, p.u, out.da_du);
-    scatter(d.da_dw(), p.v, p.w, out.da_dw);
-    if (!request.forces) continue;
-    scatter(d.dforces_dq(), p.f, p.v, out.dforces_dq);
-    scatter(d.dforces_dv(), p.f, p.v, out.dforces_dv);
-    scatter(d.dforces_du(), p.f, p.u, out.dforces_du);
-    scatter(d.dforces_dw(), p.f, p.w, out.dforces_dw);
-  }
-  return out;
-}
-
-Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data) {
-  internal::check_scene(scene, data, "derivatives");
-  const DerivativeData& dd = derivatives(data);
-  std::vector<Eigen::Triplet<double>> entries;
-  int cols = 0, nf = 0;
-  for (std::size_t i = 0; i < dd.islands.size(); ++i) {
-    const IslandDerivatives& d = dd.islands[i];
-    const BlockOffsets p = block_offsets(scene, data, island_of(data, i), d);
-    nf = d.request.forces ? static_cast<int>(data.f.size()) : 0;
-    const int v_first = d.request.q ? scene.nv : 0, u_first = v_first + (d.request.v ? scene.nv : 0);
-    const int w_first = u_first + (!d.request.u ? 0 : d.request.tau ? scene.nv : scene.nu);
-    cols = w_first + (d.request.pushes ? 6 * static_cast<int>(scene.pushes.size()) : 0);
-    const auto add = [&](const auto& block, const std::vector<int>& rows, int row, const std::vector<int>& columns,
-                         int column) {
-      for (Eigen::Index k = 0; k < block.rows(); ++k)
-        for (Eigen::Index j = 0; j < block.cols(); ++j)
-          entries.emplace_back(row + rows[k], column + columns[j], block(k, j));
-    };
-    add(d.da_dq(), p.v, 0, p.v, 0);
-    add(d.da_dv(), p.v, 0, p.v, v_first);
-    add(d.da_du(), p.v, 0, p.u, u_first);
-    add(d.da_dw(), p.v, 0, p.w, w_first);
-    if (!d.request.forces) continue;
-    add(d.dforces_dq(), p.f, scene.nv, p.v, 0);
-    add(d.dforces_dv(), p.f, scene.nv, p.v, v_first);
-    add(d.dforces_du(), p.f, scene.nv, p.u, u_first);
-    add(d.dforces_dw(), p.f, scene.nv, p.w, w_first);
-  }
-  Eigen::SparseMatrix<double> out(scene.nv + nf, cols);
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
 }
 
 }  // namespace manycontact

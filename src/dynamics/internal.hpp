@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "manycontact/algorithm/crba.hpp"
-#include "workspace.hpp"
+#include "workspace/workspace.hpp"
 
 namespace manycontact::internal {
 

@@ -5,7 +5,7 @@
 
 #include "internal.hpp"
 #include "manycontact/model/torques.hpp"
-#include "threads.hpp"
+#include "workspace/threads.hpp"
 
 namespace manycontact {
 

@@ -1,6 +1,6 @@
 #include "manycontact/dynamics/keep_dependent.hpp"
 
-#include "workspace.hpp"
+#include "workspace/workspace.hpp"
 
 namespace manycontact {
 

@@ -10,7 +10,7 @@
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "threads.hpp"
+#include "workspace/threads.hpp"
 
 namespace manycontact {
 

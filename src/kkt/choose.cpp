@@ -84,7 +84,7 @@ bool bodies_are_cheaper(IslandShape& shape, double cost) {
 
 // Coordinates that move a body.
 double chain_length(const Scene& scene, const Attachment& at) {
-  if (at.robot < 0 || at.joint < 0) return 0;
+  if (!moves(at)) return 0;
   const Model& model = *scene.robots[at.robot].model;
   const Joint& joint = model.joints[at.joint];
   return model.dof_depth[joint.idx_v] + joint.nv();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "manycontact/kkt/robot_groups.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
@@ -21,28 +22,42 @@ void number_island(const Scene& scene, Island& island) {
   }
 }
 
-std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active) {
-  std::vector<int> memory(scene.nrobots());
-  sparse::UnionFind sets(memory);
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c] && joins_robots(scene.contacts[c])) sets.join(scene.contacts[c].A.robot, scene.contacts[c].B.robot);
-  for (const Spring& spring : scene.springs)
-    if (joins_robots(spring)) sets.join(spring.A.robot, spring.B.robot);
-
-  std::vector<Island> islands;
-  std::vector<int> number(scene.nrobots(), -1);
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    const int root = sets.root(r);
-    if (number[root] < 0) {
-      number[root] = static_cast<int>(islands.size());
-      islands.emplace_back();
-    }
-    islands[number[root]].robots.push_back(r);
+std::size_t group_robots(const Scene& scene, const std::vector<char>& active, bool whole, RobotGroups& s) {
+  s.sets.resize(scene.robots.size());
+  s.number.assign(scene.robots.size(), -1);
+  sparse::UnionFind sets(s.sets);
+  for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (active[c] && joins_robots(contact) && s.loose[contact.A.robot]) sets.join(contact.A.robot, contact.B.robot);
   }
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c]) islands[number[sets.root(robot_of(scene.contacts[c]))]].contacts.push_back(static_cast<int>(c));
-  for (Island& island : islands) number_island(scene, island);
-  return islands;
+  for (const Spring& spring : scene.springs)
+    if (joins_robots(spring) && s.loose[spring.A.robot]) sets.join(spring.A.robot, spring.B.robot);
+  std::size_t count = 0;
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    if (!s.loose[r]) continue;
+    int& number = s.number[sets.root(r)];
+    if (number < 0) {
+      number = static_cast<int>(count++);
+      if (s.islands.size() < count) s.islands.emplace_back();
+      s.islands[number].robots.clear();
+      s.islands[number].contacts.clear();
+    }
+    s.islands[number].robots.push_back(r);
+  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const int robot = robot_of(scene.contacts[c]);
+    if (active[c] && s.loose[robot]) s.islands[s.number[sets.root(robot)]].contacts.push_back(static_cast<int>(c));
+  }
+  for (std::size_t k = 0; k < count; ++k) number_island(scene, s.islands[k]);
+  return count;
+}
+
+std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active) {
+  RobotGroups all;
+  all.loose.assign(scene.robots.size(), 1);
+  group_robots(scene, active, false, all);
+  return std::move(all.islands);
 }
 
 Island whole_scene(const Scene& scene, const std::vector<char>& active) {

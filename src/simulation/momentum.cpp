@@ -26,8 +26,7 @@ bool has_own_forces(const Model& model, const Joint& joint) {
 }
 
 int node_of(const FreeGroups& groups, const Attachment& at) {
-  return at.robot < 0 || at.joint < 0 ? 0
-                                      : groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)];
+  return moves(at) ? groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)] : 0;
 }
 
 // The axes of a joint's placement in the world.

@@ -125,7 +125,7 @@ S motion_scale(const Contact& contact, const ContactData<S>& data) {
   if (holds_turning(contact.type)) return larger(turning, largest);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + reach(data.on_A) + data.joint_lever;
-  if (contact.B.robot >= 0 && contact.B.joint >= 0) lever += reach(data.bMA.p);
+  if (moves(contact.B)) lever += reach(data.bMA.p);
   return larger(S(turning * lever / S(100)), largest);
 }
 

@@ -7,7 +7,7 @@
 // A state's numbers depend on that state alone: neither on the others, nor on the number of threads, nor on which of
 // them solved it. They are those of new SceneData, bit by bit.
 
-#include <exception>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,6 +26,9 @@ struct BatchStates {
 };
 
 struct BatchCopies;  // private to floor dynamics
+namespace internal {
+struct Failure;
+}
 
 /// The memory of the threads. Where the robots of one state do not fill the SIMD lanes, several states are solved side
 /// by side: as one scene of as many copies as there are lanes. A second call with as many states allocates nothing in
@@ -39,13 +42,12 @@ struct BatchData {
   std::vector<char> active;          // one per contact: as the scene has it at first
   std::vector<Vec6<double>> pushes;  // one per push: its wrench, in all states; as the scene has it at first
 
-  struct Thread {  // One thread's memory, and what went wrong in it.
+  struct Thread {  // One thread's memory.
     SceneData data;
     std::shared_ptr<BatchCopies> copies = nullptr;  // made when first needed
-    std::exception_ptr error = nullptr;             // that ended its work ...
-    std::ptrdiff_t state = 0;                       // ... at this state, or at one beside it
   };
   std::vector<Thread> threads;
+  std::shared_ptr<std::vector<internal::Failure>> failures;  // scratch: what went wrong in each
 };
 
 /// BatchRows of the active contacts: the size of a state's forces.

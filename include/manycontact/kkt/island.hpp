@@ -19,8 +19,6 @@ struct Island {
   int size() const { return nv + nc; }
 };
 
-/// Whether an attachment's body moves: not the world, nor a fixed base.
-inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 /// Whether a contact makes one island of two robots.
 inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
 /// Whether a spring does: it joins no rows of K, but derivatives have blocks between the two.

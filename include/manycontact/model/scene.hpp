@@ -60,6 +60,8 @@ struct Attachment {
   SE3<double> placement;   // of the contact frame on that body
   std::string frame = {};  // the robot's frame it was made from, before any offset; empty when unknown
 };
+/// Whether an attachment's body moves: not the world, nor a fixed base.
+inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 
 /// A bilateral contact: frame A on a robot, B' on another body or in the world. Equations in contact/rows.hpp.
 struct Contact {

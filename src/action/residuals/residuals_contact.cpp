@@ -181,7 +181,7 @@ void ContactResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>&
   const bool force_turns = contact.reference_frame == ReferenceFrame::kLocal;
   const double of_A = (force_turns ? 1 : 0) - (axes_ == ConeAxes::kFoot ? 1 : 0);
   if (of_A != 0 && contact.A.joint >= 0) add_turning(contact.A, of_A, d.columns.data(), d, d.blocks[0].Rx);
-  if (axes_ == ConeAxes::kOther && contact.B.robot >= 0 && contact.B.joint >= 0)
+  if (axes_ == ConeAxes::kOther && moves(contact.B))
     add_turning(contact.B, -1, d.columns.data() + d.shared->scene.robots[contact.A.robot].model->nv, d, d.blocks[0].Rx);
 }
 

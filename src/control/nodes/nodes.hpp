@@ -5,7 +5,7 @@
 #include <exception>
 #include <mutex>
 
-#include "../../dynamics/parallel.hpp"
+#include "dynamics/workspace/parallel.hpp"
 #include "manycontact/control/shooting.hpp"
 
 namespace manycontact::internal {

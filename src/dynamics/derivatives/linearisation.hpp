@@ -2,7 +2,7 @@
 // Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
 // torques start from.
 
-#include "../on_demand.hpp"
+#include "../workspace/on_demand.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
@@ -78,10 +78,9 @@ void contact_forces(const Scene& scene, const Island& island, const Contacts& co
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const ContactData<double>& rows = contacts[c];
-    Vec6<double> F;
-    F.noalias() = rows.W.transpose() * f.segment(f_offset[c], contact.rows());
-    if (contact.A.joint >= 0) fext(contact.A.robot)[contact.A.joint] += rows.aMA.act_force(F);
-    if (contact.B.robot >= 0 && contact.B.joint >= 0) fext(contact.B.robot)[contact.B.joint] -= rows.bMA.act_force(F);
+    const Vec6<double> F = rows.W.transpose() * f.segment(f_offset[c], contact.rows());
+    each_body_force(contact, rows, F,
+                    [&](const Attachment& at, const Vec6<double>& force) { fext(at.robot)[at.joint] += force; });
   }
 }
 

@@ -9,10 +9,9 @@ namespace manycontact::internal {
 namespace {
 
 using V6 = Vec6<double>;
-const BodyVariation kRest{V6::Zero(), V6::Zero(), V6::Zero(), V6::Zero()};
 
 const BodyVariation& body(const ProductWork& pd, const Attachment& at) {
-  return at.robot < 0 || at.joint < 0 ? kRest : pd.robots[at.robot].body[at.joint];
+  return moves(at) ? pd.robots[at.robot].body[at.joint] : kAtRest;
 }
 
 }  // namespace
@@ -36,14 +35,10 @@ void tangent_right_side(const Scene& scene, const SceneData& data, const Island&
     V6 dF;
     contact_tangent<double>(contact, rows, body(pd, contact.A), body(pd, contact.B), f, dr2, dF);
     const V6 F = rows.W.transpose() * f;
-    if (contact.A.joint >= 0) {
-      pd.robots[contact.A.robot].fext[contact.A.joint] += rows.aMA.act_force(F);
-      pd.robots[contact.A.robot].dfext[contact.A.joint] += rows.aMA.act_force(dF);
-    }
-    if (contact.B.robot >= 0 && contact.B.joint >= 0) {
-      pd.robots[contact.B.robot].fext[contact.B.joint] -= rows.bMA.act_force(F);
-      pd.robots[contact.B.robot].dfext[contact.B.joint] -= rows.bMA.act_force(dF);
-    }
+    each_body_force(contact, rows, F,
+                    [&](const Attachment& at, const V6& force) { pd.robots[at.robot].fext[at.joint] += force; });
+    each_body_force(contact, rows, dF,
+                    [&](const Attachment& at, const V6& force) { pd.robots[at.robot].dfext[at.joint] += force; });
     pd.y.segment(data.f_offset[c], contact.rows()) = -dr2;
   }
   for (int r : island.robots) {
@@ -54,8 +49,7 @@ void tangent_right_side(const Scene& scene, const SceneData& data, const Island&
     tangent_torques(model, rd.kin, p.body, p.fext, p.dfext, p.f, p.df, p.w.data());
     double* b = pd.a.data() + robot.idx_v;
     for (int i = 0; i < model.nv; ++i) b[i] = -p.w[i];
-    for (int i = 0; has_friction(model) && i < model.nv; ++i)
-      b[i] -= friction_slope(model, i, data.v[robot.idx_v + i]) * t.dv[robot.idx_v + i];
+    add_friction_change(model, data.v.data() + robot.idx_v, t.dv.data() + robot.idx_v, b);
     for (int i = 0; i < model.nv; ++i) b[i] += t.dtau[robot.idx_v + i];
   }
 }
@@ -85,19 +79,17 @@ void pull_back_island(const Scene& scene, const SceneData& data, const Island& i
     const double* l = pd.a.data() + robot.idx_v;
     std::copy_n(l, model.nv, t.wtau.data() + robot.idx_v);
     virtual_velocities(model, rd.kin, l, p.u);
-    std::fill(p.body.begin(), p.body.end(), kRest);
+    std::fill(p.body.begin(), p.body.end(), kAtRest);
     add_body_adjoints(model, rd.kin, p.u, p.body);
   }
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const auto l = pd.y.segment(data.f_offset[c], contact.rows());
-    BodyVariation nobody = kRest;
+    BodyVariation nobody = kAtRest;
     const auto of = [&](const Attachment& at) -> BodyVariation& {
-      return at.robot < 0 || at.joint < 0 ? nobody : pd.robots[at.robot].body[at.joint];
+      return moves(at) ? pd.robots[at.robot].body[at.joint] : nobody;
     };
-    const auto u = [&](const Attachment& at) {
-      return at.robot < 0 || at.joint < 0 ? V6(V6::Zero()) : pd.robots[at.robot].u[at.joint];
-    };
+    const auto u = [&](const Attachment& at) { return moves(at) ? pd.robots[at.robot].u[at.joint] : V6(V6::Zero()); };
     contact_adjoint<double>(contact, w.linearisation->contacts[c], u(contact.A), u(contact.B),
                             data.f.segment(data.f_offset[c], contact.rows()), l, of(contact.A), of(contact.B));
   }
@@ -108,8 +100,8 @@ void pull_back_island(const Scene& scene, const SceneData& data, const Island& i
               t.wv.data() + robot.idx_v);
     t.wq.segment(robot.idx_v, robot.model->nv) *= -1;  // w = -(dr)^T l
     t.wv.segment(robot.idx_v, robot.model->nv) *= -1;
-    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      t.wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * pd.a[robot.idx_v + i];
+    add_friction_change(*robot.model, data.v.data() + robot.idx_v, pd.a.data() + robot.idx_v,
+                        t.wv.data() + robot.idx_v);
   }
 }
 

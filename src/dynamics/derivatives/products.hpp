@@ -2,7 +2,7 @@
 // What products with derivatives have before and after the solve: right-hand sides along a direction, and gradients
 // from the adjoint. In the scene's coordinates, [a; y] of the scratch.
 
-#include "../workspace.hpp"
+#include "../workspace/workspace.hpp"
 
 namespace manycontact::internal {
 

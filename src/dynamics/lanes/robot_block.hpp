@@ -8,9 +8,9 @@
 #include <limits>
 #include <optional>
 
-#include "../contact_drift.hpp"
 #include "../derivatives/jacobian_rate.hpp"
 #include "../robot_quantities.hpp"
+#include "../systems/contact_drift.hpp"
 #include "arrays.hpp"
 #include "checks.hpp"
 #include "dependent_rows.hpp"
@@ -953,8 +953,7 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
 template <class S>
 void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, std::vector<Vec6<S>>& fext) {
-  if (moves(contact.A)) fext[contact.A.joint] += rows.aMA.act_force(F);
-  if (moves(contact.B)) fext[contact.B.joint] -= rows.bMA.act_force(F);
+  each_body_force(contact, rows, F, [&](const Attachment& at, const Vec6<S>& force) { fext[at.joint] += force; });
 }
 
 /// fext = those of the contacts at the solution.

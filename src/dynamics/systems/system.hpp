@@ -15,7 +15,7 @@
 
 #include <algorithm>
 
-#include "../contact_drift.hpp"
+#include "contact_drift.hpp"
 #include "manycontact/contact/row_scale.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"

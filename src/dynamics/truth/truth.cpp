@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../row_units.hpp"
+#include "../systems/row_units.hpp"
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/contact/row_scale.hpp"
 #include "truth_terms.hpp"

@@ -24,7 +24,7 @@ void number_nodes(const Scene& scene, const Island& island, BodyPattern& p) {
 
 void number_rows(const Scene& scene, const Island& island, BodyPattern& p) {
   const auto node = [&](const Attachment& at) {
-    return at.robot < 0 || at.joint < 0 ? -1 : p.node_offset[local_robot(island, at.robot)] + at.joint;
+    return moves(at) ? p.node_offset[local_robot(island, at.robot)] + at.joint : -1;
   };
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];

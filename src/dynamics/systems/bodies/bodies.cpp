@@ -5,9 +5,9 @@
 #include <limits>
 #include <tuple>
 
-#include "../../contact_drift.hpp"
 #include "../../internal.hpp"
-#include "../../row_units.hpp"
+#include "../contact_drift.hpp"
+#include "../row_units.hpp"
 #include "manycontact/contact/body_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -170,11 +170,10 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
-// Whether rows are to be dropped here: of few coordinates the whole K does it as fast, and keeps derivatives.
-bool may_drop_rows(const Scene& scene, const SceneData& data, const Island& island) {
+// Of few coordinates the whole K does it as fast, and keeps derivatives.
+bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
   constexpr int kFew = 100;
-  return scene.damping == 0 && !has_row_units(scene, island) &&
-         (data.options.method == Method::kSparseBodies || island.nv >= kFew);
+  return may_drop_rows(scene, island) && (data.options.method == Method::kSparseBodies || island.nv >= kFew);
 }
 
 // kNone: the factor and the solution are sound.
@@ -183,7 +182,7 @@ Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodi
   bodies.drops = false;
   Reason reason =
       factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.dependence, bodies.solution, refinement);
-  if (reason == Reason::kSmallPivot && may_drop_rows(scene, data, bodies.owner.island))
+  if (reason == Reason::kSmallPivot && drops_rows_here(scene, data, bodies.owner.island))
     reason = solve_without_dependent(bodies, refinement);
   bodies.state = data.workspace->state;
   bodies.sound = reason == Reason::kNone;

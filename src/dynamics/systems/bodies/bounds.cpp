@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include "../../contact_drift.hpp"
 #include "../../internal.hpp"
+#include "../contact_drift.hpp"
 #include "bodies.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"

@@ -13,7 +13,6 @@ namespace manycontact {
 namespace {
 
 using V6 = Vec6<double>;
-const BodyVariation kRest{V6::Zero(), V6::Zero(), V6::Zero(), V6::Zero()};
 
 // S x of a node's joint.
 V6 combine(const BodySystem& s, int i, const double* x) {
@@ -30,9 +29,8 @@ V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
 }
 
 int node_of(const BodiesSystem& form, const Attachment& at) {
-  return at.robot < 0 || at.joint < 0
-             ? -1
-             : form.factor.system.pattern->node_offset[local_robot(form.owner.island, at.robot)] + at.joint;
+  if (!moves(at)) return -1;
+  return form.factor.system.pattern->node_offset[local_robot(form.owner.island, at.robot)] + at.joint;
 }
 
 // use(node, its robot's kinematics, its joint) for each node.
@@ -84,10 +82,10 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
     const int A = node_of(form, contact.A), B = node_of(form, contact.B);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
-    contact_tangent<double>(contact, rows, A < 0 ? kRest : form.body[A], B < 0 ? kRest : form.body[B],
+    contact_tangent<double>(contact, rows, A < 0 ? kAtRest : form.body[A], B < 0 ? kAtRest : form.body[B],
                             data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
-    if (A >= 0) b.force[A] -= rows.aMA.act_force(dF);
-    if (B >= 0) b.force[B] += rows.bMA.act_force(dF);
+    each_body_force(contact, rows, dF,
+                    [&](const Attachment& at, const V6& force) { b.force[node_of(form, at)] -= force; });
     b.rows.segment(island.row_offset[k], contact.rows()) = -dr2;
   }
 }
@@ -113,7 +111,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const int A = node_of(form, contact.A), B = node_of(form, contact.B);
-    BodyVariation nobody = kRest;
+    BodyVariation nobody = kAtRest;
     contact_adjoint<double>(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
                             data.f.segment(data.f_offset[c], contact.rows()),
                             x.rows.segment(island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],
@@ -187,8 +185,7 @@ bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
     const Robot& robot = scene.robots[island.robots[k]];
     const int o = island.dof_offset[k];
     w.b.joints.segment(o, robot.model->nv) += p.dtau.segment(robot.idx_v, robot.model->nv);
-    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      w.b.joints[o + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * p.dv[robot.idx_v + i];
+    add_friction_change(*robot.model, data.v.data() + robot.idx_v, p.dv.data() + robot.idx_v, w.b.joints.data() + o);
   }
   (void)solve_refined(factor.system, factor.ldl, w, 1);
   each_velocity_block(scene, island,
@@ -222,8 +219,7 @@ bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
     const Robot& robot = scene.robots[island.robots[k]];
     const double* l = w.x.joints.data() + island.dof_offset[k];
     std::copy_n(l, robot.model->nv, p.wtau.data() + robot.idx_v);
-    for (int i = 0; has_friction(*robot.model) && i < robot.model->nv; ++i)
-      p.wv[robot.idx_v + i] -= friction_slope(*robot.model, i, data.v[robot.idx_v + i]) * l[i];
+    add_friction_change(*robot.model, data.v.data() + robot.idx_v, l, p.wv.data() + robot.idx_v);
   }
   return true;
 }

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "../../internal.hpp"
-#include "../../row_units.hpp"
+#include "../row_units.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "matrix.hpp"
 

@@ -188,19 +188,27 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
   return !(m.deficient() && m.contradiction && out.request.q) || add_contradiction(scene, data, m, out, work);
 }
 
+namespace {
+
+// answer(), whether it can be believed; where not, once more by the oracle's factor.
+template <class Answer>
+bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
+  return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());
+}
+
+}  // namespace
+
 bool MatrixSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork& thread, IslandDerivatives& out) {
-  return differentiate_once(scene, data, thread, *this, out) ||
-         (internal::solve_by_oracle(scene, data, thread, *this) && differentiate_once(scene, data, thread, *this, out));
+  return else_by_oracle(scene, data, thread, *this,
+                        [&] { return differentiate_once(scene, data, thread, *this, out); });
 }
 
 bool MatrixSystem::jvp(const Scene& scene, SceneData& data, ThreadWork& thread, const TangentProduct& p) {
-  return jvp_once(scene, data, thread.v, *this, p) ||
-         (internal::solve_by_oracle(scene, data, thread, *this) && jvp_once(scene, data, thread.v, *this, p));
+  return else_by_oracle(scene, data, thread, *this, [&] { return jvp_once(scene, data, thread.v, *this, p); });
 }
 
 bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, const AdjointProduct& p) {
-  return vjp_once(scene, data, thread.v, *this, p) ||
-         (internal::solve_by_oracle(scene, data, thread, *this) && vjp_once(scene, data, thread.v, *this, p));
+  return else_by_oracle(scene, data, thread, *this, [&] { return vjp_once(scene, data, thread.v, *this, p); });
 }
 
 }  // namespace manycontact

@@ -1,8 +1,8 @@
 #pragma once
-// What rows of K are computed from at the state at hand: of contacts (dynamics/contact_drift.hpp) and of robots.
+// What rows of K are computed from at the state at hand: of contacts (systems/contact_drift.hpp) and of robots.
 
-#include "../../contact_drift.hpp"
-#include "../../workspace.hpp"
+#include "../../workspace/workspace.hpp"
+#include "../contact_drift.hpp"
 
 namespace manycontact::internal {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "../../internal.hpp"
-#include "../../row_units.hpp"
-#include "../../threads.hpp"
+#include "../../workspace/threads.hpp"
+#include "../row_units.hpp"
 #include "robots.hpp"
 
 namespace manycontact {
@@ -147,8 +147,8 @@ void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
       if (w.islands[i]->alone.dependent == &group) w.islands[i]->tried_dropping = w.state;
 }
 
-bool may_drop_rows(const Scene& scene, const IslandWork& d) {
-  return scene.damping == 0 && d.alone.group && !is_inexact(scene, d) && !has_row_units(scene, d.island);
+bool drops_alone(const Scene& scene, const IslandWork& d) {
+  return d.alone.group && !is_inexact(scene, d) && may_drop_rows(scene, d.island);
 }
 
 }  // namespace
@@ -166,13 +166,13 @@ void solve_alone_as_dependent(const Scene& scene, SceneData& data) {
   for (auto& [key, group] : data.workspace->lanes.groups)
     if (!group.plan->dropped.empty()) group.islands.clear();
   solve_as_dependent(scene, data, [&scene](const IslandWork& d) {
-    return may_drop_rows(scene, d) && static_cast<int>(d.alone.dependent->plan->dropped.size()) >= d.depended;
+    return drops_alone(scene, d) && static_cast<int>(d.alone.dependent->plan->dropped.size()) >= d.depended;
   });
 }
 
 void solve_alone_as_found(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  const auto found = [&scene](const IslandWork& d) { return may_drop_rows(scene, d) && d.matrix.dropped_rows(); };
+  const auto found = [&scene](const IslandWork& d) { return drops_alone(scene, d) && d.matrix.dropped_rows(); };
   bool any = false;
   for (const auto& d : w.islands) {
     if (!found(*d)) continue;

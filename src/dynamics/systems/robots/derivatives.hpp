@@ -14,7 +14,7 @@
 
 #include <optional>
 
-#include "../../workspace.hpp"
+#include "../../workspace/workspace.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
 namespace manycontact {

@@ -1,7 +1,7 @@
 #pragma once
 // The walk through the batches of an island's robots.
 
-#include "../../threads.hpp"
+#include "../../workspace/threads.hpp"
 #include "robots.hpp"
 
 namespace manycontact::internal {

@@ -6,8 +6,8 @@
 
 #include "../../derivatives/products.hpp"
 #include "../../internal.hpp"
-#include "../../row_units.hpp"
-#include "../../threads.hpp"
+#include "../../workspace/threads.hpp"
+#include "../row_units.hpp"
 #include "derivatives.hpp"
 #include "each_batch.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -361,7 +361,7 @@ void RobotsSystem::drop_rows(bool on) {
 }
 
 bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island) || dropped.empty() ||
+  if (!solves || !internal::may_drop_rows(scene, owner.island) || dropped.empty() ||
       static_cast<int>(dropped.size()) < owner.depended)
     return false;
   owner.tried_dropping = data.workspace->state;
@@ -372,7 +372,7 @@ bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, Islan
 }
 
 bool RobotsSystem::solve_as_found(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || scene.damping != 0 || internal::has_row_units(scene, owner.island)) return false;
+  if (!solves || !internal::may_drop_rows(scene, owner.island)) return false;
   if (!internal::find_dependent_groups(*data.workspace, *this) || owner.tried_dropping == data.workspace->state)
     return false;
   drop_rows(true);  // other groups, it may be

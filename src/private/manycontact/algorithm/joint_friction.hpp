@@ -28,4 +28,10 @@ inline double friction_slope(const Model& model, int i, double v) {
   return slope + model.friction[i] / (kFrictionVelocity * c * c);
 }
 
+/// out += d tau_f along dv, of a robot's nv coordinates at v.
+template <class V, class Dv, class Out>
+void add_friction_change(const Model& model, const V& v, const Dv& dv, Out&& out) {
+  for (int i = 0; has_friction(model) && i < model.nv; ++i) out[i] -= friction_slope(model, i, v[i]) * dv[i];
+}
+
 }  // namespace manycontact

@@ -19,4 +19,12 @@ template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
+/// The force F on A, in A's axes, and -F on B' as forces on their bodies in their tree frames: add(attachment, force)
+/// of those that move.
+template <class S, class Add>
+void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
+  if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));
+  if (moves(contact.B)) add(contact.B, Vec6<S>(-rows.bMA.act_force(F)));
+}
+
 }  // namespace manycontact

@@ -29,4 +29,9 @@ inline bool has_row_units(const Scene& scene, const Island& island) {
   return false;
 }
 
+/// Whether rows that depend may be dropped from anything but the whole K: nothing damps them, and all count alike.
+inline bool may_drop_rows(const Scene& scene, const Island& island) {
+  return scene.damping == 0 && !has_row_units(scene, island);
+}
+
 }  // namespace manycontact::internal

@@ -4,20 +4,21 @@
 #include <map>
 #include <span>
 
-#include "applied_forces.hpp"
-#include "derivatives/linearisation.hpp"
+#include "../applied_forces.hpp"
+#include "../derivatives/linearisation.hpp"
+#include "../robot_quantities.hpp"
+#include "../systems/bodies/bodies.hpp"
+#include "../systems/matrix/matrix.hpp"
+#include "../systems/robots/robots.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/kkt/robot_groups.hpp"
 #include "on_demand.hpp"
 #include "parallel.hpp"
 #include "pool.hpp"
-#include "robot_quantities.hpp"
 #include "scene_identity.hpp"
-#include "systems/bodies/bodies.hpp"
-#include "systems/matrix/matrix.hpp"
-#include "systems/robots/robots.hpp"
 
 namespace manycontact {
 
@@ -75,9 +76,7 @@ struct ProductWork {
 
 /// Scratch of prepare.
 struct Switching {
-  std::vector<char> loose;                             // per robot: its island changes
-  std::vector<int> sets, group;                        // per robot: union-find; number of its root's group
-  std::vector<Island> groups;                          // of the loose robots
+  RobotGroups groups;                                  // of the robots whose islands change
   std::vector<std::unique_ptr<IslandWork>> old, next;  // the islands that were, and those to be
 };
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "internal.hpp"
+#include "../internal.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/suggestion.hpp"
 

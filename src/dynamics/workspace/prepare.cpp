@@ -6,11 +6,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "internal.hpp"
+#include "../internal.hpp"
+#include "../systems/robots/derivatives.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/kkt/choose.hpp"
-#include "manycontact/sparse/union_find.hpp"
-#include "systems/robots/derivatives.hpp"
 
 namespace manycontact {
 
@@ -61,50 +60,17 @@ void make_first_systems(const Scene& scene, Workspace& w) {
 
 // Robots of islands with a contact that was switched, at either end.
 void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
-  s.loose.assign(scene.robots.size(), all ? 1 : 0);
+  s.groups.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
   const auto mark_island_of = [&](const Attachment& end) {
-    if (moves(end) && !s.loose[end.robot])
-      for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.loose[r] = 1;
+    if (moves(end) && !s.groups.loose[end.robot])
+      for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.groups.loose[r] = 1;
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (w.active[c] == data.active[c]) continue;
     mark_island_of(scene.contacts[c].A);
     mark_island_of(scene.contacts[c].B);
   }
-}
-
-// The loose robots' islands under the contacts now active. Returns how many of s.groups they are.
-std::size_t regroup(const Scene& scene, const SceneData& data, Switching& s, bool whole) {
-  s.sets.resize(scene.robots.size());
-  s.group.assign(scene.robots.size(), -1);
-  sparse::UnionFind sets(s.sets);
-  for (int r = 1; whole && r < scene.nrobots(); ++r) sets.join(0, r);
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[c];
-    if (data.active[c] && joins_robots(contact) && s.loose[contact.A.robot])
-      sets.join(contact.A.robot, contact.B.robot);
-  }
-  for (const Spring& spring : scene.springs)
-    if (joins_robots(spring) && s.loose[spring.A.robot]) sets.join(spring.A.robot, spring.B.robot);
-  std::size_t count = 0;
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    if (!s.loose[r]) continue;
-    int& number = s.group[sets.root(r)];
-    if (number < 0) {
-      number = static_cast<int>(count++);
-      if (s.groups.size() < count) s.groups.emplace_back();
-      s.groups[number].robots.clear();
-      s.groups[number].contacts.clear();
-    }
-    s.groups[number].robots.push_back(r);
-  }
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    const int robot = robot_of(scene.contacts[c]);
-    if (data.active[c] && s.loose[robot]) s.groups[s.group[sets.root(robot)]].contacts.push_back(static_cast<int>(c));
-  }
-  for (std::size_t k = 0; k < count; ++k) number_island(scene, s.groups[k]);
-  return count;
 }
 
 // w.islands: those that stay, and those of the loose robots.
@@ -115,14 +81,15 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
   s.old.clear();
   s.old.swap(w.islands);  // should memory run out, there are none
   for (std::unique_ptr<IslandWork>& island : s.old) {
-    if (s.loose[island->island.robots.front()])
+    if (s.groups.loose[island->island.robots.front()])
       pool_island(w, std::move(island));
     else
       s.next.push_back(std::move(island));
   }
   s.old.clear();
-  const std::size_t count = regroup(scene, data, s, data.options.method == Method::kDenseSchur);
-  for (std::size_t k = 0; k < count; ++k) s.next.push_back(take(scene, w, s.groups[k]));
+  const bool whole = data.options.method == Method::kDenseSchur;
+  const std::size_t count = group_robots(scene, data.active, whole, s.groups);
+  for (std::size_t k = 0; k < count; ++k) s.next.push_back(take(scene, w, s.groups.islands[k]));
   w.islands.swap(s.next);
   std::sort(w.islands.begin(), w.islands.end(),
             [](const auto& x, const auto& y) { return x->island.robots.front() < y->island.robots.front(); });
