@@ -57,6 +57,12 @@ void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& isl
 /// factor; else an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
+/// Largest residuals r of dynamics rows and of contact rows into the report, relative to the terms they are left of;
+/// those of contacts at least to gravity, or a scene at rest would have rounding compared with rounding.
+inline void report_residuals(const Scene& scene, const double (&r)[2], const double (&scale)[2], IslandReport& report) {
+  report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
+  report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
+}
 /// The bounds into the report, and whether they leave anything of the answer.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();

@@ -45,12 +45,12 @@ struct Choice {
 };
 
 /// Instructions for robots side by side in SIMD lanes, 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) of one model at a
-/// time: islands of one robot by sparse-ldl as a whole; islands of several robots by sparse-ldl robot by robot where
-/// that is cheaper, else, and by sparse-supernodal, the robots' and contacts' terms; by sparse-bodies the parts into
-/// which held bodies cut a tree. A level that is not compiled in, or does not run here, is as kOff.
+/// time: islands of one robot by sparse-ldl as a whole, islands of several robots by sparse-ldl robot by robot where
+/// that is cheaper, and by sparse-bodies the subtrees into which held bodies cut a tree. A level that is not compiled
+/// in, or does not run here, is as kOff.
 enum class Lanes {
   kAuto,  // the widest that runs here
-  kOff,   // robot by robot, part by part
+  kOff,   // robot by robot, subtree by subtree
   kBaseline,
   kAvx2,
   kAvx512,

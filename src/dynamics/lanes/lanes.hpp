@@ -3,6 +3,7 @@
 // instructions. The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's
 // numbers do not depend on its lane, nor on who stands beside it.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -74,6 +75,15 @@ struct Contradiction {
     of_row = std::abs(of_row);
     left = sparse::larger_or_nan(of_row, left);
     if (of_row != 0) of_terms = sparse::larger_or_nan(of_row / terms, of_terms);
+  }
+  /// And of other rows of the same island.
+  void add(const Contradiction& other) {
+    left = sparse::larger_or_nan(other.left, left);
+    Ja = std::max(Ja, other.Ja);
+    a0 = std::max(a0, other.a0);
+    of_terms = sparse::larger_or_nan(other.of_terms, of_terms);
+    least_row = std::min(least_row, other.least_row);
+    largest_row = std::max(largest_row, other.largest_row);
   }
   /// Whether derivatives take note of it.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }

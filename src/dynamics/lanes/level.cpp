@@ -5,9 +5,13 @@
 
 #include <optional>
 
-#include "derivatives.hpp"
 #include "interface_contacts.hpp"
-#include "products.hpp"
+#include "robot_block/alone.hpp"
+#include "robot_block/derivatives.hpp"
+#include "robot_block/joined.hpp"
+#include "robot_block/linearise.hpp"
+#include "robot_block/products.hpp"
+#include "robot_block/terms.hpp"
 #include "simd/levels.hpp"
 #include "subtree_batch.hpp"
 

@@ -213,13 +213,13 @@ Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependenc
   return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
 }
 
-void BodyAnswer::add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& r) {
+void BodyAnswer::add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refined) {
   const auto take = [](auto& largest, auto x) { largest = std::max(largest, x); };
   nonzeros += factor_nonzeros;
-  take(refinement.steps, r.steps);
-  take(refinement.backward_error, r.backward_error), take(refinement.first, r.first);
-  take(dynamics, left.dynamics), take(dynamics_scale, left.dynamics_scale);
-  take(contact, left.contact), take(contact_scale, left.contact_scale);
+  take(refinement.steps, refined.steps);
+  take(refinement.backward_error, refined.backward_error), take(refinement.first, refined.first);
+  take(r[0], left.dynamics), take(scale[0], left.dynamics_scale);
+  take(r[1], left.contact), take(scale[1], left.contact_scale);
 }
 
 namespace {
@@ -230,8 +230,7 @@ void report_answer(const Scene& scene, const BodyAnswer& x, IslandReport& report
   report.factor_nonzeros = x.nonzeros;
   report.refinement_steps = x.refinement.steps;
   report.backward_error = x.refinement.backward_error;
-  report.residual_dynamics = x.dynamics == 0 ? 0 : x.dynamics / x.dynamics_scale;
-  report.residual_contact = x.contact == 0 ? 0 : x.contact / std::max(x.contact_scale, scene.gravity.norm());
+  report_residuals(scene, x.r, x.scale, report);
 }
 
 }  // namespace

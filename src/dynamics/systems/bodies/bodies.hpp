@@ -75,7 +75,7 @@ namespace internal {
 struct BodyAnswer {
   sparse::Refinement refinement;
   int nonzeros = 0;
-  double dynamics = 0, dynamics_scale = 0, contact = 0, contact_scale = 0;
+  double r[2] = {0, 0}, scale[2] = {0, 0};  // the largest of dynamics rows, contact rows
   void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 

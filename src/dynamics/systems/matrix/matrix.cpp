@@ -27,17 +27,14 @@ bool MatrixSystem::dropped_rows() const { return owner.answered_by(this) && by_d
 
 namespace {
 
-// Residuals relative to the terms they are left of; those of the contacts at least to gravity, or a scene at rest would
-// have rounding compared with rounding.
 void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors& s, IslandReport& report) {
-  double r[2] = {0, 0}, scale[2] = {0, scene.gravity.norm()};  // dynamics rows, contact rows
+  double r[2] = {0, 0}, scale[2] = {0, 0};  // dynamics rows, contact rows
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
     r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k]));
     scale[row] = std::max(scale[row], s.scale[k]);
   }
-  report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
-  report.residual_contact = r[1] == 0 ? 0 : r[1] / scale[1];
+  internal::report_residuals(scene, r, scale, report);
 }
 
 // x = [a; -f], in the scene's coordinates, and what is left of K x = b.

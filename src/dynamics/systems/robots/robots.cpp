@@ -199,24 +199,15 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.factor_nonzeros = s.interface->nonzeros + s.owner.island.size();
   for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
   report.refinement_steps = refinement.steps;
-  Largest largest = largest_of(s);
-  largest.scale[1] = std::max(largest.scale[1], scene.gravity.norm());
-  report.residual_dynamics = largest.r[0] == 0 ? 0 : largest.r[0] / largest.scale[0];
-  report.residual_contact = largest.r[1] == 0 ? 0 : largest.r[1] / largest.scale[1];
+  const Largest largest = largest_of(s);
+  report_residuals(scene, largest.r, largest.scale, report);
   report.backward_error = refinement.backward_error;
 }
 
 // Of an island that drops rows: which, and what they contradict each other by. False: they are left to the oracle.
 bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
   lanes::Contradiction all;
-  for (const Member& m : s.members) {
-    all.left = sparse::larger_or_nan(m.contradiction.left, all.left);
-    all.Ja = std::max(all.Ja, m.contradiction.Ja);
-    all.a0 = std::max(all.a0, m.contradiction.a0);
-    all.of_terms = sparse::larger_or_nan(m.contradiction.of_terms, all.of_terms);
-    all.least_row = std::min(all.least_row, m.contradiction.least_row);
-    all.largest_row = std::max(all.largest_row, m.contradiction.largest_row);
-  }
+  for (const Member& m : s.members) all.add(m.contradiction);
   for (std::size_t k = 0; k < s.b.size(); ++k) {
     all.Ja = std::max(all.Ja, s.scale[k] - std::abs(s.b[k]));
     all.a0 = std::max(all.a0, std::abs(s.b[k]));

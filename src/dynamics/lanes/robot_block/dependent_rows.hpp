@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "arrays.hpp"
-#include "checks.hpp"
+#include "../arrays.hpp"
+#include "../checks.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 
 namespace manycontact::lanes {

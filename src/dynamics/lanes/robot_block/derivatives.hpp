@@ -6,7 +6,7 @@
 #include <functional>
 #include <numeric>
 
-#include "../derivatives/columns.hpp"
+#include "../../derivatives/columns.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "robot_block.hpp"
 

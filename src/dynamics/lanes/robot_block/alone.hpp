@@ -1,0 +1,230 @@
+#pragma once
+// RobotBlock: islands of one robot, factorized, refined and judged.
+
+#include "robot_block.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
+  use(reinterpret_cast<double*>(own_.data()));
+  set_up(job, robots);
+  keep(job.serial, robots);
+  factorize();
+  usable_ = usable_ & sound_pivots();
+  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_);
+  refine();
+  report(job, robots, answers);
+  if (dependent_) report_dependence(robots, answers);
+}
+
+/// L and D, without the rows that depend on others.
+template <class S>
+void RobotBlock<S>::factorize(Prefetch prefetch) {
+  if (dependent_) dependent_->damp(n_.K);
+  sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
+                               as_scalar(pivot_terms_.data()), prefetch);
+  if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
+}
+
+/// Whether the pivots can be believed; where rows are dropped, that it is these.
+template <class S>
+typename S::Mask RobotBlock<S>::sound_pivots() {
+  if (dependent_) return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
+  return accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+}
+
+/// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
+template <class S>
+void RobotBlock<S>::solve_by_factor(S* x) const {
+  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
+  std::fill_n(x + rows_, plan_->border, S(0));
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+}
+
+/// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
+template <class S>
+void RobotBlock<S>::apply_inverse(S* x) {
+  solve_by_factor(x);
+  if (dependent_) dependent_->project_out(x);
+}
+
+/// x += K^-1 r in the lanes that are open. Where no entry moves by more than kSameSize of itself: there |K| |x| stays
+/// what it is, but for as much.
+template <class S>
+typename S::Mask RobotBlock<S>::correct(Mask open) {
+  constexpr double kSameSize = 1e-6;
+  std::copy_n(r_.data(), rows_, n_.w);
+  apply_inverse(n_.w);
+  Mask same_sizes = all();
+  for (int k = 0; k < rows_; ++k) {
+    const S x = n_.x[k], step = select(open, n_.w[k], S(0));
+    same_sizes = same_sizes & (abs(step) <= S(kSameSize) * abs(x));
+    n_.x[k] = select(open, x + step, x);
+  }
+  return same_sizes;
+}
+
+/// r, scale, and the backward error.
+template <class S>
+S RobotBlock<S>::residual() {
+  residual_and_sizes();
+  return backward_error();
+}
+
+/// The componentwise backward error of r, NaN where any is (Factor::backward_error).
+template <class S>
+S RobotBlock<S>::backward_error() {
+  const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
+  if (!dependent_) return componentwise_error<S>(r, scale_.data());
+  dependent_->scale_of_dependent(scale_.data(), n_.w);
+  return componentwise_error<S>(r, n_.w);
+}
+
+/// The same after `correct`, which says where scale need not be computed again.
+template <class S>
+S RobotBlock<S>::residual(Mask same_sizes) {
+  if (same_sizes.all()) {
+    sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()));
+  } else {
+    std::copy_n(scale_.data(), rows_, n_.w);
+    residual_and_sizes();
+    for (int k = 0; k < rows_; ++k) scale_[k] = select(same_sizes, n_.w[k], scale_[k]);
+  }
+  return backward_error();
+}
+
+/// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
+template <class S>
+void RobotBlock<S>::refine() {
+  if (dependent_) dependent_->project_out(n_.b, true);
+  std::copy_n(n_.b, rows_, n_.x);
+  apply_inverse(n_.x);
+  const Refinement<S> refined(usable_, residual(), [&](Mask open) { return residual(correct(open)); });
+  steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
+  usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
+  if (dependent_) restore_contradiction();
+}
+
+template <class S>
+void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
+  // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
+  const std::span<const int> rows(pattern_.iperm);
+  const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
+  const Largest<S> contact(job.scene.gravity.norm(), rows.subspan(pattern_.nv), r_.data(), scale_.data());
+  const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
+  const Mask safe =
+      growth.terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * growth.diagonal;
+  const S factor = select(growth.diagonal > S(0), growth.terms / growth.diagonal, S(1));
+  const Mask sound = usable_ & (factor <= S(std::numeric_limits<double>::max())) & plainly_damped(job.scene.damping);
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    Answer& answer = answers[l];
+    answer.sound = sound[lane];
+    if (!answer.sound) continue;
+    answer.panel_is_safe = safe[lane];
+    answer.refine_panel = first_error_[lane] > tolerance::kRefinePanel;
+    answer.refinement_steps = static_cast<int>(steps_[lane]);
+    answer.backward_error = backward_error_[lane];
+    answer.residual_dynamics = dynamics.ratio(lane);
+    answer.residual_contact = contact.ratio(lane);
+    scatter(job.scene, job.f_offset, robots[l], lane, job.a, job.f);
+  }
+}
+
+/// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads'
+/// terms.
+template <class S>
+typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
+  if (!(damping > 0)) return all();
+  S scale(0), force(0);
+  for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    if (i >= pattern_.nv) scale = larger(scale_[k], scale);
+    force = larger(i < pattern_.nv ? S(1e-3) * scale_[k] : abs(n_.x[k]), force);
+  }
+  return scale <= S(tolerance::kInDoubt * damping) * force;
+}
+
+// ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
+
+/// What rows of J are judged beside, and what their contradictions are.
+template <class S>
+void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const S moved = row_scale<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_scale<S>(c, contacts_[k], 3) : moved;
+    const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
+    const auto& kin = robot_.kin;
+    const auto terms = internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
+    for (int i = 0; i < c.rows(); ++i) {
+      const int row = rows_of(k)[i];
+      dependent_->row_size(row) = i < 3 ? moved : turned;
+      dependent_->row_terms(row) = terms.of_row(i);
+    }
+  }
+}
+
+/// Rows of b and r with what was taken out of them: what dependent rows contradict each other by.
+template <class S>
+void RobotBlock<S>::restore_contradiction() {
+  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    const S of_null = dependent_->null_component(k);
+    scale_[k] -= abs(n_.b[k]);
+    n_.b[k] += of_null;
+    r_[k] += of_null;
+    scale_[k] += abs(n_.b[k]);
+  }
+  backward_error_ = componentwise_error<S>(r_, scale_.data());
+}
+
+template <class S>
+typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
+  Contradicted out;
+  internal::PassedRounding<S> passed;
+  for (int i = pattern_.nv; dependent_ && i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    passed.add(dependent_->row_size(k), dependent_->row_terms(k));
+  }
+  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+    const int k = pattern_.iperm[i];
+    out.Ja = larger(scale_[k] - abs(n_.b[k]), out.Ja);
+    out.a0 = larger(abs(n_.b[k]), out.a0);
+    if (!dependent_) continue;
+    const S size = dependent_->row_size(k), left = abs(dependent_->null_component(k));
+    out.left = larger(left, out.left);
+    out.of_terms =
+        larger(select(left > S(0), S(left / passed.terms(size, dependent_->row_terms(k))), S(0)), out.of_terms);
+    out.least_row = select(size > S(0), -larger(-size, -out.least_row), out.least_row);  // of rows at all
+    out.largest_row = larger(size, out.largest_row);
+  }
+  return out;
+}
+
+template <class S>
+void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
+  const Contradicted of = contradicted();
+  for (std::size_t l = 0; l < robots.size(); ++l) {
+    answers[l].contradiction = of[static_cast<int>(l)];
+    if (answers[l].contradiction.needs_oracle()) answers[l].sound = false;
+    if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
+      answers[l].panel_is_safe = false;
+  }
+}
+
+/// A lane's x = [a; -f] into the scene's a and f.
+template <class S>
+void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
+                            double* a, double* f) const {
+  const int* iperm = pattern_.iperm.data();
+  a += scene.robots[robot.number].idx_v;
+  for (int i = 0; i < model_->nv; ++i) a[i] = n_.x[iperm[i]][lane];
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    double* to = f + f_offset[robot.contacts[k]];
+    for (int i = 0; i < contact(k).rows(); ++i) to[i] = -n_.x[rows_of(k)[i]][lane];
+  }
+}
+
+}  // namespace manycontact::lanes

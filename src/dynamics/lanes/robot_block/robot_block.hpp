@@ -1,0 +1,358 @@
+#pragma once
+// W robots of one plan (block.hpp), side by side in the lanes of S = Pack<W>: the steps of a solve
+// (systems/matrix/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all lanes at once. The class is
+// here; beside it what robots are given (terms.hpp), how robots alone are solved and judged (alone.hpp), robots joined
+// to others (joined.hpp), the solution once more (linearise.hpp), and derivatives and products from there.
+
+#include <algorithm>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+
+#include "../../derivatives/jacobian_rate.hpp"
+#include "../../robot_quantities.hpp"
+#include "../../systems/contact_drift.hpp"
+#include "../arrays.hpp"
+#include "../checks.hpp"
+#include "../lanes.hpp"
+#include "dependent_rows.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/algorithm/model_numbers.hpp"
+#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/contact/products.hpp"
+#include "manycontact/contact/row_scale.hpp"
+#include "manycontact/sparse/ldl_panel_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class RobotBlock {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+  using Robot = RobotBlocks::Robot;
+  using Robots = std::span<Robot>;
+  using Memory = RobotBlocks::Memory;
+
+  explicit RobotBlock(std::shared_ptr<const BlockPlan> plan);
+  // as RobotBlocks has them
+  void solve(const Job& job, Robots robots, std::span<Answer> answers);
+  void differentiate(const DerivativeJob& job, Robots robots, double* memory, std::span<const Panel> panels);
+  void jvp(const ProductJob& job, Robots robots);
+  void vjp(const ProductJob& job, Robots robots);
+  void evaluate(const Job& job, Robots robots, Memory memory);
+  void factor(Robots robots, Memory memory);
+  void load(const Job& job, Robots robots, double* memory);
+  void correct(Robots robots, Memory memory);
+  void check(Robots robots, Memory memory);
+  void finish(Robots robots, Memory memory);
+  void store(const Job& job, Robots robots, double* memory);
+  void move_ends(const DerivativeJob& job, Robots robots);
+
+ private:
+  /// The sparse kernels' value.
+  using Number = std::conditional_t<W == 1, double, S>;
+  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
+  struct Numbers {
+    S *K, *b, *L, *D, *x, *w;
+  };
+  /// Robots joined to others: a batch meets its numbers again after all others have met theirs.
+  using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
+  static Prefetch prefetch_of(const Memory& memory) {
+    if constexpr (W == 1)
+      return {};
+    else
+      return {(memory.next - memory.at) / W};
+  }
+  void use(double* memory) {
+    Numbers& n = n_;
+    n.K = reinterpret_cast<S*>(memory);
+    n.b = n.K + pattern_.K.nonzeros();
+    n.L = n.b + pattern_.size();
+    n.D = n.L + pattern_.ldl.nonzeros();
+    n.x = n.D + pattern_.size();
+    n.w = n.x + pattern_.size();
+    if (dependent_) dependent_->use(memory + plan_->dependence_at() * W);
+  }
+
+  /// Of a panel: columns at a time; those of them in registers, four rows of each; and those of a part, which stand
+  /// beside each other in the panel.
+  struct Columns {
+    int at_a_time, in_registers, of_part;
+  };
+  static constexpr Columns columns_of(int registers) {
+    if (W == 1) return registers == 8 ? Columns{32, 32, 8} : registers == 4 ? Columns{12, 12, 4} : Columns{4, 4, 4};
+    return registers == 8 ? Columns{8, 4, 1} : registers == 4 ? Columns{12, 3, 1} : Columns{12, 2, 1};
+  }
+  static constexpr Columns kOfPanel = columns_of(sparse::kernel::kRegister);
+  static constexpr int kColumns = kOfPanel.at_a_time, kPart = kOfPanel.of_part, kParts = kColumns / kPart;
+  static_assert(8 % kPart == 0 && 8 % W == 0);
+  struct Chunk {
+    int first[kParts], parts;
+    std::size_t at;      // in B_: rows that it reaches, its columns side by side
+    std::size_t answer;  // in work_: all rows, likewise
+    int columns() const { return W == 1 ? parts * kPart : kColumns; }
+  };
+  struct Band {  // of parts, and their chunks
+    int first, end;
+    std::size_t chunk, chunk_end;
+  };
+  struct Piece {  // a part of columns in work_: that of row k, in the pattern's order, is at + k stride
+    std::size_t at;
+    int stride;
+  };
+  struct Contradicted {  // lanes::Contradiction
+    S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
+    S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
+    Contradiction operator[](int lane) const {
+      return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
+    }
+  };
+  struct Slot {
+    int i, j;
+    bool of_tree;  // what robot_columns writes
+  };
+  /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
+  struct Indexed {
+    S* B;
+    const int* place;
+    int ld;
+    S& operator()(int i, int j) const { return B[place[i * ld + j]]; }
+    Indexed block(int i, int j) const { return {B, place + i * ld + j, ld}; }
+  };
+
+  // the steps
+  template <class Job>
+  void load_state(const Job& job, Robots robots);
+  void load_model(const Scene& scene, Robots robots);
+  void load_ends(const Scene& scene, Robots robots);
+  void set_up(const Job& job, Robots robots);
+  void evaluate_rows(const Scene& scene, Robots robots);
+  void check_rows(const Scene& scene, Robots robots);
+  void assemble_rows(double damping);
+  void assemble_right_side(const Job& job, Robots robots);
+  void factorize(Prefetch prefetch = {});
+  Mask sound_pivots();
+  void solve_by_factor(S* x) const;
+  void apply_inverse(S* x);
+  Mask correct(Mask open);
+  void residual_and_sizes();
+  S residual();
+  S backward_error();
+  S residual(Mask same_sizes);
+  void refine();
+  Mask plainly_damped(double damping) const;
+  void report(const Job& job, Robots robots, std::span<Answer> answers) const;
+  // of rows that depend on each other
+  void size_rows(const Scene& scene, Robots robots);
+  void restore_contradiction();
+  Contradicted contradicted() const;
+  void report_dependence(Robots robots, std::span<Answer> answers);
+  void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
+               double* f) const;
+  // with a border
+  void prefetch_cached(Prefetch prefetch) const;
+  void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
+  void store_ends(Robots robots);
+  void store_schur_complement(Robots robots);
+  void begin(Robots robots);
+  void forward(Robots robots, Mask open);
+  S check_residual(Robots robots, Prefetch prefetch);
+  // of derivatives and products
+  template <class Job>
+  void linearise(const Job& job, Robots robots, double* memory);
+  bool keeps(std::uint64_t serial, Robots robots) const;
+  void keep(std::uint64_t serial, Robots robots);
+  void add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext);
+  void derivative_terms(const Scene& scene, Robots robots);
+  void solve_once_refined();
+  // where rows depend
+  internal::JacobianRate<S> jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const;
+  void motion_of_forces();
+  void least_norm_columns(const DerivativeJob& job, Robots robots);
+  template <int N>
+  void subtract_least_norm_columns(std::size_t chunk, Number* X);
+  void add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq);
+  void project_forces();
+  void add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq);
+  BodyVariationOf<S> body(const Attachment& at) const;
+  void find_places();
+  void find_reach(const DerivativeJob& job);
+  std::vector<Chunk> form_chunks(std::span<const std::vector<char>> reach, int ld);
+  void right_sides(const DerivativeJob& job, Robots robots);
+  int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
+  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
+  const S* inner_L();
+  Mask accurate_unrefined(const S* L);
+  void solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal);
+  template <class Put>
+  void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
+  template <int N = kColumns>
+  void solve_chunk(const S* L, std::size_t chunk);
+  template <int N>
+  void solve_columns(const S* L, std::size_t chunk);
+  template <int N>
+  void load_chunk(std::size_t chunk, Number* x) const;
+  template <int N>
+  void subtract_product(const Number* X, Number* R) const;
+  void solve_refined(const S* L, int lane, const Panel& panel, int ld);
+
+  /// In work_, from a cache line on.
+  Number* answer() {
+    return reinterpret_cast<Number*>(work_.data() +
+                                     (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
+  }
+  const Contact& contact(std::size_t k) const { return plan_->scene.contacts[k]; }
+  /// Where the rows of a contact stand in K.
+  const int* rows_of(std::size_t k) const { return pattern_.iperm.data() + model_->nv + plan_->island.row_offset[k]; }
+  auto diagonal() const {
+    return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
+  }
+  static Mask all() { return S(0) <= S(0); }
+  /// Lanes without a robot of their own repeat the last one.
+  static const Robot& in_lane(Robots robots, int lane) {
+    return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
+  }
+  /// at(robot in its scene, robot) of each, an array of `count`, into the lanes of `to`.
+  template <class At>
+  static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
+    const double* from[8];
+    load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
+  }
+  /// from, of the border, into the robots' arrays.
+  template <class To>
+  static void store_border(const S* from, int count, Robots robots, To&& to) {
+    double* memory[8];
+    store_arrays(from, count, side_by_side(robots, memory, [&](const Robot& r) { return to(r.border); }));
+  }
+
+  std::shared_ptr<const BlockPlan> plan_;
+  std::shared_ptr<const Model> model_;
+  const KktPattern &pattern_, &inner_;
+  const sparse::LdlSchedule &schedule_, &inner_schedule_;
+  int rows_;  // that are eliminated
+
+  VecX<S> q_, v_, tau_;
+  SE3<S> base_;
+  std::vector<std::array<StandingEnd<S>, 2>>
+      standing_;                                // per contact on the robots alone: A, B, where they stand still
+  std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
+  Mask usable_;                                 // q, v, tau are finite, quaternions of unit length ...
+  ModelNumbers<S> own_model_;                   // where the robots are not all of the plan's model
+  RobotQuantities<S> robot_;
+  std::vector<ContactData<S>> contacts_;
+  S smallest_row_, motion_;
+
+  Numbers n_;           // those at work
+  std::vector<S> own_;  // of robots alone
+  std::vector<S> pivot_terms_, r_, scale_;
+  std::optional<DependentRows<S>> dependent_;  // where the plan drops rows
+  S steps_, backward_error_, first_error_;
+  std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
+  std::array<int, W> kept_;
+  std::size_t kept_count_ = 0;
+
+  std::vector<S> joins_, border_;  // with a border
+  std::vector<int> triangle_;      // slots in L of the border's columns, below the diagonal; -1: zero
+
+  // of derivatives
+  VecX<S> a_;
+  std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
+  std::vector<Vec6<S>> fext_;
+  RneaDerivativesOf<S> rnea_;
+  std::vector<ContactDerivativesOf<S>> contact_terms_;
+  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
+  std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
+  DerivativeRequest request_;              // that reach_ is of
+  int q_first_ = 0;                        // of its columns
+  std::vector<Chunk> chunks_;              // of all columns
+  std::vector<Band> bands_;
+  // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
+  // than zero.
+  std::vector<char> reach_, reached_;
+  std::vector<char> nonzero_;  // per row of K
+  std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
+  std::vector<int> place_;     // of each entry of the panel in B_; -1: that is zero
+  std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
+  std::vector<S> inner_L_;     // L without the border's rows
+  std::vector<S> packed_;      // sparse::ldl_pack
+  std::vector<S> inverse_;     // of the pivots
+  std::vector<double> Lx_, Dx_, Kx_;      // one lane's
+  std::vector<Piece> pieces_;             // of all columns
+  std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
+  double rounding_;                       // sparse::ldl_rounding
+  std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
+  std::vector<Vec6<S>> u_, dfext_, df_;
+  std::vector<S> dq_, dv_, torque_;
+  // Where rows depend: J y = f; of jvp dq, of vjp what is added to wq; d(J y)/dq, in K's order; a chunk's correction.
+  std::vector<S> y_, along_, rate_, correction_;
+  std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
+};
+
+template <class S>
+RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
+    : plan_(std::move(plan)),
+      model_(plan_->model()),
+      pattern_(*plan_->pattern),
+      inner_(*plan_->inner),
+      schedule_(plan_->schedule()),
+      inner_schedule_(inner_.schedule()),
+      rows_(plan_->rows()),
+      q_(model_->nq),
+      v_(model_->nv),
+      tau_(model_->nv),
+      standing_(plan_->alone),
+      on_body_(plan_->alone),
+      own_model_(*model_),
+      robot_(*model_),
+      own_(plan_->border > 0 ? 0 : plan_->memory_size()),
+      pivot_terms_(pattern_.size()),
+      r_(pattern_.size()),
+      scale_(pattern_.size()),
+      joins_(std::max(plan_->joins_size(), plan_->ends_size())),
+      border_(Border::size(plan_->border)),
+      a_(model_->nv),
+      fext_(model_->njoints()),
+      rnea_(*model_),
+      nonzero_(rows_),
+      inner_L_(plan_->border > 0 ? inner_.ldl.nonzeros() : 0),
+      packed_(inner_schedule_.packed.size()),
+      inverse_(rows_),
+      Lx_(inner_.ldl.nonzeros()),
+      Dx_(rows_),
+      Kx_(inner_.K.nonzeros()),
+      work_(sparse::panel_kernels().work_size(inner_schedule_)),
+      rounding_(sparse::ldl_rounding(inner_.ldl)),
+      body_(model_->njoints()),
+      u_(model_->njoints()),
+      dfext_(model_->njoints()),
+      df_(model_->njoints()),
+      dq_(model_->nv),
+      dv_(model_->nv),
+      torque_(model_->nv),
+      y_(plan_->dropped.empty() ? 0 : model_->nv),
+      along_(y_.size()),
+      slope_(has_friction(*model_) ? model_->nv : 0) {
+  for (std::size_t k = 0; k < standing_.size(); ++k) {
+    const ContactSupport& support = plan_->supports[k];
+    contacts_.emplace_back(contact(k), support);
+    contact_terms_.emplace_back(plan_->scene, contact(k), support);
+    contact_f_.emplace_back(contact(k).rows());
+    contact_scratch_.emplace_back(contact(k).rows());
+    columns_.push_back(support.a);
+    columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
+  }
+  if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
+  const sparse::LdlSymbolic& ldl = pattern_.ldl;
+  for (int j = rows_; j < ldl.n; ++j)
+    for (int i = rows_; i < j; ++i) {
+      const auto first = ldl.Li.begin() + ldl.Lp[i], last = ldl.Li.begin() + ldl.Lp[i + 1];
+      const auto at = std::lower_bound(first, last, j);
+      triangle_.push_back(at != last && *at == j ? static_cast<int>(at - ldl.Li.begin()) : -1);
+    }
+  find_places();
+}
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,136 @@
+#pragma once
+// RobotBlock: what the robots are given, and K x = b made of it.
+
+#include "robot_block.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+template <class Job>
+void RobotBlock<S>::load_state(const Job& job, Robots robots) {
+  load_each(job.scene, robots, model_->nq, q_.data(), [&](const auto& r, auto&) { return job.q + r.idx_q; });
+  load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.v + r.idx_v; });
+  if (!model_->floating_base)
+    load_each(job.scene, robots, 12, base_.R.data(), [](const auto& r, auto&) { return r.base.R.data(); });
+  load_model(job.scene, robots);
+  load_ends(job.scene, robots);
+}
+
+/// The robots' own placements, inertias and armatures, unless they are the model's.
+template <class S>
+void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
+  static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
+  const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
+    return scene.robots[r.number].model;
+  };
+  robot_.kin.own = nullptr;
+  if (std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return of(r) == model_; })) return;
+  robot_.kin.own = &own_model_;
+  const double* from[8];
+  const auto load = [&](int count, S* to, auto&& at) {
+    load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return at(*of(r)); }), count, to);
+  };
+  for (std::size_t i = 0; i < own_model_.placement.size(); ++i) {
+    load(12, own_model_.placement[i].R.data(), [i](const Model& m) { return m.joints[i].placement.R.data(); });
+    load(13, &own_model_.inertia[i].m, [i](const Model& m) { return &m.joints[i].inertia.m; });
+  }
+  load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
+}
+
+/// Where the ends of contacts are: on their bodies, or where they stand.
+template <class S>
+void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
+  static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
+  StandingEnd<double> ends[W];
+  const double* from[8];
+  for (std::size_t k = 0; k < standing_.size(); ++k)
+    for (const bool B : {false, true}) {
+      const auto end = [&](const Robot& r) -> const Attachment& {
+        const Contact& c = scene.contacts[r.contacts[k]];
+        return B ? c.B : c.A;
+      };
+      if (moves(B ? contact(k).B : contact(k).A)) {
+        load_arrays(side_by_side(robots, from, [&](const Robot& r) { return end(r).placement.R.data(); }), 12,
+                    on_body_[k][B].R.data());
+        continue;
+      }
+      for (std::size_t l = 0; l < robots.size(); ++l) {
+        ends[l] = standing_end(scene, end(robots[l]));
+        from[l] = ends[l].frame.R.data();
+      }
+      load_arrays(std::span<const double* const>(from, robots.size()), 15, standing_[k][B].frame.R.data());
+    }
+}
+
+/// The robots' own part of K x = b, and which robots' input can be used.
+template <class S>
+void RobotBlock<S>::set_up(const Job& job, Robots robots) {
+  load_state(job, robots);
+  load_each(job.scene, robots, model_->nv, tau_.data(), [&](const auto& r, auto&) { return job.tau + r.idx_v; });
+  usable_ = usable_input<S>(*model_, q_, v_, tau_);
+  internal::evaluate_bias<S>(*model_, base_, q_, v_, job.scene.gravity, robot_);
+  internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
+  evaluate_rows(job.scene, robots);
+  check_rows(job.scene, robots);
+  if (dependent_) size_rows(job.scene, robots);
+  assemble_rows(job.scene.damping);
+  assemble_right_side(job, robots);
+}
+
+template <class S>
+void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const auto& [on_A, on_B] = on_body_[k];
+    rows_between<S>(scene.gravity, c, plan_->supports[k], robot_.kin,
+                    placed_end<S>(c.A, robot_.kin, on_A, standing_[k][0]), on_A.p, robot_.kin,
+                    placed_end<S>(c.B, robot_.kin, on_B, standing_[k][1]), on_B.p, contacts_[k]);
+    contacts_[k].joint_lever = larger(joint_lever<S>(*model_, robot_.kin, plan_->supports[k].a),
+                                      joint_lever<S>(*model_, robot_.kin, plan_->supports[k].b));
+  }
+}
+
+/// The smallest row of J, and the largest motion that rows are picked from: rows that are nothing but rounding beside
+/// that no pivot shows.
+template <class S>
+void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
+  smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
+  if (scene.damping > 0) return;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    motion_ = larger(motion_scale(scene.contacts[robots.front().contacts[k]], contacts_[k]), motion_);
+    smallest_row_ = -larger(-smallest_row(contacts_[k]), -smallest_row_);
+  }
+}
+
+/// J and -delta I in K; of the border J comes later, and no damping.
+template <class S>
+void RobotBlock<S>::assemble_rows(double damping) {
+  const int* slot = pattern_.J_slot.data();
+  for (const ContactData<S>& rows : contacts_)
+    for (Eigen::Index k = 0; k < rows.J.size(); ++k) n_.K[*slot++] = rows.J.data()[k];
+  const std::size_t count = pattern_.diagonal_slot.size(), own = count - static_cast<std::size_t>(plan_->border);
+  for (std::size_t k = 0; k < count; ++k) n_.K[pattern_.diagonal_slot[k]] = S(k < own ? -damping : 0);
+}
+
+/// b = [tau - h; wanted - a0; 0]
+template <class S>
+void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
+  for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
+      S wanted(0);
+      for (int l = 0; job.prescribed && l < W; ++l)
+        wanted.set(l, job.prescribed[job.f_offset[in_lane(robots, l).contacts[k]] + i]);
+      n_.b[rows_of(k)[i]] = wanted - contacts_[k].a0[i];
+    }
+  std::fill_n(n_.b + rows_, plan_->border, S(0));
+}
+
+/// r = b - K x, scale = |b| + |K| |x|.
+template <class S>
+void RobotBlock<S>::residual_and_sizes() {
+  sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
+                                 as_scalar(scale_.data()));
+}
+
+}  // namespace manycontact::lanes
