@@ -90,7 +90,7 @@ BatchData::BatchData(const Scene& scene, int count, const Options& opts) : optio
   for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
-  failures = std::make_shared<std::vector<internal::Failure>>(count);
+  failures = std::make_shared<std::vector<internal::Failure>>();
   Options of_thread = options;
   of_thread.threads = 1;
   for (int k = 0; k < count; ++k) threads.push_back({SceneData(scene, of_thread)});
@@ -238,6 +238,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   }
   if (at_once > 1) prepare_copies(scene, batch);
   const sparse::OneBlasThread one_blas_thread;
+  batch.failures->resize(batch.threads.size());
   const std::span<internal::Failure> failures(batch.failures->data(), threads);
   internal::run_items(failures, (count + at_once - 1) / at_once, [&](std::ptrdiff_t k, int number) {
     const std::ptrdiff_t first = k * at_once;

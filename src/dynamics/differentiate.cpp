@@ -19,7 +19,7 @@ void IslandDerivatives::check() const {
 namespace internal {
 
 bool has_derivatives(const SceneData& data) {
-  if (!data.workspace || data.serial == 0) return false;
+  if (!data.workspace || !data.workspace->linearisation || data.serial == 0) return false;
   const std::vector<IslandDerivatives>& islands = data.workspace->derivatives.islands;
   return islands.size() == data.workspace->islands.size() &&
          std::all_of(islands.begin(), islands.end(), [](const auto& of) { return of.stamp.current(); });
@@ -34,8 +34,21 @@ void number_torques(const Scene& scene, const Island& island, IslandDerivatives&
   out.cols = out.u_first + (out.request.u ? out.nu : 0);
 }
 
+namespace {
+
+// A panel's width, of so many columns.
+Eigen::Index padded(std::size_t columns) { return static_cast<Eigen::Index>((columns + 7) / 8 * 8); }
+
+int columns_of(const Scene& scene, const Island& island, const DerivativeRequest& request) {
+  int columns = (request.q ? island.nv : 0) + (request.v ? island.nv : 0);
+  for (int r : island.robots)
+    columns += !request.u ? 0 : request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
+  return columns;
+}
+
+}  // namespace
+
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
-  const auto pad = [](std::size_t columns) { return static_cast<Eigen::Index>((columns + 7) / 8 * 8); };
   out.u_offset.clear();  // so that it is not taken for laid out, should memory run out
   out.request = request;
   out.nv = island.nv;
@@ -47,12 +60,9 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   for (std::size_t k = 0; request.pushes && k < scene.pushes.size(); ++k)
     if (std::binary_search(island.robots.begin(), island.robots.end(), scene.pushes[k].at.robot))
       out.pushes.push_back(static_cast<int>(k));
-  remake(out.W, island.size(), pad(6 * out.pushes.size()));
+  remake(out.W, island.size(), padded(6 * out.pushes.size()));
   out.W.setZero();
-  int columns = out.u_first;
-  for (int r : island.robots)
-    columns += !request.u ? 0 : request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
-  remake(out.X, island.size(), pad(columns));
+  remake(out.X, island.size(), padded(columns_of(scene, island, request)));
   out.X.setZero();
   number_torques(scene, island, out);
 }
@@ -72,7 +82,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   if (d.answered_by(d.bodies.get())) check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
   // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
-      out.u_offset.size() != d.island.robots.size() + 1)
+      out.X.cols() != padded(columns_of(scene, d.island, request)) || out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
   if (!d.answered || d.served_in_lanes() || differentiates_by_robots(d)) return;

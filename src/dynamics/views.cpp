@@ -18,8 +18,8 @@ const Workspace& prepared(const SceneData& data) {
 [[noreturn]] void not_there(const SceneData& data) {
   throw std::logic_error(data.serial == 0
                              ? "views of a scene's data: solve first"
-                             : "views of a scene's data: robots were solved in lanes, or by sparse-bodies, "
-                               "which leave the answer alone: call complete first");
+                             : "views of a scene's data: robots were solved in lanes, which leave the answer alone: "
+                               "call complete first; or by sparse-bodies, which has no K (Options::method)");
 }
 
 const RobotData& robot_at_state(const SceneData& data, int robot) {
@@ -67,13 +67,16 @@ const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {
 }
 Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i) {
   const KktMatrix& K = assembled_matrix_of(data, i);
+  const MatrixSystem& matrix = prepared(data).islands[i]->matrix;
   const KktPattern& p = *K.pattern;
+  const auto unit = [&](int row) { return row < p.nv ? 1 : unit_of(matrix, row - p.nv); };
   std::vector<Eigen::Triplet<double>> entries;
   for (int j = 0; j < p.size(); ++j)
     for (int s = p.K.p[j]; s < p.K.p[j + 1]; ++s) {
       const int row = p.perm[p.K.i[s]], column = p.perm[j];
-      entries.emplace_back(row, column, K.values[s]);
-      if (row != column) entries.emplace_back(column, row, K.values[s]);
+      const double value = row == column ? K.values[s] : K.values[s] / (unit(row) * unit(column));
+      entries.emplace_back(row, column, value);
+      if (row != column) entries.emplace_back(column, row, value);
     }
   Eigen::SparseMatrix<double> out(p.size(), p.size());
   out.setFromTriplets(entries.begin(), entries.end());

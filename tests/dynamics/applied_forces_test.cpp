@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -385,6 +386,54 @@ TEST(AppliedForces, WhatIsRefused) {
   EXPECT_EQ(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
   add_push(moved, {"more", b});
   EXPECT_NE(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
+}
+
+// Two robots side by side, one pushed meanwhile, whose derivatives are by all torques then, while the other's set of
+// contacts is away: together again they are differentiated as they were.
+TEST(AppliedForces, DerivativesOfRobotsSideBySideAreAsWideAgain) {
+  std::mt19937 rng(4);
+  ModelOptions options;
+  options.njoints = 8;
+  options.floating_base = true;
+  options.branching = 0;
+  const auto model = std::make_shared<const Model>(random_model(rng, options));
+  RandomScene s;
+  for (const char* name : {"a", "b"}) add_robot(s.scene, name, model);
+  for (int r : {0, 1})
+    for (int body : {3, 7}) {
+      Contact c;
+      c.name = "c" + std::to_string(r) + std::to_string(body);
+      c.type = ContactType::k3D;
+      c.A = {r, body, random_placement(rng, 0.1)};
+      c.B.placement = random_placement(rng, 0.1);
+      add_contact(s.scene, c);
+    }
+  Push push{"push", {0, 2, random_placement(rng, 0.1)}};
+  push.wrench = random_vector(6, rng, 5);
+  add_push(s.scene, push);
+  s.q.resize(s.scene.nq);
+  for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, model->nq) = random_configuration(*model, rng);
+  s.v = random_vector(s.scene.nv, rng, 0.5), s.u = random_vector(s.scene.nu, rng, 5);
+  const Scene quiet = without_forces(s.scene);
+  const auto padded = [](int columns) { return (columns + 7) / 8; };
+  ASSERT_NE(padded(3 * model->nv), padded(2 * model->nv + model->nu()));
+  SceneData data(s.scene), fresh(quiet);
+  const auto differentiate_at = [&](const Scene& scene, SceneData& of) {
+    ASSERT_EQ(solve(scene, s.q, s.v, s.u, of).status, Status::kOk);
+    differentiate(scene, of);
+  };
+  differentiate_at(quiet, data);
+  data.active[3] = 0;
+  differentiate_at(s.scene, data);
+  data.active[3] = 1;
+  differentiate_at(quiet, data);
+  differentiate_at(quiet, fresh);
+  for (std::size_t i : {0, 1}) {
+    const IslandDerivatives &x = derivatives(data).islands[i], &y = derivatives(fresh).islands[i];
+    EXPECT_EQ(x.X.cols(), y.X.cols()) << i;
+    EXPECT_TRUE(x.da_dq() == y.da_dq()) << i;
+    EXPECT_TRUE(x.dforces_du() == y.dforces_du()) << i;
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
@@ -221,6 +222,32 @@ TEST_P(DependentInLanes, AtRestInAPlane) {
     EXPECT_LT(relative(data.a, oracle.a), 1e-11);
     EXPECT_LT(relative(data.f, oracle.f), 1e-11);
   }
+}
+
+// Analyses that nobody needs are given up; those of robots that drop rows now, and may need them again, are not.
+TEST_P(DependentInLanes, KeepWhatTheyMayNeedAgain) {
+  std::mt19937 rng(8);
+  Case c = on_corners(rng, 4, Hold::kInARow, 30);
+  SceneData data(c.scene, {Method::kSparseLdl, {}, GetParam()});
+  data.active.back() = 0;  // the last robot lets go
+  for (int k : {0, 1}) {
+    (void)solve(c.scene, c.q, c.v, c.u, data);
+    EXPECT_LT(data.report.islands[0].rank, data.report.islands[0].nc) << k;
+  }
+  limit_pool(data, 1);
+  for (int k = 0; k < 4; ++k) {
+    data.active[c.scene.contacts.size() - 2 - k % 2] ^= 1;  // of the last robot's own
+    (void)solve(c.scene, c.q, c.v, c.u, data);
+  }
+  c.scene.damping = 1e-6;
+  SceneData fresh(c.scene, data.options);
+  fresh.active = data.active;
+  for (SceneData* d : {&data, &fresh}) {
+    EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, *d).status, Status::kOk);
+    differentiate(c.scene, *d);
+  }
+  EXPECT_TRUE(data.a == fresh.a);
+  EXPECT_TRUE(dense_derivatives(c.scene, data).da_dq == dense_derivatives(c.scene, fresh).da_dq);
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, DependentInLanes, testing::ValuesIn(lanes_here()),

@@ -88,6 +88,39 @@ TEST_F(FailingAllocations, SolvingAndDifferentiating) {
   }
 }
 
+// What a solution at hand is asked for, and asked for again: a factor that was never finished is none.
+TEST_F(FailingAllocations, AskingOnceMore) {
+  for (const Way& way : ways(true)) {
+    if (way.options.order || way.options.method == Method::kSparseSupernodal) continue;
+    SCOPED_TRACE(way.name);
+    SceneData expected(file.scene, way.options);
+    solve_at(expected);
+    estimate_errors(file.scene, expected);
+    const double error = expected.report.error_acceleration;
+    differentiate(file.scene, expected);
+    const Eigen::MatrixXd da_dq = dense_derivatives(file.scene, expected).da_dq;
+    const double bound = estimate_derivative_errors(file.scene, expected).front().da_dq;
+    std::optional<SceneData> data(std::in_place, file.scene, way.options);
+    solve_at(*data);
+    const auto ask = [&] {
+      estimate_errors(file.scene, *data);
+      differentiate(file.scene, *data);
+      return estimate_derivative_errors(file.scene, *data).front().da_dq;
+    };
+    const FailedRuns runs = fail_each_allocation([&] { (void)ask(); },
+                                                 [&] {
+                                                   const double bound_once_more = ask();
+                                                   EXPECT_EQ(data->report.error_acceleration, error);
+                                                   EXPECT_TRUE(dense_derivatives(file.scene, *data).da_dq == da_dq);
+                                                   EXPECT_EQ(bound_once_more, bound);
+                                                   data.emplace(file.scene, way.options);
+                                                   solve_at(*data);
+                                                 },
+                                                 true);
+    EXPECT_GT(runs.failed, 1);
+  }
+}
+
 // Contacts switched, with memory running out on the way: no answer, or the right one.
 TEST_F(FailingAllocations, Switching) {
   const Scene& scene = file.scene;

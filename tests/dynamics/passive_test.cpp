@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/dynamics/differentiate.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // What a solve leaves to be looked at, besides the answer. All throw std::logic_error where what they show was not
 // computed; references stay valid until the data's next call. Robots that stood in lanes (Options::lanes) leave nothing
-// but the answer, until `complete` is called; sparse-bodies leaves no K.
+// but the answer, until `complete` is called; sparse-bodies leaves no K, and of contacts neither J nor Jl (NaN).
 
 #include <Eigen/SparseCore>
 #include <span>
@@ -28,6 +28,7 @@ int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up; its report says which answered.
 Choice choice_of(const SceneData& data, std::size_t i);
 /// K = [M J^T; J -delta I] of an island as solved last, both halves; velocities and rows as the island numbers them.
+/// delta is zero where the damping was lost (Reason::kDampingLost).
 Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i);
 
 /// A robot's bodies in its tree frame, at q, v solved at; accelerations are those without forces or torques (qdd = 0).

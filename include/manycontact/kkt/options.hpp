@@ -46,8 +46,8 @@ struct Choice {
 
 /// Instructions for robots side by side in SIMD lanes, 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) of one model at a
 /// time: islands of one robot by sparse-ldl as a whole, islands of several robots by sparse-ldl robot by robot where
-/// that is cheaper, and by sparse-bodies the subtrees into which held bodies cut a tree. A level that is not compiled
-/// in, or does not run here, is as kOff.
+/// that is cheaper (derivatives by sparse-supernodal too), and by sparse-bodies the subtrees into which held bodies cut
+/// a tree. A level that is not compiled in, or does not run here, is as kOff.
 enum class Lanes {
   kAuto,  // the widest that runs here
   kOff,   // robot by robot, subtree by subtree

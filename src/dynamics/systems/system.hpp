@@ -9,9 +9,10 @@
 //     MatrixSystem   the whole K by any factor, down to the dense oracle (systems/matrix)
 //     AloneSystem    one robot that stands in SIMD lanes beside others (systems/robots/alone.cpp)
 //
-// `solve` takes the first that is sound. That one gives derivatives, products and bounds of its answer, too; what it
-// leaves is done by the whole K, which is made then (`ask` in internal.hpp). What a system keeps bears the number of
-// the state that it is of (Workspace::state), and is made anew where that is another.
+// `solve` takes the first that is sound. That one gives derivatives, products and bounds of its answer, too, but where
+// another is cheaper (differentiate.cpp); what it leaves is done by the whole K, which is made then (`ask` in
+// internal.hpp). What a system keeps bears the number of the state that it is of (Workspace::state), and is made anew
+// where that is another.
 
 #include <algorithm>
 

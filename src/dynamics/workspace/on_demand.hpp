@@ -13,7 +13,7 @@ class OnDemand {
   explicit OnDemand(std::size_t count) : made_(count) {}
   T& operator[](std::size_t k) { return *made_[k]; }
   const T& operator[](std::size_t k) const { return *made_[k]; }
-  bool has(std::size_t k) const { return made_[k] != nullptr; }
+  bool has(std::size_t k) const { return made_.at(k) != nullptr; }
   template <class... Args>
   void make(std::size_t k, Args&&... args) {
     made_[k] = std::make_unique<T>(std::forward<Args>(args)...);

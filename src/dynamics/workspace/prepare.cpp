@@ -2,7 +2,6 @@
 // analysed twice.
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 

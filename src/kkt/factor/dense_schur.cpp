@@ -95,18 +95,19 @@ class DenseSchurFactor final : public Factor {
   // K^-1 = [Mi - Y Si Y^T, Y Si; Si Y^T, -Si] with Mi = M^-1, Y = Mi J^T, Si = S^-1, written out in full.
   void invert() {
     if (inverted_) return;
-    inverted_ = true;
     const Eigen::Index nv = M_.rows(), nc = J_.rows();
     inverse_.resize(nv + nc, nv + nc);
     auto Mi = inverse_.topLeftCorner(nv, nv);
     Mi = llt_M_.solve(Eigen::MatrixXd::Identity(nv, nv));
-    if (nc == 0) return;
+    inverted_ = nc == 0;
+    if (inverted_) return;
     const Eigen::MatrixXd Y = Mi * J_.transpose();
     const Eigen::MatrixXd Si = llt_S_.solve(Eigen::MatrixXd::Identity(nc, nc));
     inverse_.topRightCorner(nv, nc).noalias() = Y * Si;
     Mi.noalias() -= inverse_.topRightCorner(nv, nc) * Y.transpose();
     inverse_.bottomLeftCorner(nc, nv) = inverse_.topRightCorner(nv, nc).transpose();
     inverse_.bottomRightCorner(nc, nc) = -Si;
+    inverted_ = true;
   }
 
   std::shared_ptr<const KktPattern> pattern_;

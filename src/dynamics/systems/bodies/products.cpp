@@ -152,8 +152,8 @@ void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
 
 void internal::evaluate_rows_at_solution(const Scene& scene, BodiesSystem& form) {
   const Island& island = form.owner.island;
-  if (form.contacts.empty())
-    for (int c : island.contacts) form.contacts.emplace_back(scene.contacts[c], ContactSupport{});
+  while (form.contacts.size() < island.contacts.size())
+    form.contacts.emplace_back(scene.contacts[island.contacts[form.contacts.size()]], ContactSupport{});
   const V6 none = V6::Zero();
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];

@@ -132,12 +132,9 @@ bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double y) { return std::isfinite(y); });
 }
 
-// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is
-// whole.
-Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
-               IslandReport& report) {
+Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by,
+                           MatrixSystem& m, IslandReport& report) {
   assemble(scene, data, by.order, by.damping, by.kind != FactorKind::kChosen, m);
-  m.state = data.workspace->state;
   Factor& factor = factor_of(m, by.kind, by.order);
   report.method = factor.method();
   report.order = by.order;
@@ -159,10 +156,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   if (m.rows) m.rows->known = false;
   if (!(refinement.backward_error <= most) && !m.deficient())
     refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale);
-  if (!(refinement.backward_error <= most)) {
-    m.factor = nullptr;
-    return Reason::kLargeResidual;
-  }
+  if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
   m.first_error = refinement.first;
   report.backward_error = refinement.backward_error;
   report.rank = factor.rank();
@@ -170,16 +164,25 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   m.contradiction = false;
   if (m.deficient()) {
     const lanes::Contradiction of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
-    if (by.kind != FactorKind::kDense && of.needs_oracle() && m.owner.island.size() <= kOracleRows) {
-      m.factor = nullptr;
+    if (by.kind != FactorKind::kDense && of.needs_oracle() && m.owner.island.size() <= kOracleRows)
       return Reason::kSmallPivot;
-    }
     m.contradiction = of.exceeds_rounding();
     report.status = of.contradicts() ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
     name_dependent_rows(data, m.owner.island, m.dependent, report);
   }
   return Reason::kNone;
+}
+
+// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is
+// whole. Should memory run out, there is neither K nor a factor.
+Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
+               IslandReport& report) {
+  m.factor = nullptr, m.state = 0;
+  const Reason reason = factorize_and_solve(scene, data, scratch, by, m, report);
+  if (reason != Reason::kNone) m.factor = nullptr;
+  m.state = data.workspace->state;
+  return reason;
 }
 
 // Whether rows that depend are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which

@@ -18,7 +18,7 @@ bool MatrixSystem::has_terms() const {
 void MatrixSystem::make_room(Order order) {
   const std::shared_ptr<const KktPattern>& pattern = owner.shape->pattern(order);
   if (K.pattern != pattern) K.reset(pattern);
-  if (v.b.size() != static_cast<std::size_t>(K.size())) v.resize(K.size());
+  v.resize(K.size());
 }
 
 bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }

@@ -276,7 +276,7 @@ void forget_unused_groups(Workspace& w) {
   const auto keep = [&used](const IslandWork& d) {
     used.insert({d.alone.group, d.alone.dependent, d.alone.by});
     if (!d.robots) return;
-    for (const RobotsSystem::OfRobot& r : d.robots->robots) used.insert({r.group, r.dependent});
+    for (const RobotsSystem::OfRobot& r : d.robots->robots) used.insert({r.ordinary, r.dependent});
   };
   for (const auto& d : w.islands) keep(*d);
   w.pool.each(keep);

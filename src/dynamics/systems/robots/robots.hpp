@@ -26,7 +26,7 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  std::vector<int> islands;                                  // of robots alone: their numbers, ascending
+  std::vector<int> islands;                                  // of robots alone: their numbers
   double seconds = 0;                                        // predicted, of one robot solved alone
 };
 
@@ -180,7 +180,7 @@ void report_dropped_rows(const SceneData& data, const IslandWork& island, std::s
 bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
 /// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
 void find_dependent_group(Workspace& work, IslandWork& island);
-/// Derivatives of those that AloneSystem::differentiates into w.derivatives, and products with them. Vectors in the
+/// Derivatives of those that lanes serve (IslandWork::served_in_lanes) into w.derivatives, and products with them. Vectors in the
 /// scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
