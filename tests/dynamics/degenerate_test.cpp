@@ -111,6 +111,11 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
     for (Eigen::Index k = 0; k < Wf.size(); ++k)
       if (k % 6 >= 3) Wf[k] /= 0.1 * 0.1;
     EXPECT_LE((J * least_norm(J, Wf, 1e-9) - Wf).cwiseAbs().maxCoeff(), 1e-10 * Wf.cwiseAbs().maxCoeff());
+    if (weighed.report.islands[0].method != Method::kSparseBodies) {  // K is of rows as they are
+      complete(file.scene, weighed);
+      const Eigen::MatrixXd K = matrix_of(weighed, 0);
+      EXPECT_LE((K.bottomLeftCorner(J.rows(), J.cols()) - J).cwiseAbs().maxCoeff(), 1e-14 * J.cwiseAbs().maxCoeff());
+    }
     estimate_errors(file.scene, weighed);
     EXPECT_LE(weighed.report.error_forces, 1e-9);
     const auto truth =
