@@ -58,7 +58,8 @@ void add_pushes(const std::vector<Element>& elements, SceneFile& out) {
       push.name = name_of(e, frame_name(out, push.at), end.copied, i);
       push.reference_frame =
           static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
-      push.wrench << three(e, "force"), three(e, "torque");
+      const Vec3<double> force = three(e, "force"), torque = three(e, "torque");
+      push.wrench << force, torque;
       add_or_fail(e, [&] { add_push(out.scene, std::move(push)); });
     }
   }

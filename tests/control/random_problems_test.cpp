@@ -50,7 +50,7 @@ struct RandomProblem {
       g += S.transpose() * (Q * c + q);
       if (t == T) {
         MatrixXd rows = MatrixXd::Zero(C.rows(), nx + nu);
-        rows.leftCols(nx) = C;
+        if (C.size() > 0) rows.leftCols(nx) = C;
         last = std::make_shared<ActionModelLQR>(A, B, Q, R, MatrixXd::Zero(nx, nu), MatrixXd::Zero(0, nx + nu), rows, f,
                                                 q, r, VectorXd(0), -d);
         break;

@@ -3,6 +3,7 @@
 
 #include "derivatives/judge.hpp"
 #include "support/random.hpp"
+#include "support/sanitized.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -79,7 +80,9 @@ void expect_both_ways_agree(const SceneFile& file, const std::vector<char>& acti
                                                {0, v, u, static_cast<int>(by_factor.cols())}, 2 * condition);
   EXPECT_LE(e.excess, 1) << "condition " << condition;
   for (double error : e.quantity) EXPECT_LE(error, kExpected);
-  EXPECT_FALSE(by_factor == by_robots);
+  if (!kSanitized) {  // where it rounds otherwise, a column may be left to the factor
+    EXPECT_FALSE(by_factor == by_robots);
+  }
 }
 
 std::vector<char> all_of(const Scene& scene) { return std::vector<char>(scene.contacts.size(), 1); }

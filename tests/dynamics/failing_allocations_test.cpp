@@ -107,6 +107,9 @@ TEST_F(FailingAllocations, AskingOnceMore) {
       const auto ask = [&](SceneData& data) {
         VectorXd df(data.f.size());
         jvp(scene, data, x, x, u, da, df);
+        VectorXd wq(scene.nv), wv(scene.nv), wu(scene.nu);
+        vjp(scene, data, x, df, wq, wv, wu);
+        estimate_condition(scene, data);
         estimate_errors(scene, data);
         differentiate(scene, data);
         return estimate_derivative_errors(scene, data).front().da_dq;

@@ -6,7 +6,9 @@ namespace manycontact::test {
 
 using Eigen::MatrixXd;
 
-MatrixXd solved(const MatrixXd& A, const MatrixXd& B) { return A.partialPivLu().solve(B); }
+MatrixXd solved(const MatrixXd& A, const MatrixXd& B) {
+  return A.size() == 0 ? B : MatrixXd(A.partialPivLu().solve(B));
+}
 
 MatrixXd least_norm(const MatrixXd& A, const MatrixXd& B, double threshold) {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;

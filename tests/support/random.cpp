@@ -47,9 +47,9 @@ int random_parent(const Model& model, std::mt19937& rng, double branching) {
 }  // namespace
 
 Eigen::VectorXd random_vector(int n, std::mt19937& rng, double size) {
-  std::normal_distribution<double> normal(0, size);
+  std::normal_distribution<double> normal;
   Eigen::VectorXd x(n);
-  for (double& xi : x) xi = normal(rng);
+  for (double& xi : x) xi = size * normal(rng);
   return x;
 }
 

@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/folder.hpp"
+#include "support/sanitized.hpp"
 #include "task/task_of.hpp"
 
 namespace manycontact::test {
@@ -117,8 +118,11 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
                               xyz="5 0 0" lower="0 0 0" upper="0 0 0"/>)");
   const TaskSolution s = solved(task);
   EXPECT_FALSE(s.converged);
-  EXPECT_GT(s.constraint_violation, 1);
-  EXPECT_EQ(s.reason.rfind("no step; constraints are missed: there, by ", 0), 0u) << s.reason;
+  if (!kSanitized) {  // rounding decides at which of its nonsensical motions it ends
+    EXPECT_GT(s.constraint_violation, 1);
+    EXPECT_EQ(s.reason.rfind("no step; constraints are missed: there, by ", 0), 0u) << s.reason;
+  }
+  EXPECT_NE(s.reason.find("; constraints are missed: there, by "), std::string::npos) << s.reason;
   ASSERT_EQ(s.violations.size(), 1u);
   EXPECT_EQ(s.violations[0].constraint, "there");
   EXPECT_EQ(s.violations[0].by, s.constraint_violation);

@@ -88,7 +88,7 @@ class DenseFactor final : public Factor {
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * std::sqrt(kkt_.nc());
   }
 
-  int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
+  int nonzeros() const override { return numbers_of_triangle(pattern_->size()); }
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -77,7 +77,7 @@ class DenseSchurFactor final : public Factor {
   }
 
   int rank() const override { return pattern_->nc; }
-  int nonzeros() const override { return pattern_->size() * (pattern_->size() + 1) / 2; }
+  int nonzeros() const override { return numbers_of_triangle(pattern_->size()); }
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

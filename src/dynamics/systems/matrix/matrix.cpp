@@ -85,7 +85,10 @@ bool in_doubt(const Scene& scene, const MatrixSystem& m) {
     if (!row) size[row] = std::max(size[row], std::abs(m.v.b[k]) / own);
     change[row] = std::max(change[row], m.v.scale[k] / own);
   }
-  return change[0] > tolerance::kInDoubt * size[0] || change[1] > tolerance::kInDoubt * size[1];
+  const auto doubtful = [&](int row) {  // infinite beside infinite: nothing is known
+    return !(change[row] <= tolerance::kInDoubt * size[row]) || std::isinf(change[row]);
+  };
+  return doubtful(0) || doubtful(1);
 }
 
 void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,

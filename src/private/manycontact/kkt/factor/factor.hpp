@@ -114,4 +114,9 @@ class Factor {  // one island's factor, whatever the method
   virtual bool panel_is_like_solve() const { return true; }
 };
 
+/// n (n + 1) / 2, or the largest number there is.
+inline int numbers_of_triangle(int n) {
+  return static_cast<int>(std::min(0.5 * n * (n + 1.0), static_cast<double>(std::numeric_limits<int>::max())));
+}
+
 }  // namespace manycontact

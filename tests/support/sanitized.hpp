@@ -1,0 +1,12 @@
+#pragma once
+
+namespace manycontact::test {
+
+/// Whether the sanitizers are on: unoptimized code is slower by much and rounds otherwise.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+}  // namespace manycontact::test
