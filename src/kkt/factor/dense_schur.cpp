@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 #include "expand.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
@@ -10,12 +11,13 @@ namespace manycontact {
 
 namespace {
 
-// Smallest Cholesky pivot, relative to the diagonal it came from.
+// Smallest Cholesky pivot, relative to the diagonal it came from; zero where one is denormal: of that no digit is
+// known.
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {
-    const double l = llt.matrixLLT()(k, k);
-    ratio = std::min(ratio, l * l / diagonal[k]);
+    const double pivot = llt.matrixLLT()(k, k) * llt.matrixLLT()(k, k);
+    ratio = std::min(ratio, pivot < std::numeric_limits<double>::min() ? 0 : pivot / diagonal[k]);
   }
   return ratio;
 }
