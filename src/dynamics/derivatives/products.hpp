@@ -6,6 +6,11 @@
 
 namespace manycontact::internal {
 
+/// Of what does not move. (Not beside BodyVariation: kernels include that, and must not run code when a program
+/// starts.)
+inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
+                                   Vec6<double>::Zero()};
+
 /// [a; y] = -dr along (dq, dv, dtau); after the solve x = [da; -df].
 void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& p,
                         ProductWork& work);

@@ -23,13 +23,10 @@ void number_nodes(const Scene& scene, const Island& island, BodyPattern& p) {
 }
 
 void number_rows(const Scene& scene, const Island& island, BodyPattern& p) {
-  const auto node = [&](const Attachment& at) {
-    return moves(at) ? p.node_offset[local_robot(island, at.robot)] + at.joint : -1;
-  };
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
-    p.A.insert(p.A.end(), contact.rows(), node(contact.A));
-    p.B.insert(p.B.end(), contact.rows(), node(contact.B));
+    p.A.insert(p.A.end(), contact.rows(), node_of(p, island, contact.A));
+    p.B.insert(p.B.end(), contact.rows(), node_of(p, island, contact.B));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "manycontact/contact/products.hpp"
 
+#include "../../derivatives/products.hpp"
 #include "../../internal.hpp"
 #include "bodies.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
@@ -29,8 +30,7 @@ V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
 }
 
 int node_of(const BodiesSystem& form, const Attachment& at) {
-  if (!moves(at)) return -1;
-  return form.factor.system.pattern->node_offset[local_robot(form.owner.island, at.robot)] + at.joint;
+  return node_of(*form.factor.system.pattern, form.owner.island, at);
 }
 
 // use(node, its robot's kinematics, its joint) for each node.
@@ -82,8 +82,9 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
     const int A = node_of(form, contact.A), B = node_of(form, contact.B);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> dr2(contact.rows());
     V6 dF;
-    contact_tangent<double>(contact, rows, A < 0 ? kAtRest : form.body[A], B < 0 ? kAtRest : form.body[B],
-                            data.f.segment(data.f_offset[c], contact.rows()), dr2, dF);
+    contact_tangent<double>(contact, rows, A < 0 ? internal::kAtRest : form.body[A],
+                            B < 0 ? internal::kAtRest : form.body[B], data.f.segment(data.f_offset[c], contact.rows()),
+                            dr2, dF);
     each_body_force(contact, rows, dF,
                     [&](const Attachment& at, const V6& force) { b.force[node_of(form, at)] -= force; });
     b.rows.segment(island.row_offset[k], contact.rows()) = -dr2;
@@ -111,7 +112,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const int A = node_of(form, contact.A), B = node_of(form, contact.B);
-    BodyVariation nobody = kAtRest;
+    BodyVariation nobody = internal::kAtRest;
     contact_adjoint<double>(contact, form.contacts[k], A < 0 ? none : x.motion[A], B < 0 ? none : x.motion[B],
                             data.f.segment(data.f_offset[c], contact.rows()),
                             x.rows.segment(island.row_offset[k], contact.rows()), A < 0 ? nobody : form.body[A],

@@ -14,8 +14,6 @@ struct BodyVariationOf {
   Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
 };
 using BodyVariation = BodyVariationOf<double>;
-inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
-                                   Vec6<double>::Zero()};
 
 /// The tangent's forward pass: xi, v, a of every body along (dq, dv) with qdd held. kin: after forward_accelerations
 /// with qdd. dq, dv, qdd: nv. out: njoints.

@@ -49,4 +49,9 @@ inline constexpr double kEliminated = 0.5;
 /// Cost linear in bodies, contacts, and rows times the bodies between the two ends of one.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
+/// The node that an attachment is on; -1 where it does not move.
+inline int node_of(const BodyPattern& pattern, const Island& island, const Attachment& at) {
+  return moves(at) ? pattern.node_offset[static_cast<std::size_t>(local_robot(island, at.robot))] + at.joint : -1;
+}
+
 }  // namespace manycontact
