@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "systems/robots/derivatives.hpp"
 #include "workspace/threads.hpp"
 
@@ -25,28 +26,26 @@ bool has_derivatives(const SceneData& data) {
          std::all_of(islands.begin(), islands.end(), [](const auto& of) { return of.stamp.current(); });
 }
 
-void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out) {
-  out.u_offset.assign(1, 0);
-  for (int r : island.robots)
-    out.u_offset.push_back(out.u_offset.back() +
-                           (out.request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu()));
-  out.nu = out.u_offset.back();
-  out.cols = out.u_first + (out.request.u ? out.nu : 0);
-}
-
 namespace {
 
-// A panel's width, of so many columns.
-Eigen::Index padded(std::size_t columns) { return static_cast<Eigen::Index>((columns + 7) / 8 * 8); }
+// Columns by a robot's torques, where there are any.
+int torques_of(const Model& model, const DerivativeRequest& request) { return request.tau ? model.nv : model.nu(); }
 
 int columns_of(const Scene& scene, const Island& island, const DerivativeRequest& request) {
   int columns = (request.q ? island.nv : 0) + (request.v ? island.nv : 0);
-  for (int r : island.robots)
-    columns += !request.u ? 0 : request.tau ? scene.robots[r].model->nv : scene.robots[r].model->nu();
+  for (int r : island.robots) columns += request.u ? torques_of(*scene.robots[r].model, request) : 0;
   return columns;
 }
 
 }  // namespace
+
+void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out) {
+  out.u_offset.assign(1, 0);
+  for (int r : island.robots)
+    out.u_offset.push_back(out.u_offset.back() + torques_of(*scene.robots[r].model, out.request));
+  out.nu = out.u_offset.back();
+  out.cols = out.u_first + (out.request.u ? out.nu : 0);
+}
 
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.u_offset.clear();  // so that it is not taken for laid out, should memory run out
@@ -60,9 +59,9 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   for (std::size_t k = 0; request.pushes && k < scene.pushes.size(); ++k)
     if (std::binary_search(island.robots.begin(), island.robots.end(), scene.pushes[k].at.robot))
       out.pushes.push_back(static_cast<int>(k));
-  remake(out.W, island.size(), padded(6 * out.pushes.size()));
+  remake(out.W, island.size(), sparse::padded(static_cast<std::ptrdiff_t>(6 * out.pushes.size())));
   out.W.setZero();
-  remake(out.X, island.size(), padded(columns_of(scene, island, request)));
+  remake(out.X, island.size(), sparse::padded(columns_of(scene, island, request)));
   out.X.setZero();
   number_torques(scene, island, out);
 }
@@ -82,7 +81,8 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   if (d.answered_by(d.bodies.get())) check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
   // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
-      out.X.cols() != padded(columns_of(scene, d.island, request)) || out.u_offset.size() != d.island.robots.size() + 1)
+      out.X.cols() != sparse::padded(columns_of(scene, d.island, request)) ||
+      out.u_offset.size() != d.island.robots.size() + 1)
     lay_out(scene, d.island, request, out);
   prepare_robots_derivatives(scene, d, out, w);
   if (!d.answered || d.served_in_lanes() || differentiates_by_robots(d)) return;

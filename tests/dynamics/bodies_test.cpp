@@ -307,14 +307,19 @@ TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
   }
 }
 
+// Held every so many links, or at none of them, with a loop at every sixtieth.
+Chain held_or_looped(int links, int held_every) {
+  ChainOptions options;
+  options.links = links;
+  options.held_every = held_every;
+  options.loop_every = held_every == 0 ? 60 : 0;
+  return make_chain(options);
+}
+
 // Bodies leave no J: where the whole K differentiates their answer, its rows are there again whenever it is asked.
 TEST(Bodies, DerivativesHaveTheSameBoundsAfterProducts) {
   for (const int held_every : {0, 10}) {
-    ChainOptions options;
-    options.links = 120;
-    options.held_every = held_every;
-    options.loop_every = held_every == 0 ? 60 : 0;
-    const Chain c = make_chain(options);
+    const Chain c = held_or_looped(120, held_every);
     SceneData x(c.scene);
     ASSERT_EQ(choice_of(x, 0).method, Method::kSparseBodies);
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
@@ -654,11 +659,7 @@ TEST(Bodies, ProductsOfStraightChains) {
 TEST(Bodies, AllocateNothingInSteadyState) {
 #if MANYCONTACT_COUNTS_ALLOCATIONS
   for (const int held_every : {0, 10}) {
-    ChainOptions options;
-    options.links = 300;
-    options.held_every = held_every;
-    options.loop_every = held_every == 0 ? 60 : 0;
-    const Chain c = make_chain(options);
+    const Chain c = held_or_looped(300, held_every);
     SceneData x(c.scene, kBodies);
     VectorXd a = c.v, f(x.f.size()), q = c.v, v = c.v, u = c.u;
     const auto work = [&] {

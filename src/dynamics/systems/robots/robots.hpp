@@ -180,8 +180,8 @@ void report_dropped_rows(const SceneData& data, const IslandWork& island, std::s
 bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
 /// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
 void find_dependent_group(Workspace& work, IslandWork& island);
-/// Derivatives of those that lanes serve (IslandWork::served_in_lanes) into w.derivatives, and products with them. Vectors in the
-/// scene's coordinates, as in jvp.hpp.
+/// Derivatives of those that lanes serve (IslandWork::served_in_lanes) into w.derivatives, and products with them.
+/// Vectors in the scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
                double* df);
